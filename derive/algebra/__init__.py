@@ -1,0 +1,1 @@
+"""Exact trigonometric polynomials, the lecture form, and straight-line programs."""

@@ -1,0 +1,1 @@
+"""Targets: one small module and one template folder each; knows no mechanics."""

@@ -1,0 +1,99 @@
+"""Every error that derive raises on purpose: one tree, one base class."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """A place in a text file; line and column are 1-based.
+
+    Attributes:
+        source: File name as the user gave it, or a name such as ``<expression>``.
+        line: Line number, counted from 1.
+        column: Column number, counted from 1.
+    """
+
+    source: str
+    line: int = 1
+    column: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.source}:{self.line}:{self.column}"
+
+
+class DeriveError(Exception):
+    """Base of all errors of this package.
+
+    Args:
+        found: What was found, in the user's words.
+        allowed: What is allowed there.
+        remedy: What to do about it.
+        location: Where it was found, if it has a place in a file.
+
+    The message is one line: ``file:line:column: found; allowed; remedy``.
+    """
+
+    exit_status = 2
+
+    def __init__(
+        self,
+        found: str,
+        *,
+        allowed: str = "",
+        remedy: str = "",
+        location: Location | None = None,
+    ) -> None:
+        self.found = found
+        self.allowed = allowed
+        self.remedy = remedy
+        self.location = location
+        super().__init__(self._message())
+
+    def _message(self) -> str:
+        parts = [part for part in (self.found, self.allowed, self.remedy) if part]
+        text = "; ".join(parts)
+        return f"{self.location}: {text}" if self.location else text
+
+    def at(self, location: Location) -> DeriveError:
+        """The same error, placed at ``location`` unless it already has a place."""
+        if self.location is not None:
+            return self
+        return type(self)(
+            self.found, allowed=self.allowed, remedy=self.remedy, location=location
+        )
+
+
+class RobotFileError(DeriveError):
+    """A robot file that cannot be read or does not describe a robot."""
+
+
+class ExpressionError(DeriveError):
+    """A cell or formula outside the grammar."""
+
+
+class UnknownRobotError(DeriveError):
+    """Neither a readable file nor a name in the catalogue."""
+
+
+class QuantityError(DeriveError):
+    """A quantity that does not exist, or that this robot does not have."""
+
+
+class OutputError(DeriveError):
+    """The output folder cannot be written."""
+
+
+class TargetError(DeriveError):
+    """An unknown target, or a target that this robot cannot have."""
+
+
+class CheckError(DeriveError):
+    """A printed expression that cannot be read."""
+
+
+class VerificationError(DeriveError):
+    """Generated code disagrees with the independent recursion."""
+
+    exit_status = 1

@@ -1,0 +1,137 @@
+"""Three-vectors and frames over any scalar type: exact polynomials, tape nodes or floats.
+
+Products with a structural zero or one are left to the scalar type, which folds them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, Self, TypeVar
+
+
+class Scalar(Protocol):
+    """What a scalar must be able to do; ints mix in on either side."""
+
+    def __add__(self, other: Any, /) -> Self: ...
+    def __radd__(self, other: Any, /) -> Self: ...
+    def __sub__(self, other: Any, /) -> Self: ...
+    def __rsub__(self, other: Any, /) -> Self: ...
+    def __mul__(self, other: Any, /) -> Self: ...
+    def __rmul__(self, other: Any, /) -> Self: ...
+    def __neg__(self) -> Self: ...
+
+
+S = TypeVar("S", bound=Scalar)
+
+Vector = tuple[S, S, S]
+Matrix = tuple[Vector[S], Vector[S], Vector[S]]
+
+
+def add(a: Vector[S], b: Vector[S]) -> Vector[S]:
+    """a + b."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def subtract(a: Vector[S], b: Vector[S]) -> Vector[S]:
+    """a - b."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def scale(factor: Any, a: Vector[S]) -> Vector[S]:
+    """factor * a."""
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+def dot(a: Vector[S], b: Vector[S]) -> S:
+    """a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector[S], b: Vector[S]) -> Vector[S]:
+    """a x b."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def multiply(m: Matrix[S], v: Vector[S]) -> Vector[S]:
+    """m v."""
+    return (dot(m[0], v), dot(m[1], v), dot(m[2], v))
+
+
+def transpose(m: Matrix[S]) -> Matrix[S]:
+    """The transpose of m."""
+    return (
+        (m[0][0], m[1][0], m[2][0]),
+        (m[0][1], m[1][1], m[2][1]),
+        (m[0][2], m[1][2], m[2][2]),
+    )
+
+
+def column(m: Matrix[S], j: int) -> Vector[S]:
+    """Column j of m, counted from 0."""
+    return (m[0][j], m[1][j], m[2][j])
+
+
+def matmul(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
+    """a b."""
+    c = [multiply(a, column(b, j)) for j in range(3)]
+    return (
+        (c[0][0], c[1][0], c[2][0]),
+        (c[0][1], c[1][1], c[2][1]),
+        (c[0][2], c[1][2], c[2][2]),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Symmetric(Generic[S]):
+    """A symmetric 3x3 tensor by its six entries."""
+
+    xx: S
+    yy: S
+    zz: S
+    xy: S
+    xz: S
+    yz: S
+
+    @property
+    def matrix(self) -> Matrix[S]:
+        """All nine entries."""
+        return ((self.xx, self.xy, self.xz), (self.xy, self.yy, self.yz), (self.xz, self.yz, self.zz))
+
+    def __add__(self, other: Symmetric[S]) -> Symmetric[S]:
+        return Symmetric(
+            self.xx + other.xx,
+            self.yy + other.yy,
+            self.zz + other.zz,
+            self.xy + other.xy,
+            self.xz + other.xz,
+            self.yz + other.yz,
+        )
+
+
+def from_matrix(m: Matrix[S]) -> Symmetric[S]:
+    """The upper triangle of a matrix known to be symmetric."""
+    return Symmetric(m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2])
+
+
+def steiner(mass: S, r: Vector[S]) -> Symmetric[S]:
+    """mass * (r.r 1 - r r^T): the inertia about the origin of a point mass at r."""
+    x, y, z = r
+    mx, my, mz = mass * x, mass * y, mass * z
+    xx, yy, zz = mx * x, my * y, mz * z
+    return Symmetric(yy + zz, xx + zz, xx + yy, -(mx * y), -(mx * z), -(my * z))
+
+
+@dataclass(frozen=True, slots=True)
+class Frame(Generic[S]):
+    """A rigid transform: ``rotation`` and origin ``position`` in the parent frame."""
+
+    rotation: Matrix[S]
+    position: Vector[S]
+
+    def __matmul__(self, other: Frame[S]) -> Frame[S]:
+        moved = add(self.position, multiply(self.rotation, other.position))
+        return Frame(matmul(self.rotation, other.rotation), moved)

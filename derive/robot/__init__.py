@@ -1,0 +1,1 @@
+"""The robot file: grammar, positions, schema, catalogue and the frozen `Robot`."""
