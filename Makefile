@@ -1,0 +1,52 @@
+# `make` sets up and regenerates the committed models; `make test` sets up and runs every test.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.derive-ready
+SMOKE := .smoke
+
+.PHONY: all setup models test test-fast check generated-check wheel wheel-smoke clean
+
+all: models
+
+setup: $(READY)
+
+# The stamp, not the folder: an interrupted set-up starts again.
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "derive needs Python 3.11 or newer: make PYTHON=/path/to/python3.11")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test,dev]'
+	@touch $(READY)
+
+models: $(READY)
+	$(BIN)/derive build --jobs 2
+
+test: $(READY)
+	$(BIN)/python -m pytest -n 2
+
+test-fast: $(READY)
+	$(BIN)/python -m pytest -n 2 -m 'not slow'
+
+check: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+generated-check: $(READY)
+	$(BIN)/derive build --check --jobs 2
+
+wheel: $(READY)
+	rm -rf dist
+	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python -m build --outdir dist
+
+# From an empty environment and an empty folder, as a user meets it: only what the wheel brings.
+wheel-smoke: wheel
+	rm -rf $(SMOKE)
+	$(PYTHON) -m venv $(SMOKE)/venv
+	$(SMOKE)/venv/bin/python -m pip install --quiet --constraint constraints.txt dist/*.whl
+	cd $(SMOKE) && venv/bin/derive build scara-perugia --out out --quiet
+	cd $(SMOKE)/out && ../venv/bin/python -c 'import scara_perugia.model_numpy as m; print(m.forward_kinematics.__name__, m.DOF)'
+	rm -rf $(SMOKE)
+
+clean:
+	rm -rf dist $(SMOKE) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
