@@ -1,0 +1,9 @@
+"""``python -m derive``: the same command as ``derive``."""
+
+from __future__ import annotations
+
+import sys
+
+from derive.cli import main
+
+sys.exit(main())

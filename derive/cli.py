@@ -1,0 +1,130 @@
+"""The command ``derive``: reads the arguments, runs one command, turns errors into a message and an exit status."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NoReturn
+
+from derive import __version__
+from derive.commands.terminal import one_line
+from derive.errors import DeriveError
+
+COMMANDS = ("list", "show", "build", "check", "verify", "new", "schema")
+
+DONE = 0
+FAILED = 1
+WRONG_INPUT = 2
+INTERNAL_FAULT = 70
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+
+_DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
+_EPILOG = """\
+ROBOT is the path of a robot file or a name that `derive list` shows.
+exit status: 0 done, 1 a check failed, 2 wrong input
+
+examples:
+  derive show scara-perugia T B      the equations, as the notes print them
+  derive new my-arm                  a commented robot file to start from
+  derive build my-arm.yaml           NumPy, CasADi and LaTeX in generated/my_arm, verified
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        argv: Arguments without the program's name; ``sys.argv[1:]`` by default.
+
+    Returns:
+        The exit status: 0 done, 1 a check failed, 2 wrong input, 130 interrupted.
+
+    Raises:
+        SystemExit: For ``--help`` and ``--version`` (status 0) and unusable arguments (status 2).
+    """
+    _escape_what_cannot_be_encoded()
+    arguments = _parser().parse_args(argv)
+    try:
+        status = int(arguments.run(arguments))
+        sys.stdout.flush()
+        return status
+    except DeriveError as error:
+        return _refuse(error, error.exit_status)
+    except KeyboardInterrupt:
+        return _refuse("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        return _stop_writing()
+    except OSError as error:
+        return _refuse(_system_message(error), WRONG_INPUT)
+    except Exception as error:
+        return _internal_fault(error)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Usage errors are one line too: what a user typed may hold anything, and a usage block buries the reason."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(WRONG_INPUT, f"{self.prog}: error: {one_line(message)}; see '{self.prog} --help'\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="derive",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"derive {__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
+    for name in COMMANDS:
+        module = import_module(f"derive.commands.{name}_command")
+        command = commands.add_parser(
+            name,
+            help=module.SUMMARY,
+            description=module.DESCRIPTION,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+        module.configure(command)
+        command.set_defaults(run=module.run)
+    return parser
+
+
+def _escape_what_cannot_be_encoded() -> None:
+    """A title in Greek must not end in an exception on a terminal that knows ASCII alone."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")
+
+
+def _refuse(reason: object, status: int) -> int:
+    print(f"derive: error: {one_line(str(reason))}", file=sys.stderr)
+    return status
+
+
+def _system_message(error: OSError) -> str:
+    reason = error.strerror or str(error)
+    return f"{error.filename}: {reason}" if error.filename else reason
+
+
+def _internal_fault(error: Exception) -> int:
+    """A fault of ours, not of the input: say so in one line, and more on request."""
+    if os.environ.get("DERIVE_TRACEBACK"):
+        traceback.print_exc()
+    name = type(error).__name__
+    return _refuse(
+        f"internal fault, {name}: {error}; please report it with what DERIVE_TRACEBACK=1 prints", INTERNAL_FAULT
+    )
+
+
+def _stop_writing() -> int:
+    """The reader of our output has gone; keep the interpreter's last flush from complaining."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return BROKEN_PIPE

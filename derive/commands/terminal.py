@@ -1,0 +1,36 @@
+"""Plain text for terminals and pipes: one-line messages, aligned columns, JSON."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+
+def one_line(text: str) -> str:
+    """``text`` on one line, with control characters escaped: it may quote a stranger's file."""
+    return "".join(
+        character if character.isprintable() else character.encode("unicode_escape").decode() for character in text
+    )
+
+
+def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> None:
+    """Print ``rows`` with their columns aligned, and nothing after the last column."""
+    lines = [list(header), *map(list, rows)] if header else [list(row) for row in rows]
+    if not lines:
+        return
+    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
+    for line in lines:
+        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
+
+
+def print_json(value: Any) -> None:
+    """Print ``value`` as JSON, indented, keys in the order given."""
+    json.dump(value, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
+    print()
+
+
+def is_terminal() -> bool:
+    """Whether somebody watches standard error."""
+    return sys.stderr.isatty()
