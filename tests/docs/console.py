@@ -1,0 +1,96 @@
+"""Reads the console blocks of a Markdown page and runs them as a reader would: in order, in one empty folder."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+_FENCE = re.compile(r"^```(?P<info>[^\n`]*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+_STATUS = re.compile(r"\[exit status (\d+)\]")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language, the file that it is to be saved as, its text and its line in the page."""
+
+    language: str
+    file: str
+    body: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command with what the page shows under it."""
+
+    text: str
+    output: tuple[str, ...]
+    status: int
+
+
+def blocks(page: Path) -> Iterator[Block]:
+    """The fenced blocks of a page; an info string such as ``yaml file=arm.yaml`` names a file."""
+    text = page.read_text(encoding="utf-8")
+    for match in _FENCE.finditer(text):
+        language, _, rest = match["info"].strip().partition(" ")
+        file = rest.removeprefix("file=") if rest.startswith("file=") else ""
+        yield Block(language, file, match["body"], text.count("\n", 0, match.start()) + 1)
+
+
+def commands(block: Block) -> Iterator[Command]:
+    """The commands of a console block: ``$ command``, its output, and ``[exit status 2]`` where it is not 0."""
+    text, output, status = "", [], 0
+    for line in [*block.body.splitlines(), "$ "]:
+        if line.startswith("$ "):
+            if text:
+                yield Command(text, tuple(output), status)
+            text, output, status = line[2:], [], 0
+        elif match := _STATUS.fullmatch(line):
+            status = int(match[1])
+        else:
+            output.append(line)
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """PATH with ``derive`` and ``python`` of this interpreter first, whether or not the package is installed."""
+    bin_folder = folder / "bin"
+    bin_folder.mkdir(parents=True, exist_ok=True)
+    for name, arguments in (("derive", " -m derive"), ("python", "")):
+        script = bin_folder / name
+        script.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)}{arguments} "$@"\n')
+        script.chmod(0o755)
+    path = os.pathsep.join((str(bin_folder), os.environ.get("PATH", "")))
+    python_path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
+    return {**os.environ, "PATH": path, "PYTHONPATH": python_path, "COLUMNS": "120", "NO_COLOR": "1"}
+
+
+def run(command: Command, folder: Path, variables: dict[str, str]) -> tuple[list[str], int]:
+    """Output (both streams, as a terminal shows them) and exit status."""
+    done = subprocess.run(
+        ["bash", "-c", command.text],
+        cwd=folder,
+        env=variables,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=300,
+    )
+    return done.stdout.splitlines(), done.returncode
+
+
+def agrees(shown: tuple[str, ...], printed: list[str]) -> bool:
+    """Whether the output is what the page shows; ``...`` stands for any text, on a line of its own for any lines."""
+    pattern = ""
+    for line in shown:
+        if line.strip() == "...":
+            pattern += r"(?:.*\n)*?"
+        else:
+            pattern += ".*?".join(re.escape(part.rstrip()) for part in line.split("...")) + r"[ ]*\n"
+    return re.fullmatch(pattern, "".join(f"{line}\n" for line in printed)) is not None
