@@ -1,0 +1,256 @@
+"""The cell grammar: text to an exact expression tree, by recursive descent over own tokens.
+
+    sum     := product (("+" | "-") product)*
+    product := sign (("*" | "/") sign)*
+    sign    := ("+" | "-") sign | power
+    power   := atom ["**" sign]          the exponent folds to an integer; ** binds to the right
+    atom    := number | "pi" | name | function "(" sum ("," sum)* ")" | "(" sum ")"
+
+``-x**2`` is ``-(x**2)``; there is no implicit multiplication. Users' text is never handed to Python or SymPy.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Final
+
+from derive.errors import ExpressionError, Location
+from derive.robot.arithmetic import add, multiply, negate, power
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power
+from derive.robot.growth import expanded_terms
+from derive.robot.limits import CELL_LIMITS, FILE_LIMITS, Limits
+from derive.robot.tokens import Token, TokenKind, place, tokenize
+from derive.robot.wording import listed, near_miss, quoted
+
+CELL_FUNCTIONS: Final = frozenset({"sin", "cos", "tan", "sqrt"})
+FORMULA_FUNCTIONS: Final = CELL_FUNCTIONS | {"atan2"}
+RESERVED_NAMES: Final = FORMULA_FUNCTIONS | {"pi"}
+NOT_SYMBOLS: Final = frozenset({"nan", "inf", "infinity", "null", "none", "true", "false"})
+"""Spellings (in any case) of YAML's and Python's special values: as symbols they could only be mistakes."""
+
+_ARITY = {"atan2": 2}
+
+
+def parse_expression(
+    text: str,
+    location: Location,
+    functions: frozenset[str] = CELL_FUNCTIONS,
+    limits: Limits = CELL_LIMITS,
+) -> Expression:
+    """Parse one cell or formula.
+
+    Args:
+        text: The expression; line breaks count as spaces.
+        location: Where its first character stands.
+        functions: Names that may be called; ``FORMULA_FUNCTIONS`` adds atan2 for printed formulas.
+        limits: Bounds on size; ``FORMULA_LIMITS`` for printed formulas.
+
+    Returns:
+        The exact tree; numbers are folded, sums and products flattened.
+
+    Raises:
+        ExpressionError: Outside the grammar or beyond a limit, placed at the offending token.
+    """
+    return _Parser(text, location, functions, limits).parse()
+
+
+class _Parser:
+    def __init__(self, text: str, location: Location, functions: frozenset[str], limits: Limits) -> None:
+        self._text = text
+        self._start = location
+        self._functions = functions
+        self._limits = limits
+        self._tokens = tokenize(text, location, limits)
+        self._position = 0
+        self._depth = 0
+
+    def parse(self) -> Expression:
+        if not self._text.strip():
+            raise self._error("empty cell", self._next, "write a number, a name or an expression")
+        expression = self._sum()
+        if self._next.kind is not TokenKind.END:
+            raise self._unexpected(self._next)
+        if expanded_terms(expression, self._limits.expanded_terms) > self._limits.expanded_terms:
+            raise self._error(
+                "expression has too many terms when multiplied out",
+                self._tokens[0],
+                f"at most {self._limits.expanded_terms} terms; introduce a parameter for part of it",
+            )
+        return expression
+
+    @property
+    def _next(self) -> Token:
+        return self._tokens[self._position]
+
+    def _take(self, *operators: str) -> Token | None:
+        token = self._next
+        if token.kind is TokenKind.OPERATOR and token.text in operators:
+            self._position += 1
+            return token
+        return None
+
+    def _sum(self) -> Expression:
+        token = self._next
+        self._enter(token)
+        terms = [self._product()]
+        while operator := self._take("+", "-"):
+            term = self._product()
+            terms.append(term if operator.text == "+" else negate(term))
+        self._depth -= 1
+        return self._bounded(add(*terms), token)
+
+    def _product(self) -> Expression:
+        token = self._next
+        factors = [self._sign()]
+        while operator := self._take("*", "/"):
+            factor = self._sign()
+            factors.append(factor if operator.text == "*" else self._raise(factor, -1, operator))
+        return self._bounded(multiply(*factors), token)
+
+    def _sign(self) -> Expression:
+        operator = self._take("+", "-")
+        if operator is None:
+            return self._power()
+        self._enter(operator)
+        value = self._sign()
+        self._depth -= 1
+        return value if operator.text == "+" else negate(value)
+
+    def _power(self) -> Expression:
+        base = self._atom()
+        operator = self._take("**")
+        if operator is None:
+            return base
+        token = self._next
+        self._enter(operator)
+        exponent = self._exponent(self._sign(), token)
+        self._depth -= 1
+        return self._raise(base, exponent, operator)
+
+    def _exponent(self, exponent: Expression, token: Token) -> int:
+        if not isinstance(exponent, Number) or exponent.value.denominator != 1:
+            half = isinstance(exponent, Number) and exponent.value.denominator == 2
+            remedy = "write sqrt(...) for the exponent 1/2" if half else "write the power out"
+            raise self._error("exponent that is not an integer", token, f"integers only; {remedy}")
+        if abs(exponent.value) > self._limits.exponent:
+            raise self._error("exponent too large", token, f"at most {self._limits.exponent}, signs aside")
+        return int(exponent.value)
+
+    def _raise(self, base: Expression, exponent: int, token: Token) -> Expression:
+        if isinstance(base, Number):
+            if base.value == 0 and exponent < 0:
+                raise self._error("division by zero", token, "remove it")
+            if _bits(base.value) * abs(exponent) > 2 * self._limits.number_bits:
+                raise self._number_too_large(token)
+        return self._bounded(power(base, exponent), token)
+
+    def _atom(self) -> Expression:
+        token = self._next
+        self._position += 1
+        if token.kind is TokenKind.NUMBER:
+            return self._number(token)
+        if token.kind is TokenKind.NAME:
+            return self._name(token)
+        if token.text == "(":
+            inner = self._sum()
+            self._close(token)
+            return inner
+        self._position -= 1
+        raise self._unexpected(token)
+
+    def _number(self, token: Token) -> Expression:
+        mantissa, _, exponent = token.text.lower().partition("e")
+        if len(mantissa) > self._limits.digits:
+            raise self._error("number with too many digits", token, f"at most {self._limits.digits}")
+        if exponent and (len(exponent) > 6 or abs(int(exponent)) > self._limits.decimal_exponent):
+            raise self._error("decimal exponent too large", token, f"at most {self._limits.decimal_exponent}")
+        return Number(Fraction(mantissa) * Fraction(10) ** int(exponent or 0))
+
+    def _name(self, token: Token) -> Expression:
+        name = token.text
+        if name in self._functions:
+            return self._call(token)
+        if name in RESERVED_NAMES - {"pi"}:
+            raise self._error(f"function '{name}' is not available here", token, f"allowed: {self._known()}")
+        if self._next.text == "(":
+            raise self._unknown_function(token)
+        if name == "pi":
+            return Pi()
+        if name.casefold() in NOT_SYMBOLS:
+            raise self._error(f"'{name}' is not a number", token, "write a finite number or another name")
+        if len(name) > FILE_LIMITS.name_length:
+            raise self._error(f"name {quoted(name)} too long", token, f"at most {FILE_LIMITS.name_length} characters")
+        return Name(name)
+
+    def _call(self, token: Token) -> Expression:
+        opening = self._next
+        if self._take("(") is None:
+            raise self._error(f"'{token.text}' without its argument", token, f"write {token.text}(...)")
+        arguments = [self._sum()]
+        while self._take(","):
+            arguments.append(self._sum())
+        self._close(opening)
+        arity = _ARITY.get(token.text, 1)
+        if len(arguments) != arity:
+            raise self._error(f"{token.text} with {len(arguments)} arguments", token, f"it takes {arity}")
+        return Call(token.text, tuple(arguments))
+
+    def _close(self, opening: Token) -> None:
+        if self._take(")"):
+            return
+        if self._next.kind is TokenKind.END:
+            raise self._error("parenthesis that is never closed", opening, "add )")
+        raise self._unexpected(self._next)
+
+    def _enter(self, token: Token) -> None:
+        self._depth += 1
+        if self._depth > self._limits.depth:
+            raise self._error("expression nested too deeply", token, f"at most {self._limits.depth} levels")
+
+    def _bounded(self, expression: Expression, token: Token) -> Expression:
+        match expression:
+            case Number(value) if _bits(value) > self._limits.number_bits:
+                raise self._number_too_large(token)
+            case Power(_, exponent) if abs(exponent) > self._limits.exponent:
+                raise self._error("exponent too large", token, f"at most {self._limits.exponent}, signs aside")
+            case _:
+                return expression
+
+    def _number_too_large(self, token: Token) -> ExpressionError:
+        digits = self._limits.number_bits * 3 // 10
+        return self._error("number too large or too fine", token, f"at most {digits} digits after evaluation")
+
+    def _known(self) -> str:
+        return listed(sorted(self._functions))
+
+    def _unknown_function(self, token: Token) -> ExpressionError:
+        remedy = near_miss(token.text, self._functions) or f"for a product write {token.text}*(...)"
+        return self._error(f"unknown function {quoted(token.text)}", token, f"allowed: {self._known()}; {remedy}")
+
+    def _unexpected(self, token: Token) -> ExpressionError:
+        if token.kind is TokenKind.END:
+            return self._error("expression ends too early", token, "a number, a name or ( is missing")
+        before = self._tokens[self._position - 1] if self._position else None
+        if before is not None and _ends_operand(before) and _begins_operand(token):
+            remedy = f"write the product as {before.text[-20:]}*{token.text[:20]}"
+            return self._error(f"no operator before {quoted(token.text)}", token, remedy)
+        return self._error(f"unexpected {quoted(token.text)}", token, "check the operators and parentheses")
+
+    def _error(self, found: str, token: Token, remedy: str) -> ExpressionError:
+        return ExpressionError(
+            f"{found} in {quoted(self._text)}",
+            remedy=remedy,
+            location=place(self._text, token.offset, self._start),
+        )
+
+
+def _bits(value: Fraction) -> int:
+    return max(value.numerator.bit_length(), value.denominator.bit_length())
+
+
+def _ends_operand(token: Token) -> bool:
+    return token.kind in (TokenKind.NUMBER, TokenKind.NAME) or token.text == ")"
+
+
+def _begins_operand(token: Token) -> bool:
+    return token.kind in (TokenKind.NUMBER, TokenKind.NAME) or token.text == "("

@@ -1,0 +1,139 @@
+"""Structure of a robot file: which keys, which shapes. The cells' meaning is read elsewhere.
+
+Every scalar arrives as text (see `derive.robot.source`), so the models hold texts; the JSON Schema says that numbers
+may be written as numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
+from pydantic.json_schema import SkipJsonSchema
+
+from derive.robot.limits import FILE_LIMITS
+
+NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"
+ROBOT_NAME_PATTERN = rf"^[a-z][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
+
+Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
+Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
+Vector3 = tuple[Cell, Cell, Cell]
+Row4 = tuple[Cell, Cell, Cell, Cell]
+Matrix4 = tuple[Row4, Row4, Row4, Row4]
+
+
+class Strict(BaseModel):
+    """Frozen, and any key that is not named is an error."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
+
+
+class Units(Strict):
+    """Units of plain numbers in joint cells, limits, centres of mass, base and tool; parameters are always SI."""
+
+    angle: Literal["rad", "deg"] = Field(default="rad", description="Unit of plain numbers in angle cells.")
+    length: Literal["m", "mm"] = Field(default="m", description="Unit of plain numbers in length cells.")
+
+
+class JointRow(Strict):
+    """One row of the Denavit-Hartenberg table."""
+
+    type: Literal["revolute", "prismatic"] = Field(description="What the joint's variable is.")
+    q: Symbol | SkipJsonSchema[None] = Field(
+        default=None, description="Name of the joint variable; default q1, q2, ... by row."
+    )
+    theta: Cell = Field(default="0", description="Angle about z; a revolute joint's default is its variable.")
+    d: Cell = Field(default="0", description="Offset along z; a prismatic joint's default is its variable.")
+    a: Cell = Field(default="0", description="Link length; in the modified convention a_{i-1}.")
+    alpha: Cell = Field(default="0", description="Link twist; in the modified convention alpha_{i-1}.")
+    limits: tuple[Cell, Cell] | SkipJsonSchema[None] = Field(
+        default=None, description="Lower and upper limit of the variable."
+    )
+
+
+class MotorRow(Strict):
+    """Rotor that drives this joint, carried by the link before."""
+
+    mass: Cell = Field(default="0", description="Mass of the rotor [kg].")
+    inertia: Cell = Field(default="0", description="Moment of inertia about the spin axis [kg m^2].")
+    ratio: Cell = Field(default="0", description="Gear ratio; the rotor spins at ratio times the joint's velocity.")
+
+
+class FrictionRow(Strict):
+    """Joint-side friction, part of tau only."""
+
+    viscous: Cell = Field(default="0", description="Coefficient b of b*qd.")
+    coulomb: Cell = Field(default="0", description="Coefficient f of f*sign(qd).")
+
+
+class InertiaRow(Strict):
+    """Inertia tensor about the centre of mass, axes of the link's own frame [kg m^2]."""
+
+    xx: Cell = "0"
+    yy: Cell = "0"
+    zz: Cell = "0"
+    xy: Cell = "0"
+    xz: Cell = "0"
+    yz: Cell = "0"
+
+
+class LinkRow(Strict):
+    """Inertial parameters of one link, in its own DH frame."""
+
+    mass: Cell = Field(default="0", description="Mass [kg].")
+    com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the link's own frame.")
+    inertia: InertiaRow = Field(default=InertiaRow(), description="Tensor about the centre of mass [kg m^2].")
+    motor: MotorRow | SkipJsonSchema[None] = Field(default=None, description="Full model of the joint's motor.")
+    armature: Cell = Field(default="0", description="Reflected rotor inertia ratio^2*Jm, added to B[i,i] only.")
+    friction: FrictionRow = Field(default=FrictionRow(), description="Joint-side friction.")
+
+
+class RobotFile(Strict):
+    """A serial arm: its Denavit-Hartenberg table and, if given, frames around it and its dynamics."""
+
+    name: str = Field(
+        description="Name of the robot, and of its output folder.", json_schema_extra={"pattern": ROBOT_NAME_PATTERN}
+    )
+    title: str | SkipJsonSchema[None] = Field(
+        default=None,
+        description="Free text for people; default: the name.",
+        json_schema_extra={"maxLength": FILE_LIMITS.title_length},
+    )
+    convention: Literal["standard", "modified"] = Field(
+        description="standard: Rot z theta, Trans z d, Trans x a, Rot x alpha; modified (Craig): Rot x alpha, "
+        "Trans x a, Rot z theta, Trans z d with alpha_{i-1}, a_{i-1}."
+    )
+    units: Units = Field(default=Units(), description="Units of plain numbers; default rad and m.")
+    joints: list[JointRow] = Field(
+        description="One row per joint.", json_schema_extra={"minItems": 1, "maxItems": FILE_LIMITS.joints}
+    )
+    base: Matrix4 | SkipJsonSchema[None] = Field(default=None, description="Constant transform before frame 0.")
+    tool: Matrix4 | SkipJsonSchema[None] = Field(default=None, description="Constant transform after frame n.")
+    gravity: Vector3 | SkipJsonSchema[None] = Field(
+        default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
+    )
+    links: list[LinkRow] | SkipJsonSchema[None] = Field(default=None, description="One row per joint: dynamics.")
+    parameters: dict[str, Cell] = Field(default={}, description="Numbers of symbols, in SI units and radians.")
+    runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
+    robot = RobotFile.model_json_schema(ref_template="#/$defs/{model}")
+    definitions = robot.pop("$defs", {})
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "derive robot file",
+        "$defs": {**definitions, "RobotFile": robot},
+        "anyOf": [
+            {"$ref": "#/$defs/RobotFile"},
+            {
+                "type": "object",
+                "description": "A lecture corpus file: the robot in its own block, anything else beside it.",
+                "required": ["robot"],
+                "not": {"anyOf": [{"required": [key]} for key in ("joints", "convention", "links")]},
+                "properties": {"robot": {"$ref": "#/$defs/RobotFile"}},
+            },
+        ],
+    }

@@ -1,0 +1,179 @@
+"""Checks that need the whole robot: names, parameters, and numbers that must make sense."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping
+
+from derive.robot.cells import Cells
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression, names
+from derive.robot.frames import check_rotation
+from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.robot import Joint, Link, Robot
+from derive.robot.source import Document, Path
+from derive.robot.wording import near_miss
+
+_SEED = 560
+"""Any fixed seed: the same file must be accepted or refused everywhere alike."""
+
+
+def validate(document: Document, cells: Cells, robot: Robot) -> None:
+    """Refuse a robot whose parts contradict each other.
+
+    Raises:
+        RobotFileError: At the first contradiction.
+    """
+    _check_derived_names(document, cells, robot)
+    _check_constants(document, cells, robot)
+    _check_parameters_used(document, cells, robot)
+    _check_runtime(document, cells, robot)
+    values = _numbers(robot)
+    for path, expression in located_expressions(robot):
+        _check_finite(document, path, expression, values)
+    for row, joint in enumerate(robot.joints):
+        _check_limits(document, ("joints", row, "limits"), joint, values)
+    for row, link in enumerate(robot.links):
+        _check_masses(document, ("links", row), link, values)
+    tried = values | _tries(robot, cells, values)
+    check_rotation(document, "base", robot.base, tried)
+    check_rotation(document, "tool", robot.tool, tried)
+
+
+def located_expressions(robot: Robot) -> Iterator[tuple[Path, Expression]]:
+    """Every expression of the robot with its path in the file."""
+    for key, matrix in (("base", robot.base), ("tool", robot.tool)):
+        yield from (((key, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
+    for index, joint in enumerate(robot.joints):
+        row: Path = ("joints", index)
+        cells = (("theta", joint.theta), ("d", joint.d), ("a", joint.a), ("alpha", joint.alpha))
+        yield from (((*row, key), expression) for key, expression in cells)
+        yield from (((*row, "limits", k), limit) for k, limit in enumerate(joint.limits or ()))
+    yield from ((("gravity", k), entry) for k, entry in enumerate(robot.gravity or ()))
+    for index, link in enumerate(robot.links):
+        yield from _located_link(("links", index), link)
+
+
+def _located_link(row: Path, link: Link) -> Iterator[tuple[Path, Expression]]:
+    yield (*row, "mass"), link.mass
+    yield from (((*row, "com", k), entry) for k, entry in enumerate(link.com))
+    for key in ("xx", "yy", "zz", "xy", "xz", "yz"):
+        yield (*row, "inertia", key), getattr(link.inertia, key)
+    if link.motor is not None:
+        for key in ("mass", "inertia", "ratio"):
+            yield (*row, "motor", key), getattr(link.motor, key)
+    yield (*row, "armature"), link.armature
+    yield (*row, "friction", "viscous"), link.viscous
+    yield (*row, "friction", "coulomb"), link.coulomb
+
+
+def _check_derived_names(document: Document, cells: Cells, robot: Robot) -> None:
+    """Velocities and accelerations get names of their own; nothing else may have them."""
+    taken: dict[str, str] = {joint.variable: "joint variable" for joint in robot.joints}
+    taken |= {name: "symbol" for name in cells.first_use if name not in taken}
+    for row, joint in enumerate(robot.joints):
+        for kind, derived in (
+            ("velocity", velocity_name(joint.variable)),
+            ("acceleration", acceleration_name(joint.variable)),
+        ):
+            if derived in taken:
+                path = ("joints", row, "q")
+                error = document.error(
+                    path,
+                    f"the {kind} of '{joint.variable}' is called '{derived}', and that is a {taken[derived]} already",
+                    remedy=f"rename '{derived}' or the joint variable '{joint.variable}'",
+                )
+                raise error
+            taken[derived] = f"{kind}"
+
+
+def _check_constants(document: Document, cells: Cells, robot: Robot) -> None:
+    """Joint variables belong to the table's moving cells and nowhere else."""
+    variables = {joint.variable for joint in robot.joints}
+    for path, expression in located_expressions(robot):
+        for name in names(expression):
+            if name in variables:
+                raise document.error(
+                    path, f"joint variable '{name}'", "allowed: numbers and parameters", "use another name"
+                )
+
+
+def _check_parameters_used(document: Document, cells: Cells, robot: Robot) -> None:
+    variables = {joint.variable for joint in robot.joints}
+    for name, _ in robot.parameters:
+        path = ("parameters", name)
+        if name in variables:
+            raise document.error(
+                path, "a joint variable has no fixed number", remedy="remove it; bounds go to limits: [lower, upper]"
+            )
+        if name not in cells.first_use:
+            raise document.error(
+                path,
+                "no cell uses this parameter",
+                remedy=near_miss(name, cells.first_use.keys() - variables) or "remove it, or use it",
+            )
+
+
+def _check_runtime(document: Document, cells: Cells, robot: Robot) -> None:
+    variables = {joint.variable for joint in robot.joints}
+    for index, name in enumerate(robot.runtime):
+        path = ("runtime", index)
+        if name in robot.runtime[:index]:
+            raise document.error(path, f"'{name}' twice", remedy="remove one")
+        if name in variables:
+            raise document.error(path, f"'{name}' is a joint variable", remedy="remove it: it is an argument anyway")
+        if name not in cells.first_use:
+            raise document.error(
+                path,
+                f"unknown symbol '{name}'",
+                "allowed: symbols that a cell uses",
+                near_miss(name, cells.first_use.keys() - variables),
+            )
+
+
+def _numbers(robot: Robot) -> dict[str, float]:
+    return {name: evaluate(value, {}) for name, value in robot.parameters}
+
+
+def _tries(robot: Robot, cells: Cells, values: Mapping[str, float]) -> dict[str, float]:
+    """Random numbers for every symbol without a number, and for those that may change at run time."""
+    source = random.Random(_SEED)
+    return {
+        name: source.uniform(0.3, 1.2)
+        for name in sorted(cells.first_use)
+        if name not in values or name in robot.runtime
+    }
+
+
+def _value(expression: Expression, values: Mapping[str, float]) -> float | None:
+    """The number of an expression, or None while a symbol has none."""
+    if any(name not in values for name in names(expression)):
+        return None
+    return evaluate(expression, values)
+
+
+def _check_finite(document: Document, path: Path, expression: Expression, values: Mapping[str, float]) -> None:
+    try:
+        _value(expression, values)
+    except ArithmeticError as error:
+        raise document.error(path, str(error), "allowed: expressions with a finite real value") from None
+
+
+def _check_limits(document: Document, path: Path, joint: Joint, values: Mapping[str, float]) -> None:
+    if joint.limits is None:
+        return
+    lower, upper = (_value(limit, values) for limit in joint.limits)
+    if lower is not None and upper is not None and not lower < upper:
+        raise document.error(
+            path, "lower limit is not below the upper", "allowed: [lower, upper]", "exchange or correct them"
+        )
+
+
+def _check_masses(document: Document, path: Path, link: Link, values: Mapping[str, float]) -> None:
+    masses: list[tuple[Path, Expression]] = [((*path, "mass"), link.mass)]
+    if link.motor is not None:
+        masses.append(((*path, "motor", "mass"), link.motor.mass))
+    for place, mass in masses:
+        value = _value(mass, values)
+        if value is not None and value < 0:
+            raise document.error(place, f"negative mass {value:g}", "allowed: zero or more", "correct the sign")
