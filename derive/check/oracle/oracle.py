@@ -1,0 +1,95 @@
+"""The oracle: the generated functions by name, evaluated on an arm of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.check.oracle import frames, lagrange, newton
+from derive.check.oracle.arm import Arm, Array, numeric_arm
+from derive.robot.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """One function of the generated interface.
+
+    Attributes:
+        arguments: Names of its arguments, each of shape (..., n).
+        dynamic: Whether it needs link parameters.
+        function: Its independent evaluation, from an arm and the arguments.
+    """
+
+    arguments: tuple[str, ...]
+    dynamic: bool
+    function: Callable[..., Array]
+
+
+def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
+    """Accelerations B^-1 (tau - C qd - g - friction), (..., n).
+
+    Raises:
+        numpy.linalg.LinAlgError: B is singular.
+    """
+    bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd))
+    acceleration: Array = np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
+    return acceleration
+
+
+FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
+    {
+        "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
+        "link_transforms": Definition(("q",), False, frames.link_transforms),
+        "jacobian": Definition(("q",), False, frames.jacobian),
+        "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
+        "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
+        "gravity_vector": Definition(("q",), True, lagrange.gravity_vector),
+        "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics),
+        "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics),
+    }
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Oracle:
+    """Every generated function of one robot with given numbers, evaluated independently.
+
+    Attributes:
+        arm: The robot's numbers.
+        dynamic: Whether the robot has link parameters.
+    """
+
+    arm: Arm
+    dynamic: bool
+
+    @classmethod
+    def of(cls, robot: Robot, parameters: Mapping[str, float] | None = None) -> Oracle:
+        """The oracle of ``robot``.
+
+        Args:
+            robot: The robot.
+            parameters: A number for every symbol without one; may override numbers of the file.
+
+        Raises:
+            ExpressionError: A symbol has no number, or a cell has no finite value.
+        """
+        return cls(numeric_arm(robot, parameters), robot.has_dynamics)
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """Names of the functions that this robot has."""
+        return tuple(name for name, definition in FUNCTIONS.items() if self.dynamic or not definition.dynamic)
+
+    def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
+        """The value of a generated function.
+
+        Args:
+            name: One of `functions`.
+            arguments: q, qd, qdd or tau as the function takes them, (..., n) each; they broadcast.
+        """
+        arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=float) for argument in arguments))
+        return FUNCTIONS[name].function(self.arm, *arrays)

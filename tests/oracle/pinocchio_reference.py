@@ -1,0 +1,200 @@
+"""Pinocchio models of the same arms, built from their plain numbers and not from the robot file.
+
+A Pinocchio joint stands where joint i's motion ends (after Rot(z, theta) Trans(z, d)); DH frame i of the standard
+convention lies Trans(x, a) Rot(x, alpha) further out on the same body. A rotor is an extra revolute joint on the body
+before, with the coordinate ratio*q_i; the arm's own quantities then follow from the constant map G of velocities:
+B = G' B_ext G, tau = G' tau_ext. Armature is Pinocchio's own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from tests.random_robots import JointNumbers, LinkNumbers, RandomRobot
+
+Array = npt.NDArray[np.float64]
+
+
+def about_z(angle: float) -> Any:
+    """Rot(z, angle)."""
+    return pin.SE3(pin.utils.rotate("z", angle), np.zeros(3))
+
+
+def about_x(angle: float) -> Any:
+    """Rot(x, angle)."""
+    return pin.SE3(pin.utils.rotate("x", angle), np.zeros(3))
+
+
+def along(x: float, y: float, z: float) -> Any:
+    """Trans(x, y, z)."""
+    return pin.SE3(np.eye(3), np.array([x, y, z]))
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A robot in Pinocchio.
+
+    Attributes:
+        model: The model; the world is Pinocchio's universe.
+        ends: From Pinocchio's joint i to DH frame i.
+        tool: From DH frame n to the end effector.
+        joints: Pinocchio's joint indices of the n joints.
+        map: (nv, n) constant velocity map G.
+        viscous: (n,) joint-side friction.
+        coulomb: (n,) joint-side friction.
+    """
+
+    model: Any
+    ends: tuple[Any, ...]
+    tool: Any
+    joints: tuple[int, ...]
+    map: Array
+    viscous: Array
+    coulomb: Array
+
+    def link_transforms(self, q: Array) -> Array:
+        """World to DH frames 1..n, (n, 4, 4)."""
+        data = self.model.createData()
+        pin.forwardKinematics(self.model, data, self.map @ q)
+        return np.array([(data.oMi[j] * end).homogeneous for j, end in zip(self.joints, self.ends, strict=True)])
+
+    def forward_kinematics(self, q: Array) -> Array:
+        """World to end effector, (4, 4)."""
+        return np.array(self.link_transforms(q)[-1] @ self.tool.homogeneous)
+
+    def jacobian(self, q: Array) -> Array:
+        """Geometric Jacobian of the end effector, world axes, linear rows first, (6, n)."""
+        data = self.model.createData()
+        pin.computeJointJacobians(self.model, data, self.map @ q)
+        local = np.reshape(pin.getJointJacobian(self.model, data, self.joints[-1], pin.LOCAL), (6, -1))
+        end = self.ends[-1] * self.tool
+        turn = data.oMi[self.joints[-1]].rotation @ end.rotation
+        at_end = end.toActionMatrixInverse() @ local
+        return np.array(np.kron(np.eye(2), turn) @ at_end @ self.map)
+
+    def inertia_matrix(self, q: Array) -> Array:
+        """B = G' B_ext G, (n, n)."""
+        data = self.model.createData()
+        upper = np.triu(pin.crba(self.model, data, self.map @ q))
+        return np.array(self.map.T @ (upper + np.triu(upper, 1).T) @ self.map)
+
+    def bias(self, q: Array, qd: Array) -> Array:
+        """C qd + g, (n,)."""
+        return self.rigid_torque(q, qd, np.zeros_like(q))
+
+    def rigid_torque(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """B qdd + C qd + g, (n,)."""
+        data = self.model.createData()
+        torque = pin.rnea(self.model, data, self.map @ q, self.map @ qd, self.map @ qdd)
+        return np.array(self.map.T @ torque)
+
+    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """Joint torques with friction, (n,)."""
+        return self.rigid_torque(q, qd, qdd) + self.viscous * qd + self.coulomb * np.sign(qd)
+
+    def gravity_vector(self, q: Array) -> Array:
+        """G, (n,)."""
+        data = self.model.createData()
+        return np.array(self.map.T @ pin.computeGeneralizedGravity(self.model, data, self.map @ q))
+
+    def coriolis_matrix(self, q: Array, qd: Array) -> Array:
+        """The Christoffel C: column j is Gamma(qd, e_j), by polarisation of the quadratic velocity torque."""
+        g, identity = self.bias(q, np.zeros_like(q)), np.eye(len(q))
+
+        def velocity_torque(v: Array) -> Array:
+            return self.bias(q, v) - g
+
+        columns = [velocity_torque(qd + e) - velocity_torque(qd - e) for e in identity]
+        return np.array(columns).T / 4
+
+    def pinocchio_coriolis(self, q: Array, qd: Array) -> Array:
+        """Pinocchio's own Coriolis matrix, reduced, (n, n)."""
+        data = self.model.createData()
+        full = pin.computeCoriolisMatrix(self.model, data, self.map @ q, self.map @ qd)
+        return np.array(self.map.T @ full @ self.map)
+
+    def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
+        """Accelerations, (n,)."""
+        bias = self.inverse_dynamics(q, qd, np.zeros_like(q))
+        return np.array(np.linalg.solve(self.inertia_matrix(q), tau - bias))
+
+
+def reference(robot: RandomRobot) -> Reference:
+    """The robot in Pinocchio."""
+    return _Builder(robot).build()
+
+
+class _Builder:
+    def __init__(self, robot: RandomRobot) -> None:
+        self.robot = robot
+        self.model = pin.Model()
+        self.model.gravity.linear = np.array(robot.gravity)
+        self.rotors: list[tuple[int, int]] = []
+
+    def build(self) -> Reference:
+        robot, joints = self.robot, []
+        for i in range(robot.n):
+            joints.append(self.add_joint(i, joints[-1] if joints else 0))
+        n = robot.n
+        mapping = np.zeros((self.model.nv, n))
+        for i, joint in enumerate(joints):
+            mapping[self.model.joints[joint].idx_v, i] = 1.0
+        for i, joint in self.rotors:
+            mapping[self.model.joints[joint].idx_v, i] = robot.links[i].ratio
+        self.set_armature(joints)
+        return Reference(
+            model=self.model,
+            ends=tuple(self.end(row) for row in robot.joints),
+            tool=pin.SE3(robot.tool),
+            joints=tuple(joints),
+            map=mapping,
+            viscous=np.array([link.viscous for link in robot.links]),
+            coulomb=np.array([link.coulomb for link in robot.links]),
+        )
+
+    def end(self, row: JointNumbers) -> Any:
+        """From the joint to DH frame i."""
+        return along(row.a, 0, 0) * about_x(row.alpha) if self.robot.standard else pin.SE3.Identity()
+
+    def axis(self, i: int) -> Any:
+        """From the Pinocchio joint before to a frame whose z axis is the axis of joint i."""
+        row, before = self.robot.joints[i], pin.SE3(self.robot.base) if i == 0 else pin.SE3.Identity()
+        if not self.robot.standard:
+            return before * about_x(row.alpha) * along(row.a, 0, 0)
+        return before * self.end(self.robot.joints[i - 1]) if i else before
+
+    def add_joint(self, i: int, parent: int) -> int:
+        row = self.robot.joints[i]
+        placement = self.axis(i) * about_z(row.theta) * along(0, 0, row.d)
+        direction = np.array([0.0, 0.0, row.sign])
+        kind = pin.JointModelRevoluteUnaligned if row.revolute else pin.JointModelPrismaticUnaligned
+        if self.robot.links and self.robot.links[i].rotor_inertia + self.robot.links[i].rotor_mass:
+            self.add_rotor(i, parent)
+        joint = int(self.model.addJoint(parent, kind(direction), placement, f"joint{i}"))
+        if self.robot.links:
+            link = self.robot.links[i]
+            body = pin.Inertia(link.mass, np.array(link.com), link.tensor)
+            self.model.appendBodyToJoint(joint, body, self.end(row))
+        return joint
+
+    def add_rotor(self, i: int, parent: int) -> None:
+        """A body on the link before, spinning about z of the joint's axis."""
+        link: LinkNumbers = self.robot.links[i]
+        lift = 0.0 if self.robot.standard else self.robot.joints[i].d
+        placement = self.axis(i) * along(0, 0, lift)
+        spinning = pin.JointModelRevoluteUnaligned(np.array([0.0, 0.0, 1.0]))
+        joint = int(self.model.addJoint(parent, spinning, placement, f"rotor{i}"))
+        body = pin.Inertia(link.rotor_mass, np.zeros(3), np.diag([0.0, 0.0, link.rotor_inertia]))
+        self.model.appendBodyToJoint(joint, body, pin.SE3.Identity())
+        self.rotors.append((i, joint))
+
+    def set_armature(self, joints: list[int]) -> None:
+        armature = np.zeros(self.model.nv)
+        for link, joint in zip(self.robot.links, joints, strict=False):
+            armature[self.model.joints[joint].idx_v] = link.armature
+        self.model.armature = armature
