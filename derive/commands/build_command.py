@@ -10,7 +10,7 @@ DESCRIPTION = """\
 Derive the equations of each ROBOT, write NumPy, CasADi and LaTeX files to DIR/<robot>/, and compare every generated
 function with an independent recursion before the folder is put in place. Without ROBOT, the whole catalogue is built.
 
-A folder is replaced as a whole or not at all. A robot whose file and derive version have not changed is not built again.
+A folder is replaced as a whole or not at all. What has not changed is not built again.
 """
 
 

@@ -1,4 +1,4 @@
-"""How ``derive show`` lays a quantity out: a scalar on a line, a matrix as a grid or, where that is too wide, by entries."""
+"""How ``derive show`` lays a quantity out: a scalar on a line, a matrix as a grid or, if too wide, by entries."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ FORMATS = ("text", "latex", "python", "json")
 def configure(parser: argparse.ArgumentParser) -> None:
     """The robot, its quantities and the form of the output."""
     parser.add_argument("robot", metavar="ROBOT", help="robot file or catalogue name")
-    parser.add_argument("quantities", metavar="QUANTITY", nargs="+", help="for instance T, 'A[2]', 'christoffel[1,1,2]'")
+    parser.add_argument("quantities", metavar="QUANTITY", nargs="+", help="such as T, 'A[2]', 'christoffel[1,1,2]'")
     parser.add_argument("--format", choices=FORMATS, default="text", help="form of the output (default text)")
 
 

@@ -1,8 +1,8 @@
 """SymPy expressions as one line of plain text, in the shorthand of lecture notes: ``a1*c1 + a2*c12``.
 
-``c12`` is cos(q1 + q2), labels being the digits of the joint variables' names. The shorthand is used for a robot only where
-it can be read one way: every label is a single digit, none occurs twice, and no symbol of the user looks like a token.
-Otherwise cosines and sines are spelled out.
+``c12`` is cos(q1 + q2), labels being the digits of the joint variables' names. The shorthand is used for a robot only
+where it can be read one way: every label is a single digit, none occurs twice, and no symbol of the user looks like a
+token. Otherwise cosines and sines are spelled out.
 """
 
 from __future__ import annotations

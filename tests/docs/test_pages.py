@@ -53,7 +53,8 @@ def test_python_blocks_run(page: Path, tmp_path: Path) -> None:
                 run(command, folder, variables)
     script = folder / "page.py"
     script.write_text("\n".join(block.body for block in python), encoding="utf-8")
-    done = subprocess.run(["python", script.name], cwd=folder, env=variables, capture_output=True, text=True, timeout=300)
+    interpreter = ["python", script.name]
+    done = subprocess.run(interpreter, cwd=folder, env=variables, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
 
 

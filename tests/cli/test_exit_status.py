@@ -1,0 +1,118 @@
+"""Exit status 0 done, 1 a check failed, 2 wrong input with one message on standard error."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import PENDULUM, ROOT, derive, is_one_message
+
+WRONG = {
+    "no command": (),
+    "unknown command": ("frobnicate",),
+    "unknown option": ("list", "--frobnicate"),
+    "abbreviated option": ("list", "--js"),
+    "unknown robot": ("show", "scara-perugai", "T"),
+    "no quantity": ("show", "planar-2r-perugia"),
+    "unknown quantity": ("show", "scara-perugia", "Q"),
+    "index out of range": ("show", "scara-perugia", "A[9]"),
+    "index zero": ("show", "scara-perugia", "A[0]"),
+    "no dynamics": ("show", "thumb", "B"),
+    "folder as robot": ("show", ".", "T"),
+    "missing file": ("build", "missing.yaml"),
+    "unknown target": ("build", "scara-perugia", "--target", "fortran"),
+    "no jobs": ("build", "scara-perugia", "--jobs", "0"),
+    "path as name": ("new", "../arm"),
+    "capital name": ("new", "Arm"),
+    "no joints": ("new", "arm", "--joints", "0"),
+    "too many joints": ("new", "arm", "--joints", "65"),
+    "control characters": ("show", "a\x1b[31mb\nc", "T"),
+}
+
+
+@pytest.mark.parametrize("arguments", WRONG.values(), ids=WRONG.keys())
+def test_wrong_input_is_refused_in_one_line_with_status_2(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    outcome = derive(*arguments, folder=tmp_path)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+    assert outcome.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_message_of_a_robot_file_names_file_line_and_column(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM.replace("a: a1", "alfa: a1"))
+    outcome = derive("build", "arm.yaml", folder=tmp_path)
+    assert outcome.status == 2
+    assert outcome.stderr.startswith("derive: error: arm.yaml:4:")
+    assert "did you mean 'alpha'" in outcome.stderr
+    assert not (tmp_path / "generated").exists()
+
+
+def test_new_never_overwrites(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text("mine")
+    outcome = derive("new", "arm", folder=tmp_path)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr)
+    assert (tmp_path / "arm.yaml").read_text() == "mine"
+
+
+def test_new_does_not_write_through_a_dangling_link(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").symlink_to(tmp_path / "elsewhere")
+    assert derive("new", "arm", folder=tmp_path).status == 2
+    assert not (tmp_path / "elsewhere").exists()
+
+
+@pytest.mark.parametrize("joints", ["1", "2", "6"])
+def test_new_file_loads_as_it_is(joints: str, tmp_path: Path) -> None:
+    assert derive("new", "arm", "--joints", joints, folder=tmp_path).status == 0
+    outcome = derive("show", "arm.yaml", "T", folder=tmp_path)
+    assert outcome.status == 0, outcome.stderr
+
+
+def test_output_on_an_ascii_terminal_is_escaped(tmp_path: Path) -> None:
+    title = 'title: "\N{GREEK SMALL LETTER ALPHA}"\n'
+    (tmp_path / "arm.yaml").write_text(title + PENDULUM, encoding="utf-8")
+    assert derive("build", "arm.yaml", folder=tmp_path, PYTHONIOENCODING="ascii").status == 0
+
+
+def test_unwritable_output_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("a file, not a folder")
+    outcome = derive("build", "planar-2r-perugia", "--out", "out", folder=tmp_path)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+
+
+def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
+    command = f"{sys.executable} -m derive schema | head -n 1; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(
+        ["bash", "-c", command],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stderr == ""
+    assert done.stdout.splitlines()[-1] in ("0", "141")
+
+
+def test_interrupt_ends_with_130_and_one_line(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "derive", "build", "--force", "--out", "out"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert errors == "derive: error: interrupted\n"

@@ -1,0 +1,57 @@
+"""The constraints file fixes everything that is installed, by version alone."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, requires
+from pathlib import Path
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+LINES = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if not line.startswith("#")]
+PINS = {canonicalize_name(line.split("==")[0]): line.split("==")[1] for line in LINES}
+
+
+def closure(names: Iterable[str]) -> set[str]:
+    """The requirements and theirs, as far as they are installed here."""
+    found: set[str] = set()
+    waiting = [Requirement(name) for name in names]
+    while waiting:
+        requirement = waiting.pop()
+        name = canonicalize_name(requirement.name)
+        if name in found:
+            continue
+        try:
+            inner = [Requirement(text) for text in requires(name) or ()]
+        except PackageNotFoundError:
+            continue
+        found.add(name)
+        waiting += [r for r in inner if r.marker is None or r.marker.evaluate({"extra": ""})]
+    return found
+
+
+def declared() -> list[str]:
+    extras = PROJECT["optional-dependencies"].values()
+    return [*PROJECT["dependencies"], *(name for extra in extras for name in extra)]
+
+
+def test_every_line_is_an_exact_version() -> None:
+    assert all(re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.+!]+", line) for line in LINES)
+
+
+def test_everything_that_is_installed_for_us_is_pinned() -> None:
+    assert closure(declared()) <= set(PINS)
+
+
+def test_pins_satisfy_the_declared_bounds() -> None:
+    wanted = [Requirement(text) for text in declared()]
+    assert all(requirement.specifier.contains(PINS[canonicalize_name(requirement.name)]) for requirement in wanted)
+
+
+def test_every_dependency_has_a_lower_bound() -> None:
+    assert all(">=" in text for text in PROJECT["dependencies"])
