@@ -1,0 +1,110 @@
+r"""How a name is written: ``ml1`` is m_{l1}, ``Ixx3`` is I_{xx3}, ``alpha1`` is \alpha_{1}.
+
+A name becomes a glyph: a head, a subscript and an accent. What no rule covers, and what would look like another symbol of the
+same robot, is set in monospace letters as the user typed it: no two names of a robot look the same.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from derive.emit.latex_metrics import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
+
+LONGEST_SUFFIX = 2
+"""Letters after the first that still read as a subscript: Ixx, cx, ml; longer names are words."""
+
+_ABBREVIATION = re.compile(r"[cs]_\{[0-9,]+\}")
+
+
+@dataclass(frozen=True, slots=True)
+class Glyph:
+    """A symbol.
+
+    Attributes:
+        head: The letter or word.
+        sub: The subscript, empty if there is none.
+        accent: ``\\dot``, ``\\ddot`` or empty.
+    """
+
+    head: Box
+    sub: Box = EMPTY
+    accent: str = ""
+
+    @property
+    def box(self) -> Box:
+        """The symbol as it is printed."""
+        return self.power(EMPTY)
+
+    def power(self, exponent: Box) -> Box:
+        """The symbol with an exponent above its subscript."""
+        head = self.head
+        if self.accent:
+            head = Box(f"{self.accent}{{{head.tex.rstrip()}}}", head.width)
+        return script(head, self.sub, exponent)
+
+    def dotted(self, accent: str) -> Glyph:
+        """The same symbol under dots."""
+        return replace(self, accent=accent)
+
+
+def literal(name: str) -> Glyph:
+    """The name as the user typed it."""
+    return Glyph(monospace(name))
+
+
+def natural(name: str) -> Glyph:
+    """The name as a textbook would print it."""
+    parts = name.split("_")
+    match = re.fullmatch(r"([A-Za-z]+)([0-9][A-Za-z0-9]*)?", parts[0])
+    if match is None or not all(parts):
+        return literal(name)
+    head, first = _head(match.group(1))
+    digits = match.group(2) or ""
+    subscripts = [italic(first + digits)] if first + digits else []
+    subscripts += [_subscript(part) for part in parts[1:]]
+    return Glyph(head, _join(subscripts))
+
+
+def _head(letters: str) -> tuple[Box, str]:
+    if letters in GREEK and letters != "pi":
+        return greek(letters), ""
+    if len(letters) <= 1 + LONGEST_SUFFIX:
+        return italic(letters[0]), letters[1:]
+    return upright(letters), ""
+
+
+def _subscript(part: str) -> Box:
+    if part in GREEK:
+        return greek(part)
+    letters = part.rstrip("0123456789")
+    if len(letters) <= LONGEST_SUFFIX:
+        return italic(part)
+    return concatenate(upright(letters), italic(part[len(letters) :])) if letters != part else upright(part)
+
+
+def _join(boxes: list[Box]) -> Box:
+    if not boxes:
+        return EMPTY
+    comma = Box(",", 3.0)
+    joined = boxes[0]
+    for box in boxes[1:]:
+        joined = concatenate(joined, comma, box)
+    return joined
+
+
+def looks_like_abbreviation(glyph: Glyph) -> bool:
+    r"""Whether it would be read as the cosine or sine of a joint angle, such as c_{12}."""
+    return bool(_ABBREVIATION.fullmatch(glyph.box.tex))
+
+
+def distinct(names: Iterable[str]) -> Iterator[tuple[str, Glyph]]:
+    """A glyph for each name; an earlier name keeps the natural one where two would look the same."""
+    taken: set[str] = set()
+    for name in names:
+        glyph = natural(name)
+        if glyph.box.tex in taken or looks_like_abbreviation(glyph):
+            glyph = literal(name)
+        taken.add(glyph.box.tex)
+        yield name, glyph
