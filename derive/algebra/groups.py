@@ -1,0 +1,76 @@
+"""Groups of joints whose angles books add: revolute joints with aligned, parallel axes.
+
+A group decides only how an expression is written, never what it is: sums of angles are as good a basis as the angles.
+"""
+
+from __future__ import annotations
+
+import math
+
+from derive.algebra.angles import decompose
+from derive.robot.expression import Expression, Number
+from derive.robot.robot import Convention, Robot
+
+Row = tuple[float, float, float]
+Rotation = tuple[Row, Row, Row]
+
+IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+_UNIT_STEP = 0.737_912
+"""Stand-in for the first symbolic angle; any value that is no multiple of pi will do."""
+
+
+def aligned_groups(robot: Robot) -> tuple[tuple[int, ...], ...]:
+    """Maximal runs of revolute joints (indices from 0) whose axes are parallel and point the same way.
+
+    The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta: q`` on one that
+    points up. Prismatic joints may stand between the joints of a group.
+    """
+    groups: list[list[int]] = []
+    relative = IDENTITY
+    units: dict[Expression, float] = {}
+    standard = robot.convention is Convention.STANDARD
+    for i, joint in enumerate(robot.joints):
+        twist = _about_x(_value(joint.alpha, units))
+        if not standard:
+            relative = _product(relative, twist)
+        if joint.is_revolute:
+            last = groups[-1][-1] if groups else i
+            same = robot.joints[last].sign * joint.sign
+            if groups and abs(relative[2][2] - same) < 1e-12:
+                groups[-1].append(i)
+            else:
+                groups.append([i])
+            relative = IDENTITY
+        else:
+            relative = _product(relative, _about_z(_value(joint.theta, units)))
+        if standard:
+            relative = _product(relative, twist)
+    return tuple(tuple(group) for group in groups)
+
+
+def _value(angle: Expression, units: dict[Expression, float]) -> float:
+    exact = decompose(angle)
+    total = float(exact.pi_multiple) * math.pi
+    for unit, k in exact.terms:
+        default = 1.0 if isinstance(unit, Number) else _UNIT_STEP * (1 + 0.618_034 * len(units))
+        total += float(k) * units.setdefault(unit, default)
+    return total
+
+
+def _about_x(angle: float) -> Rotation:
+    c, s = math.cos(angle), math.sin(angle)
+    return ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
+
+
+def _about_z(angle: float) -> Rotation:
+    c, s = math.cos(angle), math.sin(angle)
+    return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
+
+
+def _product(a: Rotation, b: Rotation) -> Rotation:
+    rows = [[sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+    return (
+        (rows[0][0], rows[0][1], rows[0][2]),
+        (rows[1][0], rows[1][1], rows[1][2]),
+        (rows[2][0], rows[2][1], rows[2][2]),
+    )

@@ -1,0 +1,223 @@
+"""Exact polynomials in sines, cosines, variables and parameters, reduced by what their generators satisfy.
+
+Everything that a DH chain yields is a polynomial over the rationals in the sine and cosine of each joint angle, the prismatic
+variables and the parameters. A `Ring` holds the generators and their relations (s^2 = 1 - c^2 for every angle, w^2 = x for every square
+root, u*x = 1 for every inverse); a `Polynomial` is always in normal form, so that equality is equality of coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+from derive.errors import DeriveError
+
+
+class TooManyTerms(DeriveError):
+    """A closed form that would be longer than its budget.
+
+    Args:
+        budget: Number of terms that was allowed.
+    """
+
+    def __init__(self, budget: int) -> None:
+        super().__init__(f"a closed form of more than {budget} terms", remedy="use the generated functions instead")
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A generator and the polynomial, led by it, that is zero.
+
+    Attributes:
+        generator: Index of the generator.
+        polynomial: ``s^2 + c^2 - 1``, ``w^2 - x`` or ``u*x - 1``.
+        always: Reduce whenever the generator occurs (inverses), not only when it occurs on both sides of a product.
+    """
+
+    generator: int
+    polynomial: fmpq_mpoly
+    always: bool = False
+
+
+class Ring:
+    """A polynomial ring modulo relations.
+
+    Args:
+        names: Generator names, highest in the lexicographic order first. A generator that a relation eliminates must come
+            before those that replace it.
+        max_terms: A product with more terms raises `TooManyTerms`.
+    """
+
+    def __init__(self, names: Sequence[str], max_terms: int = 10**9) -> None:
+        self.names = tuple(names)
+        self.max_terms = max_terms
+        self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)
+        self.index = {name: i for i, name in enumerate(self.names)}
+        self.relations: list[Relation] = []
+        self._raw = self.context.gens()
+        self.zero = Polynomial(self, self.context.constant(0), 0)
+        self.one = Polynomial(self, self.context.constant(1), 0)
+
+    def relate(self, relation: Relation) -> None:
+        """Add a relation; only while the ring is being set up."""
+        self.relations.append(relation)
+
+    def generator(self, name: str) -> Polynomial:
+        """A generator as a polynomial."""
+        i = self.index[name]
+        return Polynomial(self, self._raw[i], self._mask_of(i))
+
+    def number(self, value: int | Fraction) -> Polynomial:
+        """A rational constant."""
+        if value == 0:
+            return self.zero
+        return Polynomial(self, self.context.constant(rational(value)), 0)
+
+    def wrap(self, raw: fmpq_mpoly) -> Polynomial:
+        """A raw polynomial of this ring, reduced to normal form."""
+        mask = self.mask(raw)
+        return Polynomial(self, self.reduce(raw, mask), mask)
+
+    def mask(self, raw: fmpq_mpoly) -> int:
+        """Bit r is set when the generator of relation r occurs."""
+        degrees = raw.degrees() if raw else ()
+        return sum(1 << r for r, rel in enumerate(self.relations) if degrees and degrees[rel.generator])
+
+    def reduce(self, raw: fmpq_mpoly, bits: int) -> fmpq_mpoly:
+        """Reduce by the relations whose bits are set."""
+        for r, relation in enumerate(self.relations):
+            if bits >> r & 1:
+                raw = divmod(raw, relation.polynomial)[1]
+        if bits & self.always_bits():
+            again = self.reduce(raw, self.mask(raw) & ~self.always_bits())
+            return again
+        return raw
+
+    def always_bits(self) -> int:
+        """Bits of the relations that every product must be reduced by."""
+        return sum(1 << r for r, relation in enumerate(self.relations) if relation.always)
+
+    def _mask_of(self, generator: int) -> int:
+        return sum(1 << r for r, rel in enumerate(self.relations) if rel.generator == generator)
+
+    def sum(self, terms: Iterable[Polynomial]) -> Polynomial:
+        """The sum of polynomials of this ring."""
+        total = self.zero
+        for term in terms:
+            total = total + term
+        return total
+
+
+class Polynomial:
+    """An element of a `Ring` in normal form; immutable."""
+
+    __slots__ = ("_mask", "raw", "ring")
+
+    def __init__(self, ring: Ring, raw: fmpq_mpoly, mask: int) -> None:
+        self.ring = ring
+        self.raw = raw
+        self._mask = mask
+
+    def _coerce(self, other: Any) -> Polynomial | None:
+        if isinstance(other, Polynomial):
+            return other
+        if isinstance(other, int | Fraction):
+            return self.ring.number(other)
+        return None
+
+    def __add__(self, other: Any) -> Polynomial:
+        o = self._coerce(other)
+        if o is None:
+            return NotImplemented
+        if not o.raw:
+            return self
+        if not self.raw:
+            return o
+        return Polynomial(self.ring, self.raw + o.raw, self._mask | o._mask)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Polynomial:
+        return Polynomial(self.ring, -self.raw, self._mask)
+
+    def __sub__(self, other: Any) -> Polynomial:
+        o = self._coerce(other)
+        if o is None:
+            return NotImplemented
+        return self if not o.raw else Polynomial(self.ring, self.raw - o.raw, self._mask | o._mask)
+
+    def __rsub__(self, other: Any) -> Polynomial:
+        return -self + other
+
+    def __mul__(self, other: Any) -> Polynomial:
+        o = self._coerce(other)
+        if o is None:
+            return NotImplemented
+        if not self.raw or not o.raw:
+            return self.ring.zero
+        both = self._mask | o._mask
+        raw = self.raw * o.raw
+        if len(raw) > self.ring.max_terms:
+            raise TooManyTerms(self.ring.max_terms)
+        if both:
+            bits = self._mask & o._mask | both & self.ring.always_bits()
+            raw = self.ring.reduce(raw, bits)
+        return Polynomial(self.ring, raw, both)
+
+    __rmul__ = __mul__
+
+    def __pow__(self, exponent: int) -> Polynomial:
+        result = self.ring.one
+        for _ in range(exponent):
+            result = result * self
+        return result
+
+    def __eq__(self, other: object) -> bool:
+        o = self._coerce(other)
+        return o is not None and bool(self.raw == o.raw)
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.terms()))
+
+    def __bool__(self) -> bool:
+        return bool(self.raw)
+
+    def __len__(self) -> int:
+        """Number of terms."""
+        return len(self.raw)
+
+    def __repr__(self) -> str:
+        return f"Polynomial({self.raw})"
+
+    def terms(self) -> Iterator[tuple[tuple[int, ...], Fraction]]:
+        """Exponent vectors and coefficients, highest monomial first."""
+        for exponents, coefficient in self.raw.terms():
+            yield tuple(int(e) for e in exponents), fraction(coefficient)
+
+    def sparse_terms(self) -> Iterator[tuple[tuple[Any, ...], Fraction]]:
+        """As `terms`, with FLINT's own integers as exponents: quicker where most are zero."""
+        for exponents, coefficient in self.raw.terms():
+            yield exponents, fraction(coefficient)
+
+    def degrees(self) -> tuple[int, ...]:
+        """The degree in every generator (zeros for the zero polynomial)."""
+        return tuple(int(d) for d in self.raw.degrees()) if self.raw else (0,) * len(self.ring.names)
+
+    def partial(self, generator: int) -> Polynomial:
+        """The partial derivative in one generator, all others held."""
+        return Polynomial(self.ring, self.raw.derivative(generator), self._mask)
+
+
+def rational(value: int | Fraction) -> fmpq:
+    """A Python rational as a FLINT one."""
+    f = Fraction(value)
+    return fmpq(f.numerator, f.denominator)
+
+
+def fraction(value: fmpq) -> Fraction:
+    """A FLINT rational as a Python one."""
+    return Fraction(int(value.p), int(value.q))

@@ -1,0 +1,155 @@
+"""Closed-form kinematics: frames, Jacobians of the end effector, of the links and of the rotors, as exact polynomials."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.ring import Polynomial
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.vectors import Frame, Vector, add, column, multiply, scale, transpose
+from derive.robot.expression import Expression
+from derive.robot.robot import Convention, Motor, Robot
+
+PolynomialFrame = Frame[Polynomial]
+PolynomialVector = Vector[Polynomial]
+
+
+class Kinematics:
+    """Frames and Jacobians of one robot.
+
+    Args:
+        robot: The robot.
+        domain: The ring to work in.
+    """
+
+    def __init__(self, robot: Robot, domain: PolynomialDomain) -> None:
+        self.robot = robot
+        self.domain = domain
+        self.chain: Chain[Polynomial] = build_chain(robot, domain)
+        self._frames: dict[tuple[int, int], PolynomialFrame] = {}
+        self._joint_frames: list[PolynomialFrame] = []
+
+    # -- frames
+
+    def row(self, i: int) -> PolynomialFrame:
+        """A_i, the transform of row i (from 1)."""
+        joint = self.chain.joints[i - 1]
+        motion = joint.motion(self.chain.zero, self.chain.one)
+        if self.robot.convention is Convention.STANDARD:
+            return motion @ self.chain.ends[i - 1]
+        return joint.fixed @ motion
+
+    def transform(self, i: int, j: int) -> PolynomialFrame:
+        """DH frame j in DH frame i, without base and tool."""
+        if (i, j) not in self._frames:
+            self._frames[i, j] = self._transform(i, j)
+        return self._frames[i, j]
+
+    def _transform(self, i: int, j: int) -> PolynomialFrame:
+        if i == j:
+            return self._identity
+        if i > j:
+            return inverse(self.transform(j, i))
+        return self.transform(i, j - 1) @ self.row(j)
+
+    def frame(self, i: int) -> PolynomialFrame:
+        """DH frame i in the world: base A_1 ... A_i."""
+        return self.chain.base @ self.transform(0, i)
+
+    @cached_property
+    def end(self) -> PolynomialFrame:
+        """The end effector in the world: base A_1 ... A_n tool."""
+        return self.joint_frame(self.robot.n) @ self.chain.tool
+
+    def joint_frame(self, i: int) -> PolynomialFrame:
+        """Joint frame i (from 1) in the world; its z axis is the axis of joint i. Joint frame 0 is the base."""
+        if not self._joint_frames:
+            self._joint_frames.append(self.chain.base)
+        while len(self._joint_frames) <= i:
+            joint = self.chain.joints[len(self._joint_frames) - 1]
+            step = joint.fixed @ joint.motion(self.chain.zero, self.chain.one)
+            self._joint_frames.append(self._joint_frames[-1] @ step)
+        return self._joint_frames[i]
+
+    @cached_property
+    def _identity(self) -> PolynomialFrame:
+        o, z = self.chain.one, self.chain.zero
+        return Frame(((o, z, z), (z, o, z), (z, z, o)), (z, z, z))
+
+    # -- Jacobians, as lists of columns
+
+    def axis(self, i: int) -> PolynomialVector:
+        """Axis of joint i (from 1) in the world, in the sense of a positive rate of its variable."""
+        z = column(self.joint_frame(i).rotation, 2)
+        return z if self.robot.joints[i - 1].sign > 0 else scale(-1, z)
+
+    def linear_columns(self, point: PolynomialVector) -> list[PolynomialVector]:
+        """The derivatives of a point in the world with respect to every variable."""
+        d = self.domain.derivative
+        return [(d(point[0], k), d(point[1], k), d(point[2], k)) for k in range(self.robot.n)]
+
+    def angular_columns(self, last: int) -> list[PolynomialVector]:
+        """Angular velocity of link ``last`` (from 1; 0 is the base) per unit of every rate."""
+        still = (self.chain.zero,) * 3
+        return [
+            self.axis(k) if k <= last and self.robot.joints[k - 1].is_revolute else still
+            for k in range(1, self.robot.n + 1)
+        ]
+
+    def com(self, i: int) -> PolynomialVector:
+        """Centre of mass of link i in the world."""
+        frame = self.frame(i)
+        return add(frame.position, multiply(frame.rotation, self.vector(self.robot.links[i - 1].com)))
+
+    def motor_place(self, i: int) -> PolynomialVector:
+        """Where the rotor of joint i sits, in the world."""
+        carrier = self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed
+        if self.robot.convention is Convention.STANDARD:
+            return carrier.position
+        along = self.domain.constant(self.robot.joints[i - 1].d)
+        return add(carrier.position, scale(along, column(carrier.rotation, 2)))
+
+    def motor_angular_columns(self, i: int) -> list[PolynomialVector]:
+        """Angular velocity of the rotor of joint i per unit of every rate: that of link i-1, and ratio*z for joint i."""
+        columns = self.angular_columns(i - 1)
+        motor = self.robot.links[i - 1].motor or Motor()
+        z = column((self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed).rotation, 2)
+        columns[i - 1] = scale(self.domain.constant(motor.ratio), z)
+        return columns
+
+    # -- potential energy
+
+    @cached_property
+    def potential(self) -> Polynomial:
+        """U = -sum m g0.p over links and rotors, g0 in the world."""
+        robot, constant = self.robot, self.domain.constant
+        if robot.gravity is None:
+            return self.chain.zero
+        g = self.vector(robot.gravity)
+        total = self.chain.zero
+        for i, link in enumerate(robot.links, start=1):
+            total = total - constant(link.mass) * _dot(g, self.com(i))
+            if link.motor is not None:
+                total = total - constant(link.motor.mass) * _dot(g, self.motor_place(i))
+        return total
+
+    @cached_property
+    def gravity_vector(self) -> list[Polynomial]:
+        """g = dU/dq."""
+        return [self.domain.derivative(self.potential, k) for k in range(self.robot.n)]
+
+    def vector(self, cells: tuple[Expression, Expression, Expression]) -> PolynomialVector:
+        """Three cells as polynomials."""
+        constant = self.domain.constant
+        return (constant(cells[0]), constant(cells[1]), constant(cells[2]))
+
+
+def _dot(a: PolynomialVector, b: PolynomialVector) -> Polynomial:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def inverse(frame: PolynomialFrame) -> PolynomialFrame:
+    """The inverse of a rigid transform: (R^T, -R^T p)."""
+    turned = transpose(frame.rotation)
+    return Frame(turned, scale(-1, multiply(turned, frame.position)))
