@@ -39,6 +39,16 @@ def python_lines(name: str, value: Any, printer: Printer) -> list[str]:
     return [f"{target} = [", *body, "]"]
 
 
+def latex_lines(value: Any, printer: Printer) -> list[str]:
+    """A scalar or a matrix for mathematics mode; amsmath's matrices take at most ten columns, an array any number."""
+    rows = entries(value)
+    if rows is None:
+        return [printer(value)]
+    body = [f"  {' & '.join(printer(entry) for entry in row)} \\\\" for row in rows]
+    columns = "c" * len(rows[0])
+    return [rf"\left[\begin{{array}}{{{columns}}}", *body, r"\end{array}\right]"]
+
+
 def plain(value: Any, printer: Printer) -> Any:
     """A scalar as text, a matrix as a list of rows."""
     rows = entries(value)

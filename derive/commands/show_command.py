@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from derive.commands.quantity_text import plain, python_lines, text_lines
+from derive.commands.quantity_text import latex_lines, plain, python_lines, text_lines
 
 if TYPE_CHECKING:
     from derive.robot.robot import Robot
@@ -52,8 +52,12 @@ def _layout(robot: Robot, form: str) -> Callable[[str, Any], list[str]]:
     if form == "python":
         return lambda name, value: python_lines(name, value, str)
     if form == "latex":
-        return _latex_layout(robot)
-    from derive.emit.text_printer import text_printer
+        from derive.emit.latex_notation import Notation
+        from derive.emit.latex_printer import LatexPrinter
 
-    printer = text_printer(robot).doprint
-    return lambda name, value: text_lines(name, value, printer)
+        latex = LatexPrinter(Notation.of(robot)).latex
+        return lambda _, value: latex_lines(value, latex)
+    from derive.emit.text_printer import TextPrinter
+
+    text = TextPrinter(robot).doprint
+    return lambda name, value: text_lines(name, value, text)
