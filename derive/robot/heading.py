@@ -16,6 +16,12 @@ _IMPORTED_BY_GENERATED_CODE = {"numpy", "casadi", "math", "derive"}
 _FORBIDDEN_CATEGORIES = {"Cc", "Cs"}
 
 
+def is_robot_name(name: str) -> bool:
+    """Whether ``name`` has the right letters and makes an importable folder on every system."""
+    taken = _DEVICES | _IMPORTED_BY_GENERATED_CODE
+    return _NAME.fullmatch(name) is not None and not keyword.iskeyword(name) and name not in taken
+
+
 def read_name(document: Document) -> str:
     """The robot's name, which becomes the name of an importable folder.
 
@@ -31,7 +37,7 @@ def read_name(document: Document) -> str:
             f"allowed: a letter a-z, then a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
             f"write for instance {_suggestion(name)}; the title may be any text",
         )
-    if keyword.iskeyword(name) or name in _DEVICES | _IMPORTED_BY_GENERATED_CODE:
+    if not is_robot_name(name):
         raise document.error(
             ("name",), f"'{name}' cannot be the name of a Python package", remedy=f"write for instance {name}-robot"
         )

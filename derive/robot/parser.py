@@ -234,7 +234,8 @@ class _Parser:
         if before is not None and _ends_operand(before) and _begins_operand(token):
             remedy = f"write the product as {before.text[-20:]}*{token.text[:20]}"
             return self._error(f"no operator before {quoted(token.text)}", token, remedy)
-        return self._error(f"unexpected {quoted(token.text)}", token, "check the operators and parentheses")
+        remedy = "write 0.5, with a decimal point" if token.text == "," else "check the operators and parentheses"
+        return self._error(f"unexpected {quoted(token.text)}", token, remedy)
 
     def _error(self, found: str, token: Token, remedy: str) -> ExpressionError:
         return ExpressionError(

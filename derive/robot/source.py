@@ -270,18 +270,26 @@ class _Builder:
 
     def _scalar(self, event: yaml.ScalarEvent) -> Scalar:
         start = self._location(event.start_mark)
+        value = _joined_surrogates(event.value)
         if event.start_mark is None or event.end_mark is None:
-            return Scalar(event.value, start, start, False)
+            return Scalar(value, start, start, False)
         quotes = 1 if event.style in ("'", '"') else 0
         raw = self._text[event.start_mark.index + quotes : event.end_mark.index - quotes]
         inner = Location(start.source, start.line, start.column + quotes)
-        return Scalar(event.value, start, inner, raw == event.value)
+        return Scalar(value, start, inner, raw == value)
 
     def _location(self, mark: yaml.error.Mark | yaml._yaml.Mark | None) -> Location:
         return Location(self._source, mark.line + 1, mark.column + 1) if mark else Location(self._source)
 
     def _refuse(self, event: yaml.Event, found: str, remedy: str) -> RobotFileError:
         return RobotFileError(found, remedy=remedy, location=self._location(event.start_mark))
+
+
+def _joined_surrogates(text: str) -> str:
+    """JSON writes characters beyond U+FFFF as two escapes; YAML reads them as two halves."""
+    if text.isascii() or not any(0xD800 <= ord(character) < 0xE000 for character in text):
+        return text
+    return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "surrogatepass")
 
 
 def _yaml_error(error: yaml.YAMLError, text: str, source: str) -> RobotFileError:

@@ -51,13 +51,13 @@ _REMEDIES = {
     "\u2014": "write the ASCII minus sign -",
     "[": "use parentheses ( )",
     "{": "use parentheses ( )",
-    "_": "a name begins with a letter",
+    "_": "a name begins with a letter; write numbers without _",
     "=": "write only the right-hand side",
     "'": "remove the quotation mark",
     "\u2019": "remove the prime",
     '"': "remove the quotation mark",
 }
-_GRAMMAR = "integers, decimals, names, + - * / **, parentheses, pi, sin cos tan sqrt"
+_GRAMMAR = "allowed: integers, decimals, names, + - * / **, parentheses, pi, sin cos tan sqrt"
 
 
 def place(text: str, offset: int, start: Location) -> Location:

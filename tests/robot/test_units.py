@@ -1,0 +1,131 @@
+"""Degrees and millimetres become radians and metres exactly; names and factors stay what they are."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from derive import Robot
+from derive.errors import RobotFileError
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression, names
+from derive.robot.printer import to_text
+
+
+def robot(row: str, angle: str = "deg", length: str = "mm", extra: str = "") -> Robot:
+    """A robot with one row."""
+    return Robot.from_text(
+        f"name: r\nconvention: standard\nunits: {{angle: {angle}, length: {length}}}\njoints:\n  - {row}\n{extra}"
+    )
+
+
+def value(expression: Expression, **values: float) -> float:
+    """Number of an expression."""
+    return evaluate(expression, values)
+
+
+@pytest.mark.parametrize(
+    ("cell", "radians"),
+    [
+        ("90", "pi/2"),
+        ("-45", "-pi/4"),
+        ("180/7", "pi/7"),
+        ("beta", "beta"),
+        ("beta + 90", "beta + pi/2"),
+        ("2*beta - 30", "2*beta - pi/6"),
+        ("-(beta + 90)", "-beta - pi/2"),
+        ("2*30 + beta/2", "pi/3 + beta/2"),
+        ("0", "0"),
+        ("90*sin(30)", "sin(pi/6)*pi/2"),
+    ],
+)
+def test_plain_numbers_in_angle_cells_are_degrees(cell: str, radians: str) -> None:
+    assert to_text(robot(f"{{type: revolute, alpha: {cell}}}").joints[0].alpha) == radians
+
+
+def test_the_offset_of_a_variable_is_in_degrees_and_the_variable_in_radians() -> None:
+    joint = robot("{type: revolute, q: q1, theta: -q1 + 90}").joints[0]
+    assert joint.sign == -1
+    assert to_text(joint.theta) == "pi/2"
+
+
+@pytest.mark.parametrize("key", ["alpha", "theta"])
+@pytest.mark.parametrize("cell", ["pi/2", "beta + pi", "2*pi/3"])
+def test_pi_in_an_angle_cell_in_degrees_is_refused_with_a_hint(key: str, cell: str) -> None:
+    cell = f"q1 + {cell}" if key == "theta" else cell
+    with pytest.raises(RobotFileError, match=r":5:\d+: joints row 1, .*pi in an angle cell.*write 90 for pi/2"):
+        robot(f"{{type: revolute, {key}: {cell}}}")
+
+
+def test_pi_in_limits_in_degrees_is_refused() -> None:
+    with pytest.raises(RobotFileError, match="limits row 2: pi in an angle cell"):
+        robot("{type: revolute, limits: [-90, pi]}")
+
+
+@pytest.mark.parametrize(
+    ("cell", "metres"),
+    [
+        ("431.8", "2159/5000"),
+        ("a1", "a1"),
+        ("a1 + 20", "a1 + 1/50"),
+        ("2*a1 - 20", "2*a1 - 1/50"),
+        ("2*(a1 + 20)", "2*a1 + 1/25"),
+        ("sqrt(2)*100", "sqrt(2)/10"),
+        ("100*sin(30)", "sin(pi/6)/10"),
+        ("100*sin(pi/6)", "sin(pi/6)/10"),
+        ("a1*cos(beta + 30)", "a1*cos(beta + pi/6)"),
+        ("a1*1.5", "3*a1/2"),
+    ],
+)
+def test_plain_numbers_in_length_cells_are_millimetres(cell: str, metres: str) -> None:
+    assert to_text(robot(f"{{type: revolute, a: {cell}}}").joints[0].a) == metres
+
+
+def test_limits_follow_the_type_of_the_joint() -> None:
+    revolute = robot("{type: revolute, limits: [-180, 90]}").joints[0]
+    prismatic = robot("{type: prismatic, limits: [-180, 90]}").joints[0]
+    assert [value(limit) for limit in revolute.limits or ()] == pytest.approx([-math.pi, math.pi / 2])
+    assert [value(limit) for limit in prismatic.limits or ()] == pytest.approx([-0.18, 0.09])
+
+
+def test_a_prismatic_joints_offset_is_a_length_and_its_theta_an_angle() -> None:
+    joint = robot("{type: prismatic, d: q1 + 100, theta: beta + 90}").joints[0]
+    assert to_text(joint.d) == "1/10"
+    assert to_text(joint.theta) == "beta + pi/2"
+
+
+def test_translations_of_frames_and_centres_of_mass_are_lengths_and_all_else_is_si() -> None:
+    loaded = robot(
+        "{type: revolute}",
+        extra="tool: [[0, -1, 0, 100], [1, 0, 0, L + 5], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+        "gravity: [0, 0, -9.81]\n"
+        "links: [{mass: 3, com: [100, c, 0], inertia: {zz: 0.5}, armature: 2, friction: {viscous: 7}}]\n"
+        "parameters: {L: 2}\n",
+    )
+    assert [to_text(row[3]) for row in loaded.tool] == ["1/10", "L + 1/200", "0", "1"]
+    assert [to_text(row[1]) for row in loaded.tool] == ["-1", "0", "0", "0"]
+    link = loaded.links[0]
+    assert [to_text(cell) for cell in (link.mass, *link.com, link.inertia.zz)] == ["3", "1/10", "c", "0", "1/2"]
+    assert [to_text(cell) for cell in (link.armature, link.viscous)] == ["2", "7"]
+    assert loaded.gravity is not None
+    assert to_text(loaded.gravity[2]) == "-981/100"
+    assert to_text(dict(loaded.parameters)["L"]) == "2"
+
+
+def test_in_radians_and_metres_nothing_changes() -> None:
+    joint = robot("{type: revolute, theta: q1 + 2, a: 3*(x + 1), alpha: pi/3}", "rad", "m").joints[0]
+    assert [to_text(cell) for cell in (joint.theta, joint.a, joint.alpha)] == ["2", "3*(x + 1)", "pi/3"]
+
+
+def test_parameters_are_radians_even_where_cells_are_degrees() -> None:
+    loaded = robot("{type: revolute, alpha: beta + 90}", extra="parameters: {beta: pi/6}\n")
+    numbers = {name: value(number) for name, number in loaded.parameters}
+    assert list(names(loaded.joints[0].alpha)) == ["beta"]
+    assert value(loaded.joints[0].alpha, **numbers) == pytest.approx(2 * math.pi / 3)
+
+
+def test_gravity_cells_may_use_degrees_in_functions() -> None:
+    loaded = robot("{type: revolute}", extra="gravity: [9.81*sin(30), 0, -9.81*cos(30)]\n")
+    assert loaded.gravity is not None
+    assert value(loaded.gravity[0]) == pytest.approx(4.905)
