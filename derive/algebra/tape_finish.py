@@ -1,0 +1,60 @@
+"""The way of traced outputs to a tape for one robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+
+from derive.algebra.tape import PARAMETER, Tape
+from derive.algebra.tape_build import bake, cut
+from derive.algebra.tape_domain import TapeDomain
+from derive.algebra.tape_graph import Graph, Ref
+from derive.algebra.tape_improve import improve
+from derive.robot.names import free_symbols, number_of, robot_symbols
+from derive.robot.robot import Robot
+
+
+class Finisher:
+    """Puts the robot's numbers into a graph traced with its symbols, improves it and cuts tapes.
+
+    Args:
+        robot: The robot.
+        graph: The graph that a `TapeDomain` of this robot has filled.
+    """
+
+    def __init__(self, robot: Robot, graph: Graph) -> None:
+        self._graph = graph
+        self._replacements = _replacements(robot)
+
+    def tape(self, outputs: Sequence[Ref]) -> Tape:
+        """The tape of some outputs."""
+        return cut(*improve(*bake(self._graph, outputs, self._replacements)))
+
+
+def _replacements(robot: Robot) -> dict[int, Callable[[Graph], Ref]]:
+    """For each symbol its number, or its place in the parameter vector."""
+    free = {name: k for k, name in enumerate(free_symbols(robot))}
+    values = _numbers(robot)
+    return {
+        i: _input(free[name]) if name in free else _number(values[name]) for i, name in enumerate(robot_symbols(robot))
+    }
+
+
+def _numbers(robot: Robot) -> dict[str, Fraction]:
+    """Exact numbers of the parameters, in their own graph: they contain no symbols."""
+    graph = Graph()
+    domain = TapeDomain(robot, graph)
+    found = {}
+    for name, expression in number_of(robot).items():
+        value = graph.constant_of(domain.constant(expression).ref)
+        assert value is not None, f"{name} is not a number"
+        found[name] = value
+    return found
+
+
+def _input(index: int) -> Callable[[Graph], Ref]:
+    return lambda graph: graph.input(PARAMETER, index)
+
+
+def _number(value: Fraction) -> Callable[[Graph], Ref]:
+    return lambda graph: graph.number(value)

@@ -1,0 +1,214 @@
+"""The interned graph from which tapes are cut: building a value that exists already returns it.
+
+A value is referred to by ``2*index + negative``: the sign is part of the reference, so -x and x are one node, products
+and quotients pass signs on, and a sum of two negatives is a negative sum. Commutative operands are in the order of
+their creation; numbering depends on nothing else.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from derive.algebra import tape_constant as constants
+from derive.algebra.tape import FUNCTION_NAMES, PARAMETER, Layer, Node, Op, Source
+from derive.algebra.tape_constant import Constant
+from derive.errors import QuantityError
+
+Ref = int
+ZERO: Ref = 0
+ONE: Ref = 2
+MINUS_ONE: Ref = 3
+
+
+class Graph:
+    """Nodes by index; all methods return references."""
+
+    def __init__(self) -> None:
+        self.op: list[Op] = []
+        self.operands: list[tuple[int, ...]] = []
+        self.layer: list[int] = []
+        self.payload: dict[int, Constant | Source] = {}
+        self._index: dict[tuple[object, ...], int] = {}
+        self.number(Fraction(0))
+        self.number(Fraction(1))
+
+    def __len__(self) -> int:
+        return len(self.op)
+
+    def node(self, index: int) -> Node:
+        """One node, as it stands in a tape (operands in the numbering of this graph)."""
+        payload = self.payload.get(index)
+        source = payload if isinstance(payload, Source) else None
+        value = None if source is not None else payload
+        return Node(self.op[index], self.operands[index], Layer(self.layer[index]), value, source)
+
+    def number(self, value: Constant) -> Ref:
+        """A constant."""
+        negative = value < 0
+        if negative:
+            value = -value
+        key = (Op.CONSTANT, *constants.key_of(value))
+        index = self._index.get(key)
+        if index is None:
+            index = self._append(key, Op.CONSTANT, (), Layer.CONSTANT)
+            self.payload[index] = value
+        return 2 * index + negative
+
+    def input(self, kind: str, index: int) -> Ref:
+        """An argument or a run-time parameter."""
+        key = (Op.INPUT, kind, index)
+        found = self._index.get(key)
+        if found is None:
+            found = self._append(key, Op.INPUT, (), Layer.HOISTED if kind == PARAMETER else Layer.BODY)
+            self.payload[found] = Source(kind, index)
+        return 2 * found
+
+    def constant_of(self, ref: Ref) -> Constant | None:
+        """The number behind a reference, or None."""
+        if self.op[ref >> 1] is not Op.CONSTANT:
+            return None
+        value = self.payload[ref >> 1]
+        return -value if ref & 1 else value  # type: ignore[operator]
+
+    def add(self, a: Ref, b: Ref) -> Ref:
+        """A + b."""
+        if a == ZERO:
+            return b
+        if b == ZERO:
+            return a
+        if a >> 1 == b >> 1:
+            return self.multiply(self.number(Fraction(2)), a) if a == b else ZERO
+        x, y = self.constant_of(a), self.constant_of(b)
+        if x is not None and y is not None:
+            return self.number(constants.add(x, y))
+        if a > b:
+            a, b = b, a
+        op = Op.SUBTRACT if (a ^ b) & 1 else Op.ADD
+        return self._intern(op, a >> 1, b >> 1) | (a & 1)
+
+    def subtract(self, a: Ref, b: Ref) -> Ref:
+        """A - b."""
+        return self.add(a, self.negate(b))
+
+    def negate(self, a: Ref) -> Ref:
+        """-a."""
+        return a ^ 1 if a else a
+
+    def multiply(self, a: Ref, b: Ref) -> Ref:
+        """A times b."""
+        if a == ZERO or b == ZERO:
+            return ZERO
+        sign = (a ^ b) & 1
+        a, b = (a | 1) ^ 1, (b | 1) ^ 1
+        if a == ONE or b == ONE:
+            return (b if a == ONE else a) | sign
+        x, y = self.constant_of(a), self.constant_of(b)
+        if x is not None and y is not None:
+            return self.number(constants.multiply(x, y)) ^ sign
+        if x is not None or y is not None:
+            return self._scale(*((a, b) if x is not None else (b, a))) ^ sign
+        if a > b:
+            a, b = b, a
+        return self._intern(Op.MULTIPLY, a >> 1, b >> 1) | sign
+
+    def _scale(self, factor: Ref, a: Ref) -> Ref:
+        """Constant times value; two constants in a row become one."""
+        index = a >> 1
+        if self.op[index] is Op.MULTIPLY:
+            inner = self.constant_of(2 * self.operands[index][0])
+            if inner is not None:
+                number = self.number(constants.multiply(self.constant_of(factor), inner))
+                return self.multiply(number, 2 * self.operands[index][1])
+        first, second = factor >> 1, index
+        key = (Op.MULTIPLY, first, second)
+        return 2 * self._find(key, Op.MULTIPLY, (first, second))
+
+    def divide(self, a: Ref, b: Ref) -> Ref:
+        """A over b.
+
+        Raises:
+            QuantityError: b is the constant zero.
+        """
+        divisor = self.constant_of(b)
+        if divisor is not None:
+            return self.multiply(a, self.number(constants.reciprocal(divisor)))
+        if a == ZERO:
+            return ZERO
+        if a >> 1 == b >> 1:
+            return ONE | ((a ^ b) & 1)
+        return self._intern(Op.DIVIDE, a >> 1, b >> 1) | ((a ^ b) & 1)
+
+    def sine(self, a: Ref) -> Ref:
+        """sin(a)."""
+        value = self.constant_of(a)
+        if value is not None:
+            return self.number(constants.sine(value))
+        return self._intern(Op.SINE, a >> 1) | (a & 1)
+
+    def cosine(self, a: Ref) -> Ref:
+        """cos(a)."""
+        value = self.constant_of(a)
+        if value is not None:
+            return self.number(constants.cosine(value))
+        return self._intern(Op.COSINE, a >> 1)
+
+    def root(self, a: Ref) -> Ref:
+        """Square root.
+
+        Raises:
+            QuantityError: a is a negative constant.
+        """
+        value = self.constant_of(a)
+        if value is not None:
+            return self.number(constants.square_root(value))
+        index = a >> 1
+        if a & 1:
+            index = self._intern(Op.NEGATE, index) >> 1
+        return self._intern(Op.ROOT, index)
+
+    def sign(self, a: Ref) -> Ref:
+        """-1, 0 or 1."""
+        value = self.constant_of(a)
+        if value is not None:
+            return self.number(Fraction((value > 0) - (value < 0)))
+        return self._intern(Op.SIGN, a >> 1) | (a & 1)
+
+    def apply(self, op: Op, *operands: Ref) -> Ref:
+        """The operation by its kind, folded as if written."""
+        match op:
+            case Op.ADD:
+                return self.add(*operands)
+            case Op.SUBTRACT:
+                return self.subtract(*operands)
+            case Op.MULTIPLY:
+                return self.multiply(*operands)
+            case Op.DIVIDE:
+                return self.divide(*operands)
+            case Op.NEGATE:
+                return self.negate(*operands)
+            case Op.SINE:
+                return self.sine(*operands)
+            case Op.COSINE:
+                return self.cosine(*operands)
+            case Op.ROOT:
+                return self.root(*operands)
+            case Op.SIGN:
+                return self.sign(*operands)
+        raise QuantityError(f"no operation {op!r} on {len(operands)} values", allowed=f"{list(FUNCTION_NAMES)}")
+
+    def _intern(self, op: Op, *operands: int) -> Ref:
+        return 2 * self._find((op, *operands), op, operands)
+
+    def _find(self, key: tuple[object, ...], op: Op, operands: tuple[int, ...]) -> int:
+        index = self._index.get(key)
+        if index is not None:
+            return index
+        return self._append(key, op, operands, max(self.layer[i] for i in operands))
+
+    def _append(self, key: tuple[object, ...], op: Op, operands: tuple[int, ...], layer: int) -> int:
+        index = len(self.op)
+        self._index[key] = index
+        self.op.append(op)
+        self.operands.append(operands)
+        self.layer.append(layer)
+        return index

@@ -1,0 +1,208 @@
+"""The Christoffel Coriolis matrix by composite bodies, rotors included.
+
+A rigid body is a sum of points, and for points C_ij = sum m J_i . dJ_j/dt is exactly the Christoffel matrix, J_i the
+velocity of the point per unit rate of joint i. With x the place of a point seen from the origin of joint j and z the
+joint's axis, J_j = z x x, so all that joint j carries enters through
+
+    m,  h = sum m x,  hdot = sum m xdot,  I,  E = sum m xdot x^T,
+
+and dJ_j/dt = zdot x x + z x xdot asks for the force zdot x h + z x hdot and the moment I zdot + D z, D = tr(E) 1 - E.
+Carried inward, that wrench has the components C_ij, i < j. For row j, C_ji = eta . zdot_i + delta . z_i, where eta is
+the moment of the wrench that accelerates joint j alone (B_ij = eta . z_i) and delta = D^T z plus the lever arms'
+rates. The result agrees with the consistent factorisation of Echeandia and Wensing, J. Mechanisms and Robotics 13(6),
+2021; the recursion is our own.
+
+A rotor spinning at ``ratio*qd`` about u is a body of its own. Against the same rotor locked to its link, with c =
+ratio I and omega of that link, it adds c rate/2 u^ to E of the link, c/2 omega x u to the moment of its column, c u to
+eta and c/2 omega x u to delta of its row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+from derive.mechanics.chain import Body, Chain, ChainJoint
+from derive.mechanics.composite_inertia import unit_wrench
+from derive.mechanics.joint_motion import axis, body_to_parent, origin, rates, to_child, to_parent, work
+from derive.mechanics.vectors import Matrix, S, Vector, add, cross, matmul, multiply, scale, transpose
+
+
+@dataclass(frozen=True, slots=True)
+class MovingBody(Generic[S]):
+    """A composite body and how its moments change, in a joint frame.
+
+    Attributes:
+        body: Mass, first moment, inertia about the origin.
+        growth: hdot = sum m xdot.
+        spread: E = sum m xdot x^T.
+    """
+
+    body: Body[S]
+    growth: Vector[S]
+    spread: Matrix[S]
+
+    def __add__(self, other: MovingBody[S]) -> MovingBody[S]:
+        """Both together."""
+        return MovingBody(
+            self.body + other.body, add(self.growth, other.growth), _add_matrices(self.spread, other.spread)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Column(Generic[S]):
+    """What is carried inward for joint j.
+
+    Attributes:
+        force: Of the wrench of column j of C.
+        moment: Of the same.
+        unit: Force that accelerates joint j alone.
+        eta: Moment of the same.
+        delta: Moment that meets z_i in row j of C.
+    """
+
+    force: Vector[S]
+    moment: Vector[S]
+    unit: Vector[S]
+    eta: Vector[S]
+    delta: Vector[S]
+
+
+def coriolis_matrix(chain: Chain[S], velocities: Sequence[S], half: S) -> list[list[S]]:
+    """C(q, qd), nxn, in Christoffel form: C + C^T = dB/dt, C qd is the velocity torque.
+
+    Args:
+        chain: The arm.
+        velocities: qd, n entries.
+        half: The scalar 1/2.
+    """
+    speed = rates(chain, velocities)
+    omegas = angular_velocities(chain, speed)
+    bodies = _composites(chain, speed, omegas, half)
+    matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
+    for j, joint in enumerate(chain.joints):
+        column = _column(chain, joint, bodies[j], omegas[j + 1])
+        matrix[j][j] = work(joint, column.force, column.moment)
+        for i in range(j - 1, -1, -1):
+            column = _inward(chain.joints[i + 1], column, omegas[i + 1], speed[i + 1])
+            if i == j - 1:
+                column = _with_rotor(column, joint, omegas[j], half)
+            upper, lower = _entries(chain.joints[i], column, omegas[i + 1])
+            same = joint.sign == chain.joints[i].sign
+            matrix[i][j], matrix[j][i] = (upper, lower) if same else (-upper, -lower)
+    return matrix
+
+
+def angular_velocities(chain: Chain[S], speed: Sequence[S]) -> list[Vector[S]]:
+    """Of the base and of links 1..n, in their joint frames."""
+    omegas: list[Vector[S]] = [(chain.zero, chain.zero, chain.zero)]
+    for joint, rate in zip(chain.joints, speed, strict=True):
+        x, y, z = to_child(joint, omegas[-1])
+        omegas.append((x, y, z + rate if joint.revolute else z))
+    return omegas
+
+
+def _composites(
+    chain: Chain[S], speed: Sequence[S], omegas: Sequence[Vector[S]], half: S
+) -> list[MovingBody[S]]:
+    bodies = [_moving(body, omega, half) for body, omega in zip(chain.bodies, omegas[1:], strict=True)]
+    for i in range(chain.n - 1, 0, -1):
+        joint = chain.joints[i]
+        spin = _hat(scale(half * joint.coupling * speed[i], axis(joint)), chain.zero)
+        carried = _to_parent(joint, bodies[i], _origin_rate(joint, omegas[i], speed[i]))
+        inner = bodies[i - 1] + carried
+        bodies[i - 1] = MovingBody(inner.body, inner.growth, _add_matrices(inner.spread, spin))
+    return bodies
+
+
+def _moving(body: Body[S], omega: Vector[S], half: S) -> MovingBody[S]:
+    """One link: xdot = omega x x, so E = omega^ times the second moments."""
+    i = body.inertia
+    total = half * (i.xx + i.yy + i.zz)
+    second = ((total - i.xx, -i.xy, -i.xz), (-i.xy, total - i.yy, -i.yz), (-i.xz, -i.yz, total - i.zz))
+    columns = [cross(omega, row) for row in second]
+    return MovingBody(body, cross(omega, body.first_moment), transpose((columns[0], columns[1], columns[2])))
+
+
+def _to_parent(joint: ChainJoint[S], moving: MovingBody[S], rate: Vector[S]) -> MovingBody[S]:
+    """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot."""
+    p = origin(joint)
+    growth = to_parent(joint, moving.growth)
+    body = body_to_parent(joint, moving.body)
+    turned = matmul(
+        matmul(joint.fixed.rotation, _turn_matrix(joint.cosine, joint.sine, moving.spread)),
+        transpose(joint.fixed.rotation),
+    )
+    spread = _add_matrices(_add_matrices(turned, _outer(growth, p)), _outer(rate, body.first_moment))
+    return MovingBody(body, add(growth, scale(body.mass, rate)), spread)
+
+
+def _turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
+    """Rot(z) E Rot(z)^T, using s^2 + c^2 = 1."""
+    w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
+    right = (c * m[0][2] - s * m[1][2], s * m[0][2] + c * m[1][2])
+    below = (c * m[2][0] - s * m[2][1], s * m[2][0] + c * m[2][1])
+    return (
+        (m[0][0] - s * w, c * w - m[1][0], right[0]),
+        (c * w - m[0][1], m[1][1] + s * w, right[1]),
+        (below[0], below[1], m[2][2]),
+    )
+
+
+def _origin_rate(joint: ChainJoint[S], omega: Vector[S], rate: S) -> Vector[S]:
+    """Velocity of the origin of frame i seen from that of frame i-1, in frame i-1."""
+    turning = cross(omega, origin(joint))
+    return turning if joint.revolute else add(turning, scale(rate, axis(joint)))
+
+
+def _column(chain: Chain[S], joint: ChainJoint[S], moving: MovingBody[S], omega: Vector[S]) -> Column[S]:
+    """At the joint itself, in joint frame j; zdot = omega x z = (omega_y, -omega_x, 0)."""
+    unit, eta = unit_wrench(chain, joint, moving.body)
+    turn: Vector[S] = (omega[1], -omega[0], chain.zero)
+    h, hdot, e, i = moving.body.first_moment, moving.growth, moving.spread, moving.body.inertia
+    if not joint.revolute:
+        force = scale(moving.body.mass, turn)
+        return Column(force, cross(h, turn), unit, eta, (hdot[1], -hdot[0], chain.zero))
+    planar = e[0][0] + e[1][1]
+    force = add(cross(turn, h), (-hdot[1], hdot[0], chain.zero))
+    moment = add(multiply(i.matrix, turn), (-e[0][2], -e[1][2], planar))
+    return Column(force, moment, unit, eta, (-e[2][0], -e[2][1], planar))
+
+
+def _inward(joint: ChainJoint[S], column: Column[S], omega: Vector[S], rate: S) -> Column[S]:
+    """From joint frame i to i-1; ``omega`` of link i-1, ``rate`` of joint i."""
+    p = origin(joint)
+    force, unit = to_parent(joint, column.force), to_parent(joint, column.unit)
+    moment = add(to_parent(joint, column.moment), cross(p, force))
+    eta = add(to_parent(joint, column.eta), cross(p, unit))
+    delta = add(to_parent(joint, column.delta), cross(_origin_rate(joint, omega, rate), unit))
+    return Column(force, moment, unit, eta, delta)
+
+
+def _with_rotor(column: Column[S], joint: ChainJoint[S], omega: Vector[S], half: S) -> Column[S]:
+    """The rotor of joint j, on link j-1."""
+    u = axis(joint)
+    turn = scale(half * joint.coupling, cross(omega, u))
+    eta = add(column.eta, scale(joint.coupling, u))
+    return Column(column.force, add(column.moment, turn), column.unit, eta, add(column.delta, turn))
+
+
+def _entries(joint: ChainJoint[S], column: Column[S], omega: Vector[S]) -> tuple[S, S]:
+    """C_ij and C_ji in rates, with omega of link i."""
+    x, y, _ = omega
+    if joint.revolute:
+        return column.moment[2], column.delta[2] + (y * column.eta[0] - x * column.eta[1])
+    return column.force[2], y * column.unit[0] - x * column.unit[1]
+
+
+def _add_matrices(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
+    return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
+
+
+def _outer(a: Vector[S], b: Vector[S]) -> Matrix[S]:
+    return (scale(a[0], b), scale(a[1], b), scale(a[2], b))
+
+
+def _hat(u: Vector[S], zero: S) -> Matrix[S]:
+    return ((zero, -u[2], u[1]), (u[2], zero, -u[0]), (-u[1], u[0], zero))
