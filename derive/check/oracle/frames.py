@@ -85,7 +85,8 @@ def rotor_places(arm: Arm, frames: Array, q: Array) -> Array:
     if arm.standard:
         return origin
     travel = arm.sign * q * ~arm.revolute
-    return origin - axis * travel[..., None]
+    places: Array = origin - axis * travel[..., None]
+    return places
 
 
 def forward_kinematics(arm: Arm, q: Array) -> Array:

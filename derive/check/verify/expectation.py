@@ -1,0 +1,137 @@
+"""What a generated function has to return, and how far off a returned value is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from derive.check.oracle import Oracle
+from derive.check.oracle.arm import Array
+from derive.check.verify.samples import SampleSet
+from derive.check.verify.scales import FLOOR, bounds
+
+SINGULAR = 1e-13
+"""Smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Expectation:
+    """The oracle's answer for a batch of arguments.
+
+    Attributes:
+        oracle: The robot with its numbers.
+        arguments: Broadcast arguments, (..., n) each.
+        value: The answer, (..., *shape).
+        scale: What an error of each entry is measured against, broadcastable to ``value``.
+    """
+
+    oracle: Oracle
+    arguments: tuple[Array, ...]
+    value: Array
+    scale: Array
+
+    @property
+    def compared(self) -> int:
+        """Number of configurations that are compared."""
+        return self.arguments[0][..., 0].size
+
+    def errors(self, got: Array) -> Array:
+        """Relative error of each entry; infinite where ``got`` is not a number."""
+        return _relative(got - self.value, self.scale)
+
+    def take(self, rows: Array) -> Expectation:
+        """The expectation of a batch made of these rows."""
+        arguments = tuple(argument[rows] for argument in self.arguments)
+        return replace(self, arguments=arguments, value=self.value[rows])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AccelerationExpectation(Expectation):
+    """Accelerations, measured by the torque that is left over, since B may be ill conditioned.
+
+    The error of row i is |B qdd + h - tau|_i over sqrt(B_ii) sum_j sqrt(B_jj) |qdd_j| + |tau_i| + |h_i|: rounding alone
+    leaves the unit roundoff times a modest factor of that, whatever the condition of B (Higham, Accuracy and Stability
+    of Numerical Algorithms, section 10.1). Configurations where B is singular determine no accelerations; they are
+    called but not compared.
+
+    Attributes:
+        regular: (...) where B is not singular.
+    """
+
+    regular: Array
+
+    @property
+    def compared(self) -> int:
+        """Number of configurations with a regular B."""
+        return int(self.regular.sum())
+
+    def errors(self, got: Array) -> Array:
+        """Relative torque error of each row; 0 where B is singular."""
+        q, qd, tau = self.arguments
+        finite = np.where(np.isfinite(got), got, 0.0)
+        left = self.oracle.evaluate("inverse_dynamics", q, qd, finite) - tau
+        bias = self.oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
+        root = np.sqrt(np.abs(np.diagonal(self.oracle.evaluate("inertia_matrix", q), axis1=-2, axis2=-1)))
+        inertial = root * (root * np.abs(finite)).sum(axis=-1, keepdims=True)
+        errors = _relative(left, np.maximum(inertial + np.abs(tau) + np.abs(bias), self.scale))
+        errors[~np.isfinite(got)] = np.inf
+        errors[~self.regular] = 0.0
+        return errors
+
+    def take(self, rows: Array) -> Expectation:
+        """The expectation of a batch made of these rows."""
+        arguments = tuple(argument[rows] for argument in self.arguments)
+        return replace(self, arguments=arguments, value=self.value[rows], regular=self.regular[rows])
+
+
+def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:
+    """The oracle's answer.
+
+    Args:
+        function: Name of the generated function.
+        sample_set: The robot's numbers.
+        arguments: Broadcast arguments, (..., n) each.
+    """
+    oracle = sample_set.oracle
+    limits = bounds(oracle, arguments[0])
+    if function == "forward_dynamics":
+        return _accelerations(oracle, arguments, limits.torque(_largest(arguments[1]), 0.0 * _largest(arguments[1])))
+    value = oracle.evaluate(function, *arguments)
+    natural = limits.entry_scale(function, arguments)
+    batch = tuple(range(arguments[0].ndim - 1))
+    if function == "link_transforms":
+        batch = (*batch, arguments[0].ndim - 1)
+    return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=batch), FLOOR * natural))
+
+
+def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], torque: Array) -> AccelerationExpectation:
+    q, qd, tau = arguments
+    matrix = oracle.evaluate("inertia_matrix", q)
+    regular = _is_regular(matrix)
+    solvable = np.where(regular[..., None, None], matrix, np.eye(q.shape[-1]))
+    bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
+    value = np.linalg.solve(solvable, (tau - bias)[..., None])[..., 0]
+    return AccelerationExpectation(oracle, arguments, value, FLOOR * torque, regular)
+
+
+def _is_regular(matrix: Array) -> Array:
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    scaled = matrix / (root[..., :, None] * root[..., None, :])
+    smallest = np.abs(np.linalg.eigvalsh(scaled)).min(axis=-1)
+    regular: Array = (smallest > SINGULAR) & (diagonal > 0).all(axis=-1)
+    return regular
+
+
+def _relative(difference: Array, scale: Array) -> Array:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.abs(difference) / scale
+    exact = np.broadcast_to(difference == 0, ratio.shape)
+    errors: Array = np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
+    return errors
+
+
+def _largest(rates: Array) -> Array:
+    largest: Array = np.abs(rates).reshape(-1, rates.shape[-1]).max(axis=0)
+    return largest

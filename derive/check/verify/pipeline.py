@@ -1,0 +1,180 @@
+"""`verify`: compare everything that was generated with the independent recursion, and fail where it differs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from derive.check.oracle import FUNCTIONS
+from derive.check.oracle.arm import Array
+from derive.check.verify.expectation import AccelerationExpectation, Expectation, expectation
+from derive.check.verify.forms import FORMS, Trial, parameter_trials
+from derive.check.verify.generated import MODULES, GeneratedModel, load_models
+from derive.check.verify.report import TOLERANCE, Report, Row
+from derive.check.verify.samples import SampleSet, sample_sets
+from derive.errors import VerificationError
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+REMEDY = "this is a fault of derive, not of the robot file: please report it with the file"
+
+
+def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> Report:
+    """Compare every function of every generated module with the independent recursion.
+
+    Each function is called with one configuration, a batch, broadcast batches, more rows than one block holds and,
+    where symbols are free, batches of parameters; at random configurations within the limits and random velocities and
+    parameters.
+
+    Args:
+        robot: The robot.
+        folder: Its generated folder, with ``model_numpy.py`` and, or, ``model_casadi.py``.
+        samples: Number of configurations.
+        seed: Seed of their random choice.
+
+    Returns:
+        The worst relative error of each function.
+
+    Raises:
+        VerificationError: A function differs by more than 1e-9, raises, returns another shape, or is missing.
+    """
+    models = load_models(folder)
+    sets = sample_sets(robot, samples, np.random.default_rng(seed))
+    rows: list[Row] = []
+    for model in models:
+        _check_interface(robot, folder, model)
+        verifier = _Verifier(model, sets)
+        rows += [verifier.row(function) for function in sets[0].oracle.functions]
+    _check_coverage(folder, models, rows, sets[0].oracle.functions)
+    return Report(robot.name, seed, tuple(rows))
+
+
+@dataclass(frozen=True, slots=True)
+class _Verifier:
+    """Runs all trials of one target."""
+
+    model: GeneratedModel
+    sets: tuple[SampleSet, ...]
+
+    def row(self, function: str) -> Row:
+        """The worst error of one function over all trials."""
+        compared, called, worst = 0, 0, 0.0
+        for trial in self.trials(function):
+            expected = expectation(function, trial.sample_set, trial.arguments)
+            called += expected.arguments[0][..., 0].size
+            compared += expected.compared
+            worst = max(worst, self.check(function, trial, expected))
+        note = f"{called - compared} of {called} left out: singular inertia matrix" if compared < called else ""
+        return Row(self.model.target, function, compared, worst, note)
+
+    def trials(self, function: str) -> Iterator[Trial]:
+        names = FUNCTIONS[function].arguments
+        for sample_set in self.sets:
+            arguments = tuple(sample_set.arguments[name] for name in names)
+            for form in self.model.forms:
+                if form in FORMS:
+                    yield FORMS[form](self.model, function, arguments, sample_set)
+        if "parameters" in self.model.forms and self.sets[0].parameters:
+            yield from parameter_trials(self.model, function, names, self.sets)
+
+    def check(self, function: str, trial: Trial, expected: Expectation) -> float:
+        """The worst error of one trial, if it is within the tolerance."""
+        expected = expected if trial.rows is None else expected.take(trial.rows)
+        got = self.value(function, trial, expected)
+        if got is None:
+            return 0.0
+        if got.shape != expected.value.shape:
+            found = f"{self.where(function)} returns shape {got.shape} instead of {expected.value.shape}"
+            raise VerificationError(f"{found} ({trial.how})", remedy=REMEDY)
+        errors = expected.errors(got)
+        worst = float(errors.max(initial=0.0))
+        if worst > TOLERANCE:
+            raise VerificationError(
+                f"{self.where(function)} {_difference(expected, got, errors)} ({trial.how})"
+                f" at {_place(function, trial, expected, errors)}",
+                allowed=f"relative errors up to {TOLERANCE:g} are allowed",
+                remedy=REMEDY,
+            )
+        return worst
+
+    def value(self, function: str, trial: Trial, expected: Expectation) -> Array | None:
+        """What the generated function returns; None where dividing by a singular B ends it."""
+        try:
+            with np.errstate(all="ignore"):
+                return np.asarray(trial.run(), dtype=float)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            if isinstance(expected, AccelerationExpectation) and not expected.regular.all():
+                return None
+            raise self.failure(function, trial, error) from error
+        except Exception as error:
+            raise self.failure(function, trial, error) from error
+
+    def failure(self, function: str, trial: Trial, error: Exception) -> VerificationError:
+        found = f"{self.where(function)} raises {type(error).__name__}: {error} ({trial.how})"
+        return VerificationError(found, remedy=REMEDY)
+
+    def where(self, function: str) -> str:
+        return f"{function} of {self.model.file}"
+
+
+def _difference(expected: Expectation, got: Array, errors: Array) -> str:
+    place = np.unravel_index(int(np.argmax(errors)), errors.shape)
+    entry = ",".join(str(int(k) + 1) for k in place[expected.arguments[0].ndim - 1 :])
+    return f"differs: entry [{entry}] is {got[place]:.17g} instead of {expected.value[place]:.17g}"
+
+
+def _place(function: str, trial: Trial, expected: Expectation, errors: Array) -> str:
+    batch = expected.arguments[0].ndim - 1
+    place = np.unravel_index(int(np.argmax(errors)), errors.shape)[:batch]
+    names = FUNCTIONS[function].arguments
+    values = [f"{name} = {_vector(a[place])}" for name, a in zip(names, expected.arguments, strict=True)]
+    numbers = [f"{name} = {value:.17g}" for name, value in trial.sample_set.parameters.items()]
+    return ", ".join(values + numbers)
+
+
+def _vector(values: Array) -> str:
+    return "[" + ", ".join(f"{value:.17g}" for value in values) + "]"
+
+
+def _check_interface(robot: Robot, folder: Path, model: GeneratedModel) -> None:
+    """The module's constants are those of this robot."""
+    constants = model.constants
+    found = {"DOF": constants.get("DOF"), "PARAMETERS": tuple(constants.get("PARAMETERS", ()))}
+    wanted = {"DOF": robot.n, "PARAMETERS": free_symbols(robot)}
+    for name, value in wanted.items():
+        if found[name] != value:
+            raise VerificationError(
+                f"{name} of {model.file} is {found[name]!r} instead of {value!r}",
+                remedy=f"rebuild {folder.name}, it belongs to another robot file",
+            )
+
+
+def _check_coverage(folder: Path, models: tuple[GeneratedModel, ...], rows: list[Row], wanted: tuple[str, ...]) -> None:
+    """Every function that the robot has or the manifest lists was called: all of nothing is right, too."""
+    manifest = _manifest(folder)
+    listed = {*wanted, *manifest.get("operations", ())}
+    absent = {name for name in manifest.get("files", ()) if name in MODULES} - {model.file for model in models}
+    if absent or not (models or manifest):
+        missing = ", ".join(sorted(absent or MODULES))
+        raise VerificationError(f"{folder.name} does not hold {missing}", remedy="build the robot again")
+    for model in models:
+        called = {row.function for row in rows if row.target == model.target}
+        if listed != called:
+            missing = ", ".join(sorted(listed - called))
+            raise VerificationError(f"{model.file}: not verified: {missing}", remedy=REMEDY)
+
+
+def _manifest(folder: Path) -> dict[str, Any]:
+    path = folder / "MANIFEST.json"
+    if not path.is_file():
+        return {}
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise VerificationError(f"{folder.name}/MANIFEST.json is no JSON: {error}", remedy="build it again") from error
+    return manifest if isinstance(manifest, dict) else {}

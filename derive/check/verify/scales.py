@@ -1,0 +1,120 @@
+"""How large an entry of a quantity may be: the yardstick of relative errors.
+
+An error is measured against the largest value that its own entry takes over the samples, so that a small wrist inertia
+is not compared with a large shoulder inertia. Where an entry vanishes only rounding is left in it; then a thousandth of
+its natural size counts, the bound that masses, lengths and rates give for that entry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.check.oracle import Oracle
+from derive.check.oracle.arm import Arm, Array
+
+FLOOR = 1e-3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bounds:
+    """Bounds of an arm's quantities over a set of configurations.
+
+    Attributes:
+        reach: From frame 0 to anything on the arm [m].
+        extent: Reach plus base and tool [m].
+        revolute: (n,) whether joint i turns.
+        inertia: (n,) bound of B_ii.
+        gravity: (n,) bound of g_i.
+        friction: (2, n) viscous and Coulomb coefficients, absolute values.
+    """
+
+    reach: float
+    extent: float
+    revolute: Array
+    inertia: Array
+    gravity: Array
+    friction: Array
+
+    def entry_scale(self, function: str, arguments: Sequence[Array]) -> Array:
+        """Natural size of each entry of a generated function's value.
+
+        Args:
+            function: Name of the function, any but forward dynamics.
+            arguments: Its arguments, (..., n) each; the largest rates count.
+        """
+        rates = [np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0) for argument in arguments[1:]]
+        match function:
+            case "forward_kinematics" | "link_transforms":
+                return self._transform()
+            case "jacobian":
+                return self._jacobian()
+            case "inertia_matrix":
+                return self._inertia()
+            case "coriolis_matrix":
+                return self._coriolis(rates[0])
+            case "gravity_vector":
+                return self.gravity
+            case "inverse_dynamics":
+                return self.torque(*rates)
+            case _:
+                raise KeyError(function)
+
+    def torque(self, rate: Array, change: Array) -> Array:
+        """Bound of B qdd + C qd + g + friction, (n,)."""
+        moving: Array = self._inertia() @ change + self._coriolis(rate) @ rate
+        bound: Array = moving + self.gravity + self.friction[0] * rate + self.friction[1]
+        return bound
+
+    def _transform(self) -> Array:
+        scale = np.ones((4, 4))
+        scale[:3, 3] = self.extent
+        return scale
+
+    def _jacobian(self) -> Array:
+        linear = np.where(self.revolute, self.extent, 1.0)
+        return np.vstack([np.tile(linear, (3, 1)), np.ones((3, len(linear)))])
+
+    def _inertia(self) -> Array:
+        scale: Array = np.sqrt(np.outer(self.inertia, self.inertia))
+        return scale
+
+    def _coriolis(self, rate: Array) -> Array:
+        turning = np.where(self.revolute, rate, rate / max(self.reach, 1e-300)).sum()
+        scale: Array = self._inertia() * turning
+        return scale
+
+
+def bounds(oracle: Oracle, q: Array) -> Bounds:
+    """The bounds of an arm at configurations (samples, n)."""
+    arm = oracle.arm
+    travel = np.where(arm.revolute, 0.0, np.abs(q).reshape(-1, arm.n).max(axis=0))
+    lengths = np.abs(arm.a) + np.abs(arm.d) + travel
+    com = np.linalg.norm(arm.com, axis=-1)
+    reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
+    mass = _outwards(arm.mass) + _outwards(arm.rotor_mass) - arm.rotor_mass
+    force = mass * np.linalg.norm(arm.gravity)
+    return Bounds(
+        reach=float(reach[0]),
+        extent=float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum()),
+        revolute=arm.revolute,
+        inertia=_inertia_bound(arm, mass, reach),
+        gravity=np.where(arm.revolute, force * reach, force),
+        friction=np.abs([arm.viscous, arm.coulomb]),
+    )
+
+
+def _inertia_bound(arm: Arm, mass: Array, reach: Array) -> Array:
+    tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
+    turning = mass * reach**2 + _outwards(tensors) + _outwards(arm.rotor_inertia)
+    own = arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)
+    bound: Array = np.where(arm.revolute, turning, mass) + own
+    return bound
+
+
+def _outwards(values: Array) -> Array:
+    """Sums over the links from i to the end, of absolute values."""
+    sums: Array = np.cumsum(np.abs(values)[::-1])[::-1]
+    return sums

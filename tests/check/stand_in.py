@@ -1,0 +1,51 @@
+"""Stand-ins for generated modules: right by construction, so that faults can be planted in them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from derive.check.oracle import FUNCTIONS
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+HEAD = """
+import numpy as np
+from derive.check.oracle import Oracle
+from derive.robot.robot import Robot
+
+ROBOT = Robot.from_text({text!r})
+DOF = {dof}
+PARAMETERS = {parameters!r}
+
+
+def _value(name, arguments, params):
+    numbers = {{key: np.asarray(value, dtype=float) for key, value in (params or {{}}).items()}}
+    batch = np.broadcast_shapes(*(np.shape(a)[:-1] for a in arguments), *(v.shape for v in numbers.values()))
+    arguments = [np.broadcast_to(a, (*batch, DOF)) for a in arguments]
+    if all(v.ndim == 0 for v in numbers.values()):
+        return Oracle.of(ROBOT, {{key: float(v) for key, v in numbers.items()}}).evaluate(name, *arguments)
+    numbers = {{key: np.broadcast_to(value, batch) for key, value in numbers.items()}}
+    values = {{}}
+    for k in np.ndindex(batch):
+        oracle = Oracle.of(ROBOT, {{key: float(value[k]) for key, value in numbers.items()}})
+        values[k] = oracle.evaluate(name, *(a[k] for a in arguments))
+    first = next(iter(values.values()))
+    return np.array(list(values.values())).reshape(*batch, *first.shape)
+"""
+
+FUNCTION = """
+
+def {name}({arguments}, params=None):
+    return _value({name!r}, [{arguments}], params)
+"""
+
+
+def write_stand_in(folder: Path, text: str, fault: str = "") -> Robot:
+    """Write a ``model_numpy.py`` that is right but for the code ``fault`` at its end."""
+    robot = Robot.from_text(text)
+    source = HEAD.format(text=text, dof=robot.n, parameters=free_symbols(robot))
+    for name, definition in FUNCTIONS.items():
+        if robot.has_dynamics or not definition.dynamic:
+            source += FUNCTION.format(name=name, arguments=", ".join(definition.arguments))
+    (folder / "model_numpy.py").write_text(source + fault, encoding="utf-8")
+    return robot
