@@ -1,0 +1,27 @@
+"""What every target is rendered from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from derive.algebra.program import Program
+from derive.robot.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One robot, ready to be printed.
+
+    Attributes:
+        robot: The robot.
+        program: Its functions as tapes.
+        quantities: Closed forms by name, for the targets that print formulas.
+        version: Version of the tool, stated in every output.
+    """
+
+    robot: Robot
+    program: Program
+    quantities: Mapping[str, Any]
+    version: str
