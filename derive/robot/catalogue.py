@@ -49,7 +49,7 @@ def catalogue_text(name: str) -> str:
     if name not in catalogue_names():
         raise UnknownRobotError(
             f"no catalogue robot {quoted(name)}",
-            allowed="a name from derive list",
+            allowed="allowed: a name from derive list",
             remedy=near_miss(name, catalogue_names()),
         )
     return (_folder() / f"{name}{_SUFFIX}").read_text(encoding="utf-8")

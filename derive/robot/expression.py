@@ -32,14 +32,14 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Sum:
-    """``terms[0] + terms[1] + ...``"""
+    """The sum ``terms[0] + terms[1] + ...``."""
 
     terms: tuple[Expression, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Product:
-    """``factors[0] * factors[1] * ...``"""
+    """The product ``factors[0] * factors[1] * ...``."""
 
     factors: tuple[Expression, ...]
 

@@ -147,7 +147,7 @@ class _Row:
             path,
             f"{quoted(to_text(expression))} is constant, but {self._moving} is the cell that moves in a "
             f"{self._type.value} joint",
-            f"allowed: '{name}' or -{name}, with a constant added",
+            f"allowed: {name} or -{name}, with a constant added",
             f"leave the cell out or write {self._moving}: {name} + ...; a figure's position is no part of the "
             f"table{hint}",
         )

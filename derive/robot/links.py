@@ -24,7 +24,7 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
     if rows != joints:
         raise document.error(
             ("links",),
-            f"{rows} rows for {joints} joints",
+            f"{rows} {'row' if rows == 1 else 'rows'} for {joints} joints",
             f"allowed: exactly {joints}",
             "write one row per joint; a massless link is {mass: 0}",
         )

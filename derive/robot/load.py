@@ -43,7 +43,7 @@ def load_robot(path_or_name: str | Path) -> Robot:
     if "\0" in text or not _exists(path):
         raise UnknownRobotError(
             f"no file and no catalogue robot {quoted(text, 200)}",
-            allowed="a path to a robot file, or a name from derive list",
+            allowed="allowed: a path to a robot file, or a name from derive list",
             remedy=near_miss(path.stem, catalogue_names()),
         )
     return robot_from_bytes(_bytes(path), text)

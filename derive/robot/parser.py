@@ -238,8 +238,9 @@ class _Parser:
         return self._error(f"unexpected {quoted(token.text)}", token, remedy)
 
     def _error(self, found: str, token: Token, remedy: str) -> ExpressionError:
+        whole = self._text.strip() in ("", token.text)
         return ExpressionError(
-            f"{found} in {quoted(self._text)}",
+            found if whole else f"{found} in {quoted(self._text)}",
             remedy=remedy,
             location=place(self._text, token.offset, self._start),
         )

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from derive.robot.expression import ONE, ZERO, Expression
 
-
 Vector = tuple[Expression, Expression, Expression]
 Matrix = tuple[tuple[Expression, ...], ...]
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
-from pydantic.json_schema import SkipJsonSchema
 
 from derive.robot.limits import FILE_LIMITS
 
@@ -40,16 +39,12 @@ class JointRow(Strict):
     """One row of the Denavit-Hartenberg table."""
 
     type: Literal["revolute", "prismatic"] = Field(description="What the joint's variable is.")
-    q: Symbol | SkipJsonSchema[None] = Field(
-        default=None, description="Name of the joint variable; default q1, q2, ... by row."
-    )
+    q: Symbol | None = Field(default=None, description="Name of the joint variable; default q1, q2, ... by row.")
     theta: Cell = Field(default="0", description="Angle about z; a revolute joint's default is its variable.")
     d: Cell = Field(default="0", description="Offset along z; a prismatic joint's default is its variable.")
     a: Cell = Field(default="0", description="Link length; in the modified convention a_{i-1}.")
     alpha: Cell = Field(default="0", description="Link twist; in the modified convention alpha_{i-1}.")
-    limits: tuple[Cell, Cell] | SkipJsonSchema[None] = Field(
-        default=None, description="Lower and upper limit of the variable."
-    )
+    limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
 
 
 class MotorRow(Strict):
@@ -84,7 +79,7 @@ class LinkRow(Strict):
     mass: Cell = Field(default="0", description="Mass [kg].")
     com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the link's own frame.")
     inertia: InertiaRow = Field(default=InertiaRow(), description="Tensor about the centre of mass [kg m^2].")
-    motor: MotorRow | SkipJsonSchema[None] = Field(default=None, description="Full model of the joint's motor.")
+    motor: MotorRow | None = Field(default=None, description="Full model of the joint's motor.")
     armature: Cell = Field(default="0", description="Reflected rotor inertia ratio^2*Jm, added to B[i,i] only.")
     friction: FrictionRow = Field(default=FrictionRow(), description="Joint-side friction.")
 
@@ -95,7 +90,7 @@ class RobotFile(Strict):
     name: str = Field(
         description="Name of the robot, and of its output folder.", json_schema_extra={"pattern": ROBOT_NAME_PATTERN}
     )
-    title: str | SkipJsonSchema[None] = Field(
+    title: str | None = Field(
         default=None,
         description="Free text for people; default: the name.",
         json_schema_extra={"maxLength": FILE_LIMITS.title_length},
@@ -108,19 +103,19 @@ class RobotFile(Strict):
     joints: list[JointRow] = Field(
         description="One row per joint.", json_schema_extra={"minItems": 1, "maxItems": FILE_LIMITS.joints}
     )
-    base: Matrix4 | SkipJsonSchema[None] = Field(default=None, description="Constant transform before frame 0.")
-    tool: Matrix4 | SkipJsonSchema[None] = Field(default=None, description="Constant transform after frame n.")
-    gravity: Vector3 | SkipJsonSchema[None] = Field(
+    base: Matrix4 | None = Field(default=None, description="Constant transform before frame 0.")
+    tool: Matrix4 | None = Field(default=None, description="Constant transform after frame n.")
+    gravity: Vector3 | None = Field(
         default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
     )
-    links: list[LinkRow] | SkipJsonSchema[None] = Field(default=None, description="One row per joint: dynamics.")
+    links: list[LinkRow] | None = Field(default=None, description="One row per joint: dynamics.")
     parameters: dict[str, Cell] = Field(default={}, description="Numbers of symbols, in SI units and radians.")
     runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
 
 
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
-    robot = RobotFile.model_json_schema(ref_template="#/$defs/{model}")
+    robot = _without_null(RobotFile.model_json_schema(ref_template="#/$defs/{model}"))
     definitions = robot.pop("$defs", {})
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -137,3 +132,17 @@ def json_schema() -> dict[str, Any]:
             },
         ],
     }
+
+
+def _without_null(schema: Any) -> Any:
+    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other."""
+    if isinstance(schema, list):
+        return [_without_null(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    plain = {key: _without_null(value) for key, value in schema.items() if not (key == "default" and value is None)}
+    options = [option for option in plain.get("anyOf", []) if option != {"type": "null"}]
+    if len(options) == 1:
+        del plain["anyOf"]
+        plain = {**options[0], **plain}
+    return plain

@@ -56,11 +56,11 @@ def new_robot_text(name: str, joints: int = 2) -> str:
     if not is_robot_name(name):
         raise RobotFileError(
             f"{quoted(name)} is not a robot name",
-            allowed=f"a letter a-z, then a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
+            allowed=f"allowed: a letter a-z, then a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
             remedy="no Python keyword and no name of an imported package",
         )
     if not 1 <= joints <= FILE_LIMITS.joints:
-        raise RobotFileError(f"{joints} joints", allowed=f"1 to {FILE_LIMITS.joints}")
+        raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
     rows = "".join(_row(i) for i in range(1, joints + 1))
     links = "".join(_link(i) for i in range(1, joints + 1))
     return _HEAD.format(name=name) + rows + _TAIL + links + _PARAMETERS.format(last=joints)

@@ -153,7 +153,7 @@ def _decoded(data: bytes, source: str) -> str:
         if ord(character) < 32 and character not in "\t\n\r":
             raise RobotFileError(
                 f"control character U+{ord(character):04X}",
-                allowed="plain text",
+                allowed="allowed: plain text",
                 remedy="save the file as UTF-8 text",
                 location=_location(text, index, source),
             )
@@ -166,11 +166,11 @@ def _location(text: str, index: int, source: str) -> Location:
 
 def _robot_block(root: Node | None, start: Location) -> Mapping:
     if root is None:
-        raise RobotFileError("empty file", allowed="a robot", remedy="see derive new NAME", location=start)
+        raise RobotFileError("empty file", allowed="allowed: a robot", remedy="see derive new NAME", location=start)
     if not isinstance(root, Mapping):
         raise RobotFileError(
             "the file is not a mapping",
-            allowed="keys such as name, convention, joints",
+            allowed="allowed: keys such as name, convention, joints",
             remedy="see derive new NAME",
             location=root.location,
         )
@@ -180,7 +180,7 @@ def _robot_block(root: Node | None, start: Location) -> Mapping:
     if clash := [key for key in ("joints", "convention", "links") if key in root.entries]:
         raise RobotFileError(
             f"'{clash[0]}' beside the block 'robot'",
-            allowed="one robot, either in the block 'robot' or at the top level",
+            allowed="allowed: one robot, either in the block 'robot' or at the top level",
             remedy=f"move '{clash[0]}' into the block",
             location=root.entries[clash[0]][0].location,
         )

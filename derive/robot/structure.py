@@ -119,7 +119,9 @@ def _wrong_choice(document: Document, path: Path, item: dict[str, Any]) -> Robot
 def _wrong_length(document: Document, path: Path) -> RobotFileError:
     expected = {"limits": 2, "com": 3, "gravity": 3}.get(str(path[-1]), 4) if path else 0
     count = document.length(path)
-    return document.error(path, f"{count} entries", f"allowed: exactly {expected}", "write zeros where nothing else is")
+    remedy = "write [lower, upper]" if path[-1:] == ("limits",) else "write zeros where nothing else is"
+    found = f"{count} entry" if count == 1 else f"{count} entries"
+    return document.error(path, found, f"allowed: exactly {expected}", remedy)
 
 
 def _found(node: Node | None) -> str:
@@ -135,6 +137,8 @@ def _found(node: Node | None) -> str:
 
 
 def _expected(path: Path, kind: str) -> str:
+    if path and path[-1] in ("name", "title", "q"):
+        return "allowed: a text"
     if kind == "string_type":
         return "allowed: one number, name or expression"
     if kind in ("list_type", "tuple_type"):

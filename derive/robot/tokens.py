@@ -85,7 +85,7 @@ def tokenize(text: str, start: Location, limits: Limits) -> tuple[Token, ...]:
     if len(text) > limits.text_length:
         raise ExpressionError(
             f"expression of {len(text)} characters",
-            allowed=f"at most {limits.text_length}",
+            allowed=f"allowed: at most {limits.text_length}",
             remedy="introduce a parameter for part of it",
             location=start,
         )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+_LISTS_OF_ROWS = ("joints", "links", "base", "tool")
+
 
 def quoted(text: str, length: int = 40) -> str:
     """``text`` in quotes, on one line, cut to ``length`` characters, with control characters escaped."""
@@ -25,8 +27,11 @@ def listed(words: Iterable[str]) -> str:
 
 
 def path_text(path: tuple[str | int, ...]) -> str:
-    """A place in the file as a reader says it: ``joints row 2, alpha``."""
+    """A place in the file as a reader says it: ``joints row 2, alpha`` or ``gravity entry 3``."""
     text = ""
-    for part in path:
-        text += f" row {part + 1}" if isinstance(part, int) else (", " if text else "") + part
+    for before, part in zip(("", *path), path, strict=False):
+        if isinstance(part, int):
+            text += f" {'row' if before in _LISTS_OF_ROWS else 'entry'} {part + 1}"
+        else:
+            text += (", " if text else "") + part
     return text or "the robot file"

@@ -41,7 +41,9 @@ def test_everything_optional_has_its_documented_default() -> None:
 
 
 def test_a_full_row_is_read_cell_by_cell() -> None:
-    joint = arm("{type: revolute, q: th, theta: pi/2 - th, d: d1 + 1, a: 0.4318, alpha: al, limits: [-pi, x]}").joints[0]
+    joint = arm("{type: revolute, q: th, theta: pi/2 - th, d: d1 + 1, a: 0.4318, alpha: al, limits: [-pi, x]}").joints[
+        0
+    ]
     assert (joint.variable, joint.sign) == ("th", -1)
     cells = (joint.theta, joint.d, joint.a, joint.alpha, *(joint.limits or ()))
     assert [to_text(cell) for cell in cells] == ["pi/2", "d1 + 1", "2159/5000", "al", "-pi", "x"]
@@ -68,14 +70,18 @@ def test_names_are_never_anything_but_symbols(name: str) -> None:
 
 
 def test_a_corpus_file_is_a_robot_file() -> None:
-    text = "source: {document: d}\nrobot:\n  name: r\n  convention: modified\n  joints: [{type: revolute}]\nexpected: []\n"
+    text = (
+        "source: {document: d}\nrobot:\n  name: r\n  convention: modified\n  joints: [{type: revolute}]\nexpected: []\n"
+    )
     robot = load(text)
     assert robot.convention is Convention.MODIFIED
     assert robot.digest == hashlib.sha256(text.encode()).hexdigest()
 
 
 def test_links_have_zeros_where_the_file_is_silent() -> None:
-    robot = arm("{type: revolute}", "{type: revolute}", tail="gravity: [0, 0, -9.81]\nlinks: [{mass: 2}, {motor: {ratio: 5}}]\n")
+    robot = arm(
+        "{type: revolute}", "{type: revolute}", tail="gravity: [0, 0, -9.81]\nlinks: [{mass: 2}, {motor: {ratio: 5}}]\n"
+    )
     first, second = robot.links
     assert first.motor is None
     assert (first.com, first.inertia.xx, first.armature, first.viscous) == ((ZERO, ZERO, ZERO), ZERO, ZERO, ZERO)
@@ -123,7 +129,9 @@ def test_names_of_derivatives_and_labels(variable: str, velocity: str, accelerat
     assert joint_label(variable) == label
 
 
-@pytest.mark.parametrize("title", ["", '"', "\\input{x} % $", "{{ 7*7 }} {% raw %}", "# '''\n\"\"\"\n*/ -->", "日本 \U0001f916", "a\tb"])
+@pytest.mark.parametrize(
+    "title", ["", '"', "\\input{x} % $", "{{ 7*7 }} {% raw %}", "# '''\n\"\"\"\n*/ -->", "日本 \U0001f916", "a\tb"]
+)
 def test_any_printable_title_is_legal(title: str) -> None:
     import json
 

@@ -233,11 +233,13 @@ def test_large_and_deep_texts_are_refused_at_once(text: str) -> None:
 def test_any_text_is_parsed_or_refused_with_a_place(text: str) -> None:
     try:
         tree = parse(text)
-    except DeriveError as error:
-        assert error.location is not None
-        assert error.location.line >= START.line
+    except DeriveError as refusal:
+        place = refusal.location
     else:
+        place = START
         assert parse(to_text(tree)) == tree
+    assert place is not None
+    assert place.line >= START.line
 
 
 def test_printed_formulas_may_use_atan2() -> None:

@@ -59,7 +59,7 @@ def test_pi_in_an_angle_cell_in_degrees_is_refused_with_a_hint(key: str, cell: s
 
 
 def test_pi_in_limits_in_degrees_is_refused() -> None:
-    with pytest.raises(RobotFileError, match="limits row 2: pi in an angle cell"):
+    with pytest.raises(RobotFileError, match="limits entry 2: pi in an angle cell"):
         robot("{type: revolute, limits: [-90, pi]}")
 
 

@@ -1,0 +1,73 @@
+"""The built-in robots load, and say what they are without being loaded."""
+
+from __future__ import annotations
+
+import pytest
+
+from derive import Robot
+from derive.errors import RobotFileError, UnknownRobotError
+from derive.robot.catalogue import catalogue_entries, catalogue_names, catalogue_text
+from derive.robot.evaluate import evaluate
+from derive.robot.names import free_symbols
+from derive.robot.skeleton import new_robot_text
+
+LECTURE_ROBOTS = 24
+
+
+def test_all_lecture_robots_and_the_arms_that_the_notes_ask_for_are_there() -> None:
+    names = catalogue_names()
+    assert len(names) == LECTURE_ROBOTS + 3
+    assert {"scara-perugia", "puma560-usp", "thumb", "human-body", "puma560-corke", "kuka-lwr4", "kuka-kr5"} <= set(
+        names
+    )
+    assert list(names) == sorted(names)
+
+
+@pytest.mark.parametrize("entry", catalogue_entries(), ids=lambda entry: entry.name)
+def test_an_entry_says_what_the_robot_is(entry) -> None:  # type: ignore[no-untyped-def]
+    robot = Robot.load(entry.name)
+    assert (robot.name, robot.title, robot.n, robot.has_dynamics) == (
+        entry.name,
+        entry.title,
+        entry.joints,
+        entry.has_dynamics,
+    )
+    assert robot.source == entry.name
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_every_file_cites_its_source(name: str) -> None:
+    assert catalogue_text(name).startswith("# Source: ")
+
+
+def test_corkes_reflected_inertia_is_the_square_of_the_gear_ratio_times_the_motors() -> None:
+    robot = Robot.load("puma560-corke")
+    reflected = [evaluate(link.armature, {}) for link in robot.links]
+    assert reflected == pytest.approx(
+        [0.784029968642, 2.324814845, 0.576873317938, 0.190790617, 0.17070653, 0.19406447]
+    )
+    assert free_symbols(robot) == ()
+
+
+def test_unknown_catalogue_names_are_refused() -> None:
+    with pytest.raises(UnknownRobotError, match="did you mean 'kuka-kr5'"):
+        catalogue_text("kuka-kr6")
+
+
+@pytest.mark.parametrize("joints", [1, 2, 7, 64])
+def test_a_new_robot_file_loads_as_it_is(joints: int) -> None:
+    robot = Robot.from_text(new_robot_text("my-arm", joints))
+    assert (robot.name, robot.n, len(robot.links)) == ("my-arm", joints, joints)
+    assert "g" not in free_symbols(robot)
+
+
+@pytest.mark.parametrize("name", ["", "../x", "Arm", "class", "con", "a" * 65])
+def test_a_new_robot_file_is_refused_for_names_that_no_robot_may_have(name: str) -> None:
+    with pytest.raises(RobotFileError, match="not a robot name"):
+        new_robot_text(name)
+
+
+@pytest.mark.parametrize("joints", [0, -1, 65])
+def test_a_new_robot_file_is_refused_for_impossible_numbers_of_joints(joints: int) -> None:
+    with pytest.raises(RobotFileError, match="allowed: 1 to 64"):
+        new_robot_text("my-arm", joints)

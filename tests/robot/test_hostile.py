@@ -1,0 +1,86 @@
+"""Broken and hostile files are refused quickly, in one line, with the file's name and the line."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from derive import Robot
+from derive.errors import ExpressionError, RobotFileError
+from tests.robot.hostile import GOOD, HOSTILE
+
+SECONDS = 5.0
+
+
+def refusal(path: Path) -> str:
+    """The message of the refusal of a file, after checking its kind and its time."""
+    begin = time.perf_counter()
+    with pytest.raises((RobotFileError, ExpressionError)) as caught:
+        Robot.load(path)
+    assert time.perf_counter() - begin < SECONDS
+    assert caught.value.location is not None
+    return str(caught.value)
+
+
+def test_the_file_that_the_broken_ones_are_made_from_is_good() -> None:
+    assert Robot.from_text(GOOD).n == 2
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_refused_in_one_line_with_file_and_line(name: str, tmp_path: Path) -> None:
+    data, words = HOSTILE[name]
+    path = tmp_path / f"{name}.yaml"
+    path.write_bytes(data)
+    message = refusal(path)
+    assert re.match(re.escape(str(path)) + r":\d+:\d+: \S", message)
+    assert words in message
+    assert message.isprintable()
+    assert len(message) < 600
+
+
+def test_nothing_was_run() -> None:
+    assert not Path("/tmp/derive-was-here").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "column"),
+    [
+        ("import", 5, 26),
+        ("unknown-key", 12, 1),
+        ("unknown-cell", 5, 28),
+        ("duplicate-key", 13, 1),
+        ("duplicate-parameter", 11, 28),
+        ("wrong-convention", 3, 13),
+        ("missing-type", 6, 5),
+        ("com-two", 9, 21),
+        ("unused-parameter", 11, 32),
+        ("unknown-runtime", 12, 11),
+        ("tool-scaled", 13, 8),
+        ("negative-mass", 9, 12),
+        ("tabs", 3, 1),
+        ("latin-1", 2, 11),
+        ("cell-octal", 5, 26),
+        ("links-too-few", 9, 3),
+        ("division-by-zero", 5, 26),
+    ],
+)
+def test_the_place_is_exact(name: str, line: int, column: int, tmp_path: Path) -> None:
+    path = tmp_path / "x.yaml"
+    path.write_bytes(HOSTILE[name][0])
+    assert refusal(path).startswith(f"{path}:{line}:{column}: ")
+
+
+def test_offsets_in_quoted_cells_count_the_quotation_mark() -> None:
+    with pytest.raises(ExpressionError) as caught:
+        Robot.from_text('name: r\nconvention: standard\njoints:\n  - {type: revolute, a: "x $"}\n')
+    assert caught.value.location is not None
+    assert (caught.value.location.line, caught.value.location.column) == (4, 28)
+
+
+def test_a_file_name_with_a_line_break_does_not_break_the_message(tmp_path: Path) -> None:
+    path = tmp_path / "a\nb.yaml"
+    path.write_bytes(b"- x\n")
+    assert refusal(path).isprintable()
