@@ -12,10 +12,9 @@ from derive.robot.load import robot_from_bytes
 from derive.robot.robot import Robot
 
 TEXTS = [catalogue_text(name) for name in catalogue_names()]
-SNIPPETS = (
-    "\t,\n, ,:,-,[,],{,},',\",#,&a ,*a,!!x ,%,?,|,>,\0,\r,q1,pi,**,1/0,sqrt(-1),type: prismatic,theta: 0,"
-    "\u2028,\x85,\ufeff,---\n,...\n"
-).split(",")
+SYNTAX = ["\t", "\n", " ", ":", "-", "[", "]", "{", "}", "'", '"', "#", "&a ", "*a", "!!x ", "%", "?", "|", ">"]
+CONTROL = ["\0", "\r", "\u2028", "\x85", "\ufeff", "---\n", "...\n"]
+CELLS = ["q1", "pi", "**", "1/0", "sqrt(-1)", "type: prismatic", "theta: 0"]
 
 
 def answer(data: bytes) -> Robot | str:
@@ -33,7 +32,7 @@ def edited_texts(draw: st.DrawFn) -> str:
     for _ in range(draw(st.integers(1, 4))):
         start = draw(st.integers(0, len(text)))
         end = min(len(text), start + draw(st.integers(0, 12)))
-        text = text[:start] + draw(st.sampled_from([*SNIPPETS, "", text[start:end] * 2])) + text[end:]
+        text = text[:start] + draw(st.sampled_from([*SYNTAX, *CONTROL, *CELLS, "", text[start:end] * 2])) + text[end:]
     return text
 
 

@@ -43,9 +43,9 @@ def test_every_file_cites_its_source(name: str) -> None:
 def test_corkes_reflected_inertia_is_the_square_of_the_gear_ratio_times_the_motors() -> None:
     robot = Robot.load("puma560-corke")
     reflected = [evaluate(link.armature, {}) for link in robot.links]
-    assert reflected == pytest.approx(
-        [0.784029968642, 2.324814845, 0.576873317938, 0.190790617, 0.17070653, 0.19406447]
-    )
+    ratios = (-62.6111, 107.815, -53.7063, 76.0364, 71.923, 76.686)
+    rotors = (200e-6, 200e-6, 200e-6, 33e-6, 33e-6, 33e-6)
+    assert reflected == pytest.approx([ratio**2 * rotor for ratio, rotor in zip(ratios, rotors, strict=True)])
     assert free_symbols(robot) == ()
 
 

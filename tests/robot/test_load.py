@@ -105,7 +105,8 @@ def test_the_default_gravity_is_refused_where_g_means_something_else() -> None:
 def test_symbols_come_in_order_of_first_appearance_and_limits_do_not_count() -> None:
     robot = arm(
         "{type: revolute, a: z, d: y, limits: [-w, w]}",
-        tail="gravity: [0, 0, -g]\nlinks: [{mass: m, com: [x, z, 0]}]\ntool: [[1,0,0,t],[0,1,0,0],[0,0,1,0],[0,0,0,1]]\n"
+        tail="gravity: [0, 0, -g]\nlinks: [{mass: m, com: [x, z, 0]}]\n"
+        "tool: [[1,0,0,t],[0,1,0,0],[0,0,1,0],[0,0,0,1]]\n"
         "parameters: {z: 1, m: 2, w: 3}\nruntime: [m]\n",
     )
     assert robot_symbols(robot) == ("y", "z", "t", "g", "m", "x")
