@@ -8,12 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from derive.emit.latex_lines import break_lines
+from derive.emit.latex_lines import LINE_WIDTH, break_lines
 from derive.emit.latex_metrics import RELATION_WIDTH, Box, concatenate
 from derive.emit.latex_pieces import Piece
-
-LINE_WIDTH = 455.0
-"""Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve."""
 
 GAP = Box(" \\qquad ", 20.0)
 """Between two equations on one line."""

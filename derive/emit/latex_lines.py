@@ -11,6 +11,9 @@ from collections.abc import Sequence
 from derive.emit.latex_metrics import Box, concatenate
 from derive.emit.latex_pieces import Break, Piece, line_start
 
+LINE_WIDTH = 455.0
+"""Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve."""
+
 DEPTH_COST = 0.12
 """Part of the line that may stay empty to break one bracket further out."""
 
@@ -20,7 +23,7 @@ FACTOR_COST = 0.45
 _INDENTS = (Box("\\quad ", 10.0), Box("\\qquad ", 20.0), Box("\\qquad\\quad ", 30.0))
 
 
-def break_lines(head: Box, pieces: Sequence[Piece], width: float) -> list[str]:
+def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -> list[str]:
     """The expression on as many lines as it needs.
 
     Args:

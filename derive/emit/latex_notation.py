@@ -12,10 +12,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from derive.emit.latex_metrics import Box, italic, script
+from derive.emit.latex_numbers import DIGITS
 from derive.emit.latex_names import Glyph, distinct, natural
 from derive.robot.expression import Number, Sum, names
 from derive.robot.names import acceleration_name, expressions, joint_label, robot_symbols, velocity_name
 from derive.robot.robot import Robot
+
+
+DATA_DIGITS = 15
+"""Significant digits of the numbers in tables, which are the user's."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,7 @@ class Notation:
         labels: Joint variable of a revolute joint -> its label; a joint without a unique label is missing.
         inertial: Masses, inertias and ratios, in the order of the links.
         decimals: Whether rationals are printed as decimals.
+        digits: Significant digits of a number in print.
     """
 
     glyphs: Mapping[str, Glyph]
@@ -35,6 +41,7 @@ class Notation:
     labels: Mapping[str, str]
     inertial: Mapping[str, int]
     decimals: bool
+    digits: int = DIGITS
 
     @classmethod
     def of(cls, robot: Robot) -> Notation:
@@ -45,6 +52,10 @@ class Notation:
     def glyph(self, name: str) -> Glyph:
         """The symbol of a name."""
         return self.glyphs.get(name) or natural(name)
+
+    def for_data(self) -> Notation:
+        """The notation for the user's own numbers: decimals, with every digit."""
+        return replace(self, decimals=True, digits=DATA_DIGITS)
 
     def with_terms(self, terms: Mapping[str, Glyph]) -> Notation:
         """The same notation with further symbols, for named intermediate terms."""

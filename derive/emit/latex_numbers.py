@@ -27,29 +27,30 @@ def is_decimal(value: Fraction) -> bool:
     return denominator == 1
 
 
-def magnitude(value: Fraction, decimals: bool, small: bool = True) -> Box:
+def magnitude(value: Fraction, decimals: bool, *, digits: int = DIGITS, small: bool = True) -> Box:
     """The absolute value.
 
     Args:
         value: The number.
         decimals: Whether to prefer 0.5 to one half.
+        digits: Significant digits to print.
         small: Whether a fraction is set at script size, as in a coefficient.
     """
     value = abs(value)
     numerator, denominator = str(value.numerator), str(value.denominator)
-    if value.denominator == 1 and len(numerator) <= DIGITS:
+    if value.denominator == 1 and len(numerator) <= digits:
         return italic(numerator)
     short = len(numerator) <= LONGEST_FRACTION and len(denominator) <= LONGEST_FRACTION
     if short and value.denominator != 1 and not (decimals and is_decimal(value)):
         return fraction(italic(numerator), italic(denominator), small)
-    return _decimal(value)
+    return _decimal(value, digits)
 
 
-def _decimal(value: Fraction) -> Box:
-    with localcontext(Context(prec=DIGITS)):
+def _decimal(value: Fraction, digits: int) -> Box:
+    with localcontext(Context(prec=digits)):
         rounded = (Decimal(value.numerator) / Decimal(value.denominator)).normalize()
     exponent = rounded.adjusted()
-    if -4 <= exponent <= DIGITS:
+    if -4 <= exponent <= digits:
         return _plain(f"{rounded:f}")
     mantissa = _plain(f"{rounded.scaleb(-exponent).normalize():f}")
     power = italic(str(exponent))

@@ -2,12 +2,14 @@
 
 Factors: number, parameters, prismatic variables, cosines and sines by joint, brackets, velocities, accelerations.
 Terms: accelerations before velocities before the rest, then by inertial parameter, terms without cosines and sines before
-those with, by joint from the base outwards, cosine before sine, then by parameter. Equal keys keep the order of the expression.
+those with, by joint from the base outwards, cosine before sine, then by parameter; multiples of pi last. Equal keys keep the order of the expression.
 """
 
 from __future__ import annotations
 
 from typing import Any
+
+from sympy import pi
 
 from derive.emit.latex_notation import Notation
 
@@ -73,7 +75,7 @@ class Order:
         trigonometric = tuple(key for key in keys if key[0] == _TRIGONOMETRIC)
         plain = tuple(key for key in keys if key[0] < _TRIGONOMETRIC)
         brackets = tuple(key for key in keys if key[0] in (_OTHER, _BRACKET))
-        return (-keys[-1][0] if motion else 0, motion, self._inertial(factors), trigonometric, plain, brackets)
+        return (-keys[-1][0] if motion else int(rest.has(pi)), motion, self._inertial(factors), trigonometric, plain, brackets)
 
     def _inertial(self, factors: tuple[Any, ...]) -> tuple[int, ...]:
         inertial = self._notation.inertial

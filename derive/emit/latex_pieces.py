@@ -15,6 +15,7 @@ class Break(IntEnum):
     NEVER = 0
     BINARY = 1
     FACTOR = 2
+    COMMA = 3
 
 
 class Piece(NamedTuple):

@@ -117,11 +117,11 @@ class LatexPrinter:
     def _side(self, number: int, powers: list[Power]) -> Box:
         if len(powers) == 1 and number == 1 and powers[0][1] == 1:
             return joined(self._expression(powers[0][0], 0))
-        boxes = [] if number == 1 and powers else [magnitude(Fraction(number), self.notation.decimals)]
+        boxes = [] if number == 1 and powers else [self._magnitude(Fraction(number))]
         return concatenate(*boxes, *(self._box(*power) for power in powers))
 
     def _magnitude(self, value: Fraction) -> Box:
-        return magnitude(value, self.notation.decimals)
+        return magnitude(value, self.notation.decimals, digits=self.notation.digits)
 
     def _box(self, base: Any, exponent: Any) -> Box:
         return joined(self._power(base, exponent, 0))

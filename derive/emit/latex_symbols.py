@@ -1,0 +1,84 @@
+r"""What the entries of matrices are called on the sheet, so that none looks like a symbol of the user's.
+
+b_{12}, C_{12}, N_{12}, g_1, t_{11} and J_{11}; Christoffel symbols are c_{1,23}: with the comma they differ from c_{123}, the
+cosine of a sum. Where a name is taken, an entry is written (B)_{12}.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from derive.emit.latex_metrics import Box, concatenate, greek, italic, script, upright
+from derive.emit.latex_notation import Notation
+
+_TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
+
+
+def bold(letter: str) -> Box:
+    """A matrix or vector."""
+    return Box(f"\\mathbf{{{letter}}}", 10.0)
+
+
+class Symbols:
+    """Names of entries for one robot.
+
+    Args:
+        notation: The robot's notation.
+        n: Number of joints.
+    """
+
+    def __init__(self, notation: Notation, n: int) -> None:
+        self._taken = notation.taken
+        self._comma = "," if n > 9 else ""
+        self._n = n
+        self._gamma = bool(notation.separator)
+
+    def entry(self, letter: str, row: int, column: int) -> Box:
+        """Entry of a matrix."""
+        return self._free(letter, f"{row}{self._comma}{column}")
+
+    def component(self, letter: str, row: int) -> Box:
+        """Entry of a vector."""
+        return self._free(letter, str(row))
+
+    def torque(self, row: int) -> Box:
+        """Force or torque of a joint."""
+        tau = script(greek("tau"), italic(str(row)))
+        return script(upright("tau"), italic(str(row))) if tau.tex in self._taken else tau
+
+    def christoffel(self, i: int, j: int, k: int) -> Box:
+        """c_{i,jk}."""
+        return self.christoffel_of(str(i), str(j), str(k))
+
+    def christoffel_of(self, i: str, j: str, k: str) -> Box:
+        """The same with any indices, such as letters."""
+        indices = f"{i},{j}{self._comma}{k}"
+        if self._gamma:
+            return script(greek("Gamma"), italic(indices))
+        return self._free("c", indices)
+
+    def term(self, group: int, index: int) -> Box:
+        """A named intermediate term; each quantity has a letter of its own."""
+        letters = [letter for letter in _TERM_LETTERS if not self._is_used(letter)] or ["\\Lambda "]
+        letter = letters[group % len(letters)]
+        text = str(index) if group < len(letters) else f"{group // len(letters)},{index}"
+        return script(italic(letter), italic(text))
+
+    def _is_used(self, letter: str) -> bool:
+        return any(tex.startswith(letter) for tex in self._taken)
+
+    def _free(self, letter: str, indices: str) -> Box:
+        plain = script(italic(letter), italic(indices))
+        if plain.tex not in self._taken:
+            return plain
+        matrix = concatenate(Box("(", 5.0), bold(letter.upper()), Box(")", 5.0))
+        return script(matrix, italic(indices))
+
+
+def listed(boxes: Iterable[Box]) -> Box:
+    """Boxes with commas between them."""
+    tex, width = [], 0.0
+    for box in boxes:
+        tex.append(box.tex)
+        width += box.width + 6.0
+    return Box(",\\; ".join(tex), width)

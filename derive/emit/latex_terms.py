@@ -1,0 +1,57 @@
+"""Named intermediate terms: brackets that occur more than once get a symbol of their own."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import sympy
+
+SHORTEST = 3
+"""Terms of the shortest bracket worth a name."""
+
+
+def extract(expressions: Sequence[Any]) -> tuple[list[tuple[Any, Any]], list[Any]]:
+    """Names the brackets that several places share.
+
+    Args:
+        expressions: Entries of one quantity.
+
+    Returns:
+        Definitions (symbol, expression), each using earlier symbols only, and the entries with the symbols in them. The
+        symbols are called ``_1``, ``_2``, ..., which no name of a user can be.
+    """
+    uses: Counter[Any] = Counter()
+    for expression in expressions:
+        _count(expression, uses, root=True)
+    shared = [bracket for bracket, count in uses.items() if count > 1]
+    shared.sort(key=_depth)
+    names: dict[Any, Any] = {}
+    definitions = []
+    for index, bracket in enumerate(shared, 1):
+        symbol = sympy.Symbol(f"_{index}")
+        definitions.append((symbol, bracket.xreplace(names)))
+        names[bracket] = symbol
+    return definitions, [_replaced(expression, names) for expression in expressions]
+
+
+def _count(expression: Any, uses: Counter[Any], root: bool) -> None:
+    """Counts brackets; the inside of one that was met before is not counted again."""
+    if expression.is_Add and not root and len(expression.args) >= SHORTEST:
+        uses[expression] += 1
+        if uses[expression] > 1:
+            return
+    for argument in expression.args:
+        if argument.args:
+            _count(argument, uses, root=False)
+
+
+def _depth(expression: Any) -> int:
+    """Levels of sums; a bracket is deeper than the brackets in it."""
+    inner = max((_depth(argument) for argument in expression.args), default=0)
+    return inner + bool(expression.is_Add)
+
+
+def _replaced(expression: Any, names: dict[Any, Any]) -> Any:
+    return expression.xreplace({bracket: name for bracket, name in names.items() if bracket != expression})
