@@ -14,6 +14,9 @@ from derive.check.oracle.frames import angular_jacobian, chain_frames, joint_axe
 STEP = 1e-30
 """Complex step: no difference is taken, so it may be so small that the truncation error vanishes."""
 
+CHUNK = 500_000
+"""Jacobian entries in memory at once while B is differentiated."""
+
 
 def inertia_matrix(arm: Arm, q: Array) -> Array:
     """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures; (..., n, n)."""
@@ -39,9 +42,11 @@ def christoffel_symbols(arm: Arm, q: Array) -> Array:
 
 def inertia_derivatives(arm: Arm, q: Array) -> Array:
     """dB/dq_k by complex step, (..., n, n, n) indexed k, i, j."""
-    stepped = q[..., None, :] + 1j * STEP * np.eye(arm.n)
-    slopes: Array = inertia_matrix(arm, stepped).imag / STEP
-    return slopes
+    size = max(1, CHUNK // (3 * q.size * arm.n))
+    steps = 1j * STEP * np.eye(arm.n)
+    chunks = [steps[k : k + size] for k in range(0, arm.n, size)]
+    slopes = [inertia_matrix(arm, q[..., None, :] + chunk).imag / STEP for chunk in chunks]
+    return np.concatenate(slopes, axis=-3)
 
 
 def gravity_vector(arm: Arm, q: Array) -> Array:

@@ -83,14 +83,13 @@ FORMS: Mapping[str, Form] = MappingProxyType({"one": one, "batch": batch, "broad
 
 
 def parameter_trials(
-    model: GeneratedModel, function: str, names: Sequence[str], sample_sets: Sequence[SampleSet]
+    model: GeneratedModel, function: str, arguments: tuple[Array, ...], sample_sets: Sequence[SampleSet]
 ) -> list[Trial]:
     """Every parameter an array of its numbers in all sets, (sets, 1), against one batch of configurations."""
     stacked: Parameters = {
         name: np.array([[sample_set.parameters[name]] for sample_set in sample_sets])
         for name in sample_sets[0].parameters
     }
-    arguments = tuple(sample_sets[0].arguments[name] for name in names)
 
     def trial(index: int) -> Trial:
         def run() -> Array:

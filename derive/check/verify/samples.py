@@ -59,7 +59,7 @@ def _sample_set(robot: Robot, parameters: dict[str, float], count: int, rng: np.
     q = rng.uniform(low, high, (count, robot.n))
     qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.n))
     q[0] = np.clip(0.0, low, high)
-    qd[0] = 0.0
+    qd[-1] = 0.0
     tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
     return SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau})
 
