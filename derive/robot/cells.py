@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from derive.errors import ExpressionError, Location
+from derive.robot.document import Document, Path, Scalar
 from derive.robot.expression import ZERO, Expression, names
 from derive.robot.parser import parse_expression
-from derive.robot.source import Document, Path, Scalar
 from derive.robot.units import MixedUnitsError, Units, angle_in_radians, length_in_metres, plain_number
 from derive.robot.wording import path_text
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from derive.errors import RobotFileError
 from derive.robot.cells import Cells
+from derive.robot.document import Document
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ONE, ZERO, Expression, names
 from derive.robot.robot import IDENTITY, Matrix
-from derive.robot.source import Document
 
 ROTATION_TOLERANCE = 1e-6
 """Entries of R^T R - 1: decimals with seven places pass, 0.7071 does not, and should be sqrt(2)/2."""
@@ -38,14 +38,35 @@ def _entry(cells: Cells, key: str, row: int, column: int) -> Expression:
     return read((key, row, column))
 
 
-def check_rotation(document: Document, key: str, matrix: Matrix, values: Mapping[str, float]) -> None:
+def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterable[Mapping[str, float]]) -> None:
     """Refuse a rotation block that is not a rotation at the given parameter values.
 
+    Args:
+        document: The file.
+        key: ``base`` or ``tool``.
+        matrix: The 4x4 matrix.
+        trials: Sets of parameter values; those at which an entry is not real are passed over.
+
     Raises:
-        RobotFileError: At the row (or the pair of rows) that is not orthonormal, or for a reflection.
+        RobotFileError: At the row (or the pair of rows) that is not orthonormal, for a reflection, or when no set of
+            values gives real entries.
     """
-    block = [[evaluate(entry, values) for entry in row[:3]] for row in matrix[:3]]
+    blocks = [block for values in trials if (block := _rotation_block(matrix, values)) is not None]
+    if not blocks:
+        raise document.error((key,), "the rotation block has no real value", "allowed: a rotation")
     symbolic = any(True for row in matrix[:3] for entry in row[:3] for _ in names(entry))
+    for block in blocks:
+        _check_block(document, key, block, symbolic)
+
+
+def _rotation_block(matrix: Matrix, values: Mapping[str, float]) -> list[list[float]] | None:
+    try:
+        return [[evaluate(entry, values) for entry in row[:3]] for row in matrix[:3]]
+    except ArithmeticError:
+        return None
+
+
+def _check_block(document: Document, key: str, block: list[list[float]], symbolic: bool) -> None:
     for i in range(3):
         for j in range(i + 1):
             wanted = 1.0 if i == j else 0.0

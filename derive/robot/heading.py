@@ -6,8 +6,8 @@ import keyword
 import re
 import unicodedata
 
+from derive.robot.document import Document
 from derive.robot.limits import FILE_LIMITS
-from derive.robot.source import Document
 from derive.robot.wording import quoted
 
 _NAME = re.compile(rf"[a-z][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}")

@@ -7,11 +7,11 @@ from fractions import Fraction
 from derive.errors import RobotFileError
 from derive.robot.arithmetic import add, linear_terms, multiply, number
 from derive.robot.cells import Cells
+from derive.robot.document import Document, Path
 from derive.robot.expression import ZERO, Expression, Name, names
 from derive.robot.limits import FILE_LIMITS
 from derive.robot.printer import to_text
 from derive.robot.robot import Joint, JointType
-from derive.robot.source import Document, Path
 from derive.robot.symbols import check_symbol
 from derive.robot.wording import quoted
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from derive.robot.arithmetic import negate
 from derive.robot.cells import Cells
+from derive.robot.document import Document, Path
 from derive.robot.expression import ZERO, Name
 from derive.robot.robot import Inertia, Link, Motor, Vector
-from derive.robot.source import Document, Path
 
 DEFAULT_GRAVITY_SYMBOL = "g"
 

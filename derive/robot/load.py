@@ -6,6 +6,7 @@ from pathlib import Path
 
 from derive.errors import Location, RobotFileError, UnknownRobotError
 from derive.robot.cells import Cells
+from derive.robot.document import Document, Mapping
 from derive.robot.expression import Expression, names
 from derive.robot.frames import read_frame
 from derive.robot.heading import read_name, read_title
@@ -13,7 +14,7 @@ from derive.robot.joints import read_joints
 from derive.robot.limits import FILE_LIMITS
 from derive.robot.links import read_gravity, read_links
 from derive.robot.robot import Convention, Robot
-from derive.robot.source import Document, Mapping, read_document
+from derive.robot.source import read_document
 from derive.robot.structure import check_structure
 from derive.robot.symbols import check_symbol
 from derive.robot.units import Units

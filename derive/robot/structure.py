@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from derive.errors import DeriveError, Location, RobotFileError
-from derive.robot.source import Document, Mapping, Node, Path, Scalar, Sequence
+from derive.robot.document import Document, Mapping, Node, Path, Scalar, Sequence
 from derive.robot.wording import listed, near_miss, path_text, quoted
 
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
+from derive.robot.document import Document, Path
 from derive.robot.limits import FILE_LIMITS
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES
-from derive.robot.source import Document, Path
 from derive.robot.wording import quoted
 
 _SYMBOL = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}")

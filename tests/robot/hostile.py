@@ -187,3 +187,8 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     "json-list": (b"[1, 2, 3]\n", "not a mapping"),
     "noncharacter": (changed("title: t", "title: \ufffe"), "not allowed in YAML"),
 }
+HOSTILE |= {
+    "parameter-not-real": (changed("a2: 2}", "a2: sqrt(-2)}"), "root of a negative"),
+    "parameter-pole": (changed("a2: 2}", "a2: 1/cos(pi/2)}"), "division by zero"),
+    "tool-never-real": (with_tail(FRAME.format("sqrt(-1 - k**2)", 1)), "no real value"),
+}
