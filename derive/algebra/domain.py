@@ -93,6 +93,7 @@ class PolynomialDomain:
             robot does not know become parameters.
         sums: For which groups of aligned joints the sums of the angles are the generators; for the others each angle
             by itself. Any choice is exact; it decides how many terms a polynomial has.
+        rates: Whether velocities and accelerations are generators too.
         max_terms: A product with more terms raises `TooManyTerms`.
 
     Attributes:
@@ -106,12 +107,14 @@ class PolynomialDomain:
         extra: Iterable[Expression] = (),
         *,
         sums: Callable[[tuple[int, ...]], bool] = lambda group: True,
+        rates: bool = True,
         max_terms: int = 10**9,
     ) -> None:
         self.robot = robot
         self.groups = aligned_groups(robot)
         self.angles = tuple(_basis_angles(self.groups, sums, robot.n))
         self._joint = {joint.variable: i for i, joint in enumerate(robot.joints)}
+        self._with_rates = rates
         self.atoms = collect([*robot_values(robot), *extra], robot_angles(robot))
         self.generators = tuple(self._generators(self.atoms))
         self.ring = Ring([g.name for g in self.generators], max_terms)
@@ -158,6 +161,8 @@ class PolynomialDomain:
             if not self.robot.joints[i].is_revolute:
                 yield Generator(Kind.VARIABLE, q, Name(q), i)
         for kind, rename in ((Kind.ACCELERATION, acceleration_name), (Kind.RATE, velocity_name)):
+            if not self._with_rates:
+                break
             yield from (Generator(kind, rename(q), Name(rename(q)), i) for i, q in variables)
 
     def _relate(self) -> None:

@@ -15,9 +15,9 @@ import sympy
 
 from derive.algebra.domain import Kind, PolynomialDomain
 from derive.algebra.plan import Level, Plan, Plus, Term, Times, factored, flat, grouped, nested
+from derive.algebra.products import ProductBuilder
 from derive.algebra.ring import Polynomial
 from derive.algebra.terms import FactorTable, Terms
-from derive.algebra.to_sympy import factor_to_sympy
 
 Expr = Any
 
@@ -37,7 +37,7 @@ class LectureForm:
         self.domain = domain
         self.table = FactorTable(domain)
         self._inertial_names = inertial
-        self._powers: dict[tuple[int, int], Expr] = {}
+        self._products = ProductBuilder(self.table)
         self._dynamic_cache: dict[Polynomial, Expr] = {}
 
     def kinematic(self, p: Polynomial) -> Expr:
@@ -56,7 +56,7 @@ class LectureForm:
 
     def dynamic_plan(self, p: Polynomial) -> Plan:
         """The plan behind `dynamic`."""
-        return grouped(self.table.terms(p), self._inertial, lambda part: factored(part, flat))
+        return grouped(self.table.terms(p), self._inertial, flat)
 
     # -- levels
 
@@ -83,21 +83,11 @@ class LectureForm:
         """The plan as a SymPy expression."""
         match plan:
             case Term(coefficient, monomial):
-                return sympy.Mul(_rational(coefficient), *self._factors(monomial))
+                return self._products.term(coefficient, monomial)
             case Times(monomial, inner):
-                return sympy.Mul(*self._factors(monomial), self.sympy(inner))
+                return sympy.Mul(self._products.term(Fraction(1), monomial), self.sympy(inner))
             case Plus(parts):
                 return sympy.Add(*(self.sympy(part) for part in parts))
-
-    def _factors(self, monomial: tuple[tuple[int, int], ...]) -> list[Expr]:
-        return [self._power(f, e) for f, e in monomial]
-
-    def _power(self, factor: int, exponent: int) -> Expr:
-        key = (factor, exponent)
-        if key not in self._powers:
-            base = factor_to_sympy(self.domain.robot, self.table.factors[factor])
-            self._powers[key] = base**exponent
-        return self._powers[key]
 
     def size(self, p: Polynomial) -> int:
         """Number of terms of the expanded form, before contraction."""
@@ -106,7 +96,3 @@ class LectureForm:
     def terms(self, p: Polynomial) -> Terms:
         """The contracted terms, for other ways of writing them."""
         return self.table.terms(p)
-
-
-def _rational(value: Fraction) -> Expr:
-    return sympy.Rational(value.numerator, value.denominator)

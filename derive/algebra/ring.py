@@ -82,6 +82,10 @@ class Ring:
         mask = self.mask(raw)
         return Polynomial(self, self.reduce(raw, mask), mask)
 
+    def project(self, p: Polynomial) -> Polynomial:
+        """A polynomial of another ring whose generators all exist here under the same names."""
+        return self.wrap(p.raw.project_to_context(self.context))
+
     def mask(self, raw: fmpq_mpoly) -> int:
         """Bit r is set when the generator of relation r occurs."""
         degrees = raw.degrees() if raw else ()
@@ -115,12 +119,13 @@ class Ring:
 class Polynomial:
     """An element of a `Ring` in normal form; immutable."""
 
-    __slots__ = ("_mask", "raw", "ring")
+    __slots__ = ("_key", "_mask", "raw", "ring")
 
     def __init__(self, ring: Ring, raw: fmpq_mpoly, mask: int) -> None:
         self.ring = ring
         self.raw = raw
         self._mask = mask
+        self._key: str | None = None
 
     def _coerce(self, other: Any) -> Polynomial | None:
         if isinstance(other, Polynomial):
@@ -181,7 +186,7 @@ class Polynomial:
         return o is not None and bool(self.raw == o.raw)
 
     def __hash__(self) -> int:
-        return hash(tuple(self.terms()))
+        return hash(self.key())
 
     def __bool__(self) -> bool:
         return bool(self.raw)
@@ -198,6 +203,19 @@ class Polynomial:
         for exponents, coefficient in self.raw.terms():
             yield tuple(int(e) for e in exponents), fraction(coefficient)
 
+    def key(self) -> str:
+        """A hashable value that is equal for equal polynomials of one ring: FLINT's own print, its quickest walk."""
+        if self._key is None:
+            self._key = self.raw.str()
+        return self._key
+
+    def normalised(self) -> tuple[Fraction, str]:
+        """The leading coefficient, and the key of the polynomial divided by it."""
+        if not self.raw:
+            return Fraction(1), "0"
+        lead = fraction(self.raw.leading_coefficient())
+        return lead, (self if lead == 1 else self * (1 / lead)).key()
+
     def sparse_terms(self) -> Iterator[tuple[tuple[Any, ...], Fraction]]:
         """As `terms`, with FLINT's own integers as exponents: quicker where most are zero."""
         for exponents, coefficient in self.raw.terms():
@@ -206,6 +224,16 @@ class Polynomial:
     def degrees(self) -> tuple[int, ...]:
         """The degree in every generator (zeros for the zero polynomial)."""
         return tuple(int(d) for d in self.raw.degrees()) if self.raw else (0,) * len(self.ring.names)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it is a rational number."""
+        return bool(self.raw.is_constant())
+
+    @property
+    def constant_term(self) -> Fraction:
+        """The rational that a constant polynomial is."""
+        return fraction(self.raw.leading_coefficient()) if self.raw else Fraction(0)
 
     def partial(self, generator: int) -> Polynomial:
         """The partial derivative in one generator, all others held."""

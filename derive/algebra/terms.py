@@ -32,6 +32,32 @@ class Factor(NamedTuple):
     argument: Expression | None
 
 
+Row = tuple[dict[int, int], Monomial, Fraction]
+"""A term on its way: generator exponents, factors already written, coefficient."""
+
+
+class GroupPlaces(NamedTuple):
+    """An aligned group and its generators.
+
+    Attributes:
+        joints: The joints, from 0.
+        places: Indices of their sines, then of their cosines.
+        sums: Whether the generators are sums of angles.
+        own: The same indices as a set.
+    """
+
+    joints: tuple[int, ...]
+    places: tuple[int, ...]
+    sums: bool
+    own: frozenset[int]
+
+    def may_shorten(self, degrees: tuple[int, ...]) -> bool:
+        """Whether contraction can change a polynomial of these degrees at all."""
+        if len(self.joints) == 1:
+            return degrees[self.places[1]] >= 2
+        return any(degrees[i] for i in self.places)
+
+
 @dataclass
 class FactorTable:
     """Numbers the factors of one domain; the numbering follows first use and is the same in every run.
@@ -45,21 +71,20 @@ class FactorTable:
     _index: dict[Factor, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._plain = [self._plain_factor(g) for g in self.domain.generators]
+        self._plain = [self.intern(self._plain_factor(g)) for g in self.domain.generators]
         place = {(g.kind, g.joint): i for i, g in enumerate(self.domain.generators) if g.joint >= 0}
-        self._groups = []
-        for group in self.domain.groups:
-            sines = [place[Kind.SINE, j] for j in group]
-            cosines = [place[Kind.COSINE, j] for j in group]
-            sums = len(group) > 1 and len(self.domain.angles[group[1]]) > 1
-            self._groups.append((group, tuple(sines + cosines), sums))
-        self._in_group = {i for _, places, _ in self._groups for i in places}
+        self._groups = [self._places(group, place) for group in self.domain.groups]
 
-    def _plain_factor(self, g: Generator) -> int:
+    def _places(self, group: tuple[int, ...], place: dict[tuple[Kind, int], int]) -> GroupPlaces:
+        places = tuple(place[kind, j] for kind in (Kind.SINE, Kind.COSINE) for j in group)
+        sums = len(group) > 1 and len(self.domain.angles[group[1]]) > 1
+        return GroupPlaces(group, places, sums, frozenset(places))
+
+    def _plain_factor(self, g: Generator) -> Factor:
+        """What a generator prints as when it is left as it is."""
         if g.kind in (Kind.SINE, Kind.COSINE):
-            return -1
-        joints = (g.joint,) if g.joint >= 0 else ()
-        return self.intern(Factor(g.kind, joints, g.argument))
+            return Factor(g.kind, self.domain.angles[g.joint], None)
+        return Factor(g.kind, (g.joint,) if g.joint >= 0 else (), g.argument)
 
     def intern(self, factor: Factor) -> int:
         """The number of a factor."""
@@ -70,46 +95,56 @@ class FactorTable:
 
     def terms(self, p: Polynomial) -> Terms:
         """The polynomial with every aligned group contracted."""
-        rows = [
-            ({i: int(e) for i, e in enumerate(exponents) if e}, coefficient)
+        degrees = p.degrees()
+        rows: list[Row] = [
+            ({i: int(e) for i, e in enumerate(exponents) if e}, (), coefficient)
             for exponents, coefficient in p.sparse_terms()
         ]
-        current: list[tuple[dict[int, int], Monomial, Fraction]] = [(row, (), c) for row, c in rows]
-        for group, places, sums in self._groups:
-            current = self._contract_group(current, group, places, sums)
+        for group in self._groups:
+            if group.may_shorten(degrees):
+                rows = self._contract_group(rows, group)
         result: Terms = {}
-        for row, trig, coefficient in current:
-            plain = tuple((self._plain[i], e) for i, e in row.items())
-            key = tuple(sorted(plain + trig))
-            result[key] = result.get(key, Fraction(0)) + coefficient
+        plain = self._plain
+        for row, trig, coefficient in rows:
+            key = tuple(sorted([(plain[i], e) for i, e in row.items()] + list(trig)))
+            result[key] = result.get(key, 0) + coefficient
         return {m: c for m, c in result.items() if c}
 
-    def _contract_group(
-        self,
-        rows: list[tuple[dict[int, int], Monomial, Fraction]],
-        group: tuple[int, ...],
-        places: tuple[int, ...],
-        sums: bool,
-    ) -> list[tuple[dict[int, int], Monomial, Fraction]]:
+    def _contract_group(self, rows: list[Row], group: GroupPlaces) -> list[Row]:
         """Replace the generators of one group, coefficient by coefficient of everything else."""
-        parts: dict[tuple[tuple[tuple[int, int], ...], Monomial], list[tuple[tuple[int, ...], Fraction]]] = {}
-        own = set(places)
-        result = []
-        for row, trig, coefficient in rows:
-            if own.isdisjoint(row):
-                rest, exponents = row, (0,) * len(places)
-            else:
-                rest = {i: e for i, e in row.items() if i not in own}
-                exponents = tuple(row.get(i, 0) for i in places)
-            parts.setdefault((tuple(rest.items()), trig), []).append((exponents, coefficient))
-        for (rest_items, trig), items in parts.items():
-            if len(items) == 1 and not any(items[0][0]):
-                result.append((dict(rest_items), trig, items[0][1]))
+        parts: dict[object, tuple[Row, list[tuple[tuple[int, ...], Fraction]]]] = {}
+        result: list[Row] = []
+        for item in rows:
+            row, trig, coefficient = item
+            if group.own.isdisjoint(row):
+                result.append(item)
                 continue
-            key = tuple(sorted((e, c.numerator, c.denominator) for e, c in items))
-            for term in contract(len(group), sums, key):
-                factors = trig + self._trig(group, term)
-                result.append((dict(rest_items), factors, Fraction(term.numerator, term.denominator)))
+            rest = {i: e for i, e in row.items() if i not in group.own}
+            exponents = tuple(row.get(i, 0) for i in group.places)
+            key = (tuple(rest.items()), trig)
+            parts.setdefault(key, ((rest, trig, coefficient), []))[1].append((exponents, coefficient))
+        return self._with_constants(result, parts, group)
+
+    def _with_constants(
+        self,
+        others: list[Row],
+        parts: dict[object, tuple[Row, list[tuple[tuple[int, ...], Fraction]]]],
+        group: GroupPlaces,
+    ) -> list[Row]:
+        """The contracted rows; a row without the group is the constant term of its part: 1 - c^2 must meet its 1."""
+        none = (0,) * len(group.places)
+        result: list[Row] = []
+        for row, trig, coefficient in others:
+            key = (tuple(row.items()), trig)
+            if key in parts:
+                parts[key][1].append((none, coefficient))
+            else:
+                result.append((row, trig, coefficient))
+        for (rest, trig, _), items in parts.values():
+            numbers = tuple(sorted((e, c.numerator, c.denominator) for e, c in items))
+            for term in contract(len(group.joints), group.sums, numbers):
+                factors = trig + self._trig(group.joints, term)
+                result.append((rest, factors, Fraction(term.numerator, term.denominator)))
         return result
 
     def _trig(self, group: tuple[int, ...], term: Contracted) -> Monomial:

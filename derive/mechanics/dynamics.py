@@ -1,33 +1,39 @@
-"""Closed-form dynamics by Lagrange: B, the Christoffel symbols, C, N and Bdot as exact polynomials.
+"""Closed-form dynamics by Lagrange: B and the Christoffel symbols as exact polynomials.
 
-The kinetic energy is collected in composite bodies: seen from joint frame j, everything outboard moves as one rigid body
-when only joint j moves (Featherstone, Rigid Body Dynamics Algorithms, ch. 6). In link frames the polynomials stay short.
+B comes from composite bodies in joint frames, where polynomials stay short, and is linear in the ten parameters of each body. So
+it is derived in those *lumped* parameters (mass, first moments, inertia about the joint frame's origin, rotors included), each a symbol of
+its own, and the user's symbols are put in afterwards, entry by entry, where they are wanted.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import Body, Chain, build_chain
-from derive.mechanics.vectors import (
-    Frame,
-    Symmetric,
-    Vector,
-    add,
-    cross,
-    dot,
-    from_matrix,
-    matmul,
-    multiply,
-    scale,
-    transpose,
-)
-from derive.robot.robot import Robot
+from derive.mechanics.composite_inertia import inertia_matrix
+from derive.mechanics.vectors import Symmetric
+from derive.robot.expression import ZERO, Name
+from derive.robot.robot import Inertia, Link, Robot
 
-PolynomialVector = Vector[Polynomial]
+PARTS = ("m", "hx", "hy", "hz", "xx", "yy", "zz", "xy", "xz", "yz")
+"""The ten parameters of a body: mass, first moments, inertia about the origin of its joint frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lump:
+    """A lumped parameter as a generator of the ring of `Dynamics`.
+
+    Attributes:
+        generator: Its index in that ring.
+        value: What it is, in the ring of the user's symbols.
+    """
+
+    generator: int
+    value: Polynomial
 
 
 class Dynamics:
@@ -35,61 +41,55 @@ class Dynamics:
 
     Args:
         robot: A robot with links.
-        domain: The ring to work in.
+        domain: The ring of the user's symbols.
+        max_terms: Budget for one product of polynomials, see `Ring`.
     """
 
-    def __init__(self, robot: Robot, domain: PolynomialDomain) -> None:
+    def __init__(self, robot: Robot, domain: PolynomialDomain, max_terms: int = 10**9) -> None:
         self.robot = robot
         self.domain = domain
-        self.chain: Chain[Polynomial] = build_chain(robot, domain)
-        self._steps = [j.fixed @ j.motion(self.chain.zero, self.chain.one) for j in self.chain.joints]
+        bare = replace(robot, links=tuple(_without_body(link) for link in robot.links))
+        names = [Name(f"{part} of {i}") for i in range(robot.n) for part in PARTS]
+        self.lumped = PolynomialDomain(bare, names, rates=False, max_terms=max_terms)
+        self.lumps: list[Lump] = []
+        self.chain = self._chain(bare)
         self._derivatives: dict[tuple[int, int, int], Polynomial] = {}
         self._christoffel: dict[tuple[int, int, int], Polynomial] = {}
 
+    def _chain(self, bare: Robot) -> Chain[Polynomial]:
+        full = build_chain(self.robot, self.domain)
+        bodies = tuple(self._lump_body(i, body) for i, body in enumerate(full.bodies))
+        return replace(build_chain(bare, self.lumped), bodies=bodies)
+
+    def _lump_body(self, index: int, body: Body[Polynomial]) -> Body[Polynomial]:
+        t = body.inertia
+        values = (body.mass, *body.first_moment, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz)
+        p = [self._lump(f"{part} of {index}", value) for part, value in zip(PARTS, values, strict=True)]
+        return Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:]))
+
+    def _lump(self, name: str, value: Polynomial) -> Polynomial:
+        """A generator for ``value``, or its number."""
+        if value.is_constant:
+            return self.lumped.number(value.constant_term)
+        ring = self.lumped.ring
+        self.lumps.append(Lump(ring.index[name], value))
+        return ring.generator(name)
+
     @cached_property
     def inertia_matrix(self) -> list[list[Polynomial]]:
-        """B(q), n x n, links and rotors."""
-        n = self.chain.n
-        b = [[self.chain.zero] * n for _ in range(n)]
-        composite: Body[Polynomial] | None = None
-        for j in reversed(range(n)):
-            body = self.chain.bodies[j]
-            composite = body if composite is None else body + moved(composite, self._steps[j + 1])
-            for i, value in self._column(j, composite):
-                b[i][j] = b[j][i] = value
-        return b
-
-    def _column(self, j: int, composite: Body[Polynomial]) -> list[tuple[int, Polynomial]]:
-        """B[i, j] for i <= j: the generalised forces of a unit acceleration of joint j."""
-        joint = self.chain.joints[j]
-        zero, one = self.chain.zero, self.chain.one
-        z = (zero, zero, one)
-        if joint.revolute:
-            force = cross(z, composite.first_moment)
-            moment = (composite.inertia.xz, composite.inertia.yz, composite.inertia.zz)
-        else:
-            force = (zero, zero, composite.mass)
-            moment = cross(composite.first_moment, z)
-        column = [(j, (moment[2] if joint.revolute else force[2]) + joint.reflected)]
-        for i in reversed(range(j)):
-            force, moment = carried(force, moment, self._steps[i + 1])
-            if i == j - 1:
-                moment = add(moment, scale(joint.coupling, _axis(joint.fixed)))
-            here = self.chain.joints[i]
-            value = moment[2] if here.revolute else force[2]
-            column.append((i, value if here.sign == joint.sign else -value))
-        return column
+        """B(q), n x n, links and rotors, in lumped parameters."""
+        return inertia_matrix(self.chain)
 
     def derivative(self, i: int, j: int, k: int) -> Polynomial:
-        """dB_ij/dq_k; zero unless k > min(i, j), for turning an inboard joint turns everything."""
+        """dB_ij/dq_k, in lumped parameters."""
         key = (min(i, j), max(i, j), k)
         if key not in self._derivatives:
             value = self.inertia_matrix[i][j]
-            self._derivatives[key] = self.domain.derivative(value, k) if value else value
+            self._derivatives[key] = self.lumped.derivative(value, k) if value else value
         return self._derivatives[key]
 
     def christoffel(self, i: int, j: int, k: int) -> Polynomial:
-        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i); indices from 0."""
+        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), in lumped parameters; indices from 0."""
         key = (i, min(j, k), max(j, k))
         if key not in self._christoffel:
             d = self.derivative
@@ -97,41 +97,35 @@ class Dynamics:
             self._christoffel[key] = Fraction(1, 2) * twice
         return self._christoffel[key]
 
+    def skew(self, i: int, j: int, k: int) -> Polynomial:
+        """The coefficient of qd_k in N_ij: dB_jk/dq_i - dB_ik/dq_j, for Bdot - 2C."""
+        return self.derivative(j, k, i) - self.derivative(i, k, j)
 
-def _axis(frame: Frame[Polynomial]) -> PolynomialVector:
-    r = frame.rotation
-    return (r[0][2], r[1][2], r[2][2])
+    def split(self, p: Polynomial) -> tuple[list[tuple[Lump, Polynomial]], Polynomial]:
+        """p as sum of lump * coefficient, and the rest that has no lump in it (rotors, armatures, numbers)."""
+        degrees = p.degrees()
+        parts, rest = [], p
+        for lump in self.lumps:
+            if degrees[lump.generator]:
+                coefficient = p.partial(lump.generator)
+                parts.append((lump, coefficient))
+                rest = rest - coefficient * self.lumped.ring.generator(self.lumped.ring.names[lump.generator])
+        return parts, rest
 
+    def expanded_size(self, p: Polynomial) -> int:
+        """Number of terms once the user's symbols are put in (before terms meet)."""
+        parts, rest = self.split(p)
+        return len(rest) + sum(len(lump.value) * len(coefficient) for lump, coefficient in parts)
 
-def carried(
-    force: PolynomialVector, moment: PolynomialVector, step: Frame[Polynomial]
-) -> tuple[PolynomialVector, PolynomialVector]:
-    """A force and a moment about the origin of a frame, seen from the frame before it."""
-    turned = multiply(step.rotation, force)
-    return turned, add(multiply(step.rotation, moment), cross(step.position, turned))
-
-
-def moved(body: Body[Polynomial], step: Frame[Polynomial]) -> Body[Polynomial]:
-    """A body given in a frame, by its parameters in the frame before it.
-
-    I' = R I R^T + 2 (p.h) 1 - p h^T - h p^T + m (p.p 1 - p p^T) with h = R (m r), the parallel-axis theorem.
-    """
-    r, p = step.rotation, step.position
-    h = multiply(r, body.first_moment)
-    turned = matmul(matmul(r, body.inertia.matrix), transpose(r))
-    mp = scale(body.mass, p)
-    return Body(body.mass, add(h, mp), from_matrix(turned) + _parallel_axis(p, h, mp))
-
-
-def _parallel_axis(p: PolynomialVector, h: PolynomialVector, mp: PolynomialVector) -> Symmetric[Polynomial]:
-    w = add(scale(2, h), mp)
-    total = dot(p, w)
-
-    def outer(i: int, j: int) -> Polynomial:
-        return p[i] * (h[j] + mp[j]) + h[i] * p[j]
-
-    return Symmetric(
-        total - outer(0, 0), total - outer(1, 1), total - outer(2, 2), -outer(0, 1), -outer(0, 2), -outer(1, 2)
-    )
+    def expand(self, p: Polynomial) -> Polynomial:
+        """p in the ring of the user's symbols."""
+        parts, rest = self.split(p)
+        ring = self.domain.ring
+        total = ring.project(rest)
+        for lump, coefficient in parts:
+            total = total + ring.project(coefficient) * lump.value
+        return total
 
 
+def _without_body(link: Link) -> Link:
+    return replace(link, mass=ZERO, com=(ZERO, ZERO, ZERO), inertia=Inertia(), motor=link.motor)

@@ -1,0 +1,500 @@
+"""The model of a robot: every quantity in closed form, computed when asked for, once, as plain SymPy in the lecture form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import sympy
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.lecture_form import LectureForm
+from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.algebra.sympy_domain import SymPyDomain
+from derive.errors import QuantityError
+from derive.mechanics.angles import analytic_jacobian, euler_zyz, rpy
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.dynamic_form import DynamicForm
+from derive.mechanics.dynamics import Dynamics
+from derive.mechanics.kinematics import Kinematics
+from derive.mechanics.nested import NestedKinematics, nested_kinematics, product
+from derive.mechanics.vectors import Frame, Vector
+from derive.robot.expression import names
+from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.robot import Convention, Robot
+
+Expr = Any
+Matrix = Any
+
+MAX_KINEMATIC_TERMS = 300
+"""Entries of T with more terms are nested from the recursion instead of derived as polynomials."""
+
+MAX_DYNAMIC_TERMS = 400_000
+"""Budget of one entry of B; beyond it only the generated functions remain."""
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Kinetic and potential energy.
+
+    Attributes:
+        kinetic: T = 1/2 qd^T B qd [J].
+        potential: U = -sum m g0.p, over links and rotors [J].
+    """
+
+    kinetic: Expr
+    potential: Expr
+
+
+class Model:
+    """Closed forms of one robot.
+
+    Every quantity is an immutable SymPy matrix or an expression in the robot's own symbols, which are plain
+    ``sympy.Symbol``s; ``qd1`` and ``qdd1`` are velocity and acceleration of ``q1``.
+
+    Args:
+        robot: The robot.
+
+    Attributes:
+        robot: The robot.
+        q: Joint variables.
+        qd: Their velocities.
+        qdd: Their accelerations.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        variables = [joint.variable for joint in robot.joints]
+        self.q = tuple(sympy.Symbol(v) for v in variables)
+        self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
+        self.qdd = tuple(sympy.Symbol(acceleration_name(v)) for v in variables)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.robot.n
+
+    # -- exact layer
+
+    @cached_property
+    def domain(self) -> PolynomialDomain:
+        """The polynomial ring of kinematics, with the user's symbols."""
+        return PolynomialDomain(self.robot, rates=False)
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        """Exact frames and Jacobians."""
+        return Kinematics(self.robot, self.domain)
+
+    @cached_property
+    def dynamics(self) -> Dynamics:
+        """Exact B and Christoffel symbols.
+
+        Raises:
+            QuantityError: The robot file gives no links.
+        """
+        self._require_links("dynamics")
+        return Dynamics(self.robot, self.domain, MAX_DYNAMIC_TERMS)
+
+    @cached_property
+    def form(self) -> LectureForm:
+        """How expressions are written."""
+        return LectureForm(self.domain, inertial_symbols(self.robot))
+
+    @cached_property
+    def dynamic_form(self) -> DynamicForm:
+        """How dynamics is written."""
+        return DynamicForm(self.dynamics, self.form)
+
+    def _require_links(self, what: str) -> None:
+        if not self.robot.has_dynamics:
+            raise QuantityError(
+                f"{what} of {self.robot.name}", allowed="kinematics only, for the file has no `links`",
+                remedy="add `links:` with mass, com and inertia of each link",
+            )
+
+    # -- frames
+
+    def A(self, i: int) -> Matrix:  # noqa: N802 -- the symbol of the field
+        """A_i, 4x4: DH frame i in DH frame i-1, row i of the table (from 1)."""
+        self._require_index(i, 1)
+        return self._frame(self.kinematics.row(i))
+
+    def transform(self, i: int, j: int) -> Matrix:
+        """T_j^i, 4x4: DH frame j in DH frame i, without base and tool; i and j from 0 to n, in either order."""
+        self._require_index(i, 0)
+        self._require_index(j, 0)
+        if self._long(i, j):
+            return self._nested_transform(i, j)
+        return self._frame(self.kinematics.transform(i, j))
+
+    def frame(self, i: int) -> Matrix:
+        """T_i, 4x4: DH frame i in the world, base A_1 ... A_i."""
+        self._require_index(i, 0)
+        if self._long(0, i):
+            chain = self._nested_chain
+            return self._nested_frame(product([chain.base, *(self._nested_row(k) for k in range(1, i + 1))]))
+        return self._frame(self.kinematics.frame(i))
+
+    @cached_property
+    def T(self) -> Matrix:  # noqa: N802
+        """T, 4x4: the end effector in the world, base A_1 ... A_n tool."""
+        if self._long(0, self.n):
+            return self._nested_frame(self._nested.end)
+        return self._frame(self.kinematics.end)
+
+    @property
+    def p(self) -> Matrix:
+        """Position of the end effector in the world, 3x1 [m]."""
+        return self.T[:3, 3]
+
+    @property
+    def R(self) -> Matrix:  # noqa: N802
+        """Orientation of the end effector in the world, 3x3."""
+        return self.T[:3, :3]
+
+    @cached_property
+    def rpy(self) -> Matrix:
+        """Roll, pitch, yaw [rad]: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), pitch in (-pi/2, pi/2); singular at +-pi/2."""
+        return rpy(self.R)
+
+    @cached_property
+    def euler_zyz(self) -> Matrix:
+        """phi, theta, psi [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi); singular at 0 and pi."""
+        return euler_zyz(self.R)
+
+    # -- Jacobians
+
+    @cached_property
+    def J(self) -> Matrix:  # noqa: N802
+        """Geometric Jacobian of the end effector, 6xn, linear rows first, world frame."""
+        if self._long(0, self.n):
+            nested = self._nested
+            return _columns([*zip(nested.linear, nested.angular, strict=True)])
+        k = self.kinematics
+        return self._jacobian(k.linear_columns(k.end.position), k.angular_columns(self.n))
+
+    @cached_property
+    def J_end(self) -> Matrix:  # noqa: N802
+        """Geometric Jacobian of the end effector, 6xn, linear rows first, in the axes of the end effector."""
+        if self._long(0, self.n):
+            turned = sympy.Matrix(self.R).T
+            return sympy.ImmutableMatrix(sympy.Matrix.vstack(turned * self.J[:3, :], turned * self.J[3:, :]))
+        k = self.kinematics
+        r = k.end.rotation
+        linear, angular = k.linear_columns(k.end.position), k.angular_columns(self.n)
+        return self._jacobian([_turned_back(r, v) for v in linear], [_turned_back(r, w) for w in angular])
+
+    def J_analytic(self, kind: str) -> Matrix:  # noqa: N802
+        """Analytic Jacobian, 6xn: derivative of position and of the angles ``rpy`` or ``zyz``.
+
+        Raises:
+            QuantityError: Another kind.
+        """
+        if kind not in ("rpy", "zyz"):
+            raise QuantityError(f"J_analytic of kind {kind!r}", allowed="rpy or zyz")
+        return analytic_jacobian(kind, self.R, self.J)
+
+    def Jv_com(self, i: int) -> Matrix:  # noqa: N802
+        """3xn: velocity of the centre of mass of link i (from 1) per rate, world frame."""
+        self._require_body(i)
+        return self._three(self.kinematics.linear_columns(self.kinematics.com(i)))
+
+    def Jw_com(self, i: int) -> Matrix:  # noqa: N802
+        """3xn: angular velocity of link i (from 1) per rate, world frame."""
+        self._require_body(i)
+        return self._three(self.kinematics.angular_columns(i))
+
+    def Jv_motor(self, i: int) -> Matrix:  # noqa: N802
+        """3xn: velocity of the rotor of joint i (from 1) per rate, world frame."""
+        self._require_body(i)
+        return self._three(self.kinematics.linear_columns(self.kinematics.motor_place(i)))
+
+    def Jw_motor(self, i: int) -> Matrix:  # noqa: N802
+        """3xn: angular velocity of the rotor of joint i (from 1) per rate, its spin included, world frame."""
+        self._require_body(i)
+        return self._three(self.kinematics.motor_angular_columns(i))
+
+    # -- dynamics
+
+    @cached_property
+    def energy(self) -> Energy:
+        """Kinetic and potential energy."""
+        return Energy(self._kinetic(), self._potential())
+
+    def _kinetic(self) -> Expr:
+        b, n = self.B, self.n
+        squares = [b[i, i] * self.qd[i] ** 2 / 2 for i in range(n)]
+        products = [b[i, j] * self.qd[i] * self.qd[j] for i in range(n) for j in range(i + 1, n)]
+        return sympy.Add(*squares, *products)
+
+    def _potential(self) -> Expr:
+        self._require_links("potential energy")
+        return self.form.dynamic(self.kinematics.potential)
+
+    @cached_property
+    def B(self) -> Matrix:  # noqa: N802
+        """Inertia matrix B(q), nxn, links, rotors and armatures [kg m^2, kg m, kg]."""
+        return self._symmetric(self.dynamics.inertia_matrix)
+
+    def B_link(self, i: int) -> Matrix:  # noqa: N802
+        """The part of B that link i (from 1) contributes, without any rotor."""
+        self._require_body(i)
+        alone = Dynamics(only_link(self.robot, i), self.domain, MAX_DYNAMIC_TERMS)
+        form = DynamicForm(alone, self.form)
+        return _symmetric(alone.inertia_matrix, form)
+
+    def christoffel(self, i: int, j: int, k: int) -> Expr:
+        """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i); indices from 1."""
+        for index in (i, j, k):
+            self._require_index(index, 1)
+        p = self.dynamics.christoffel(i - 1, j - 1, k - 1)
+        return self.dynamic_form.entry(p, self._christoffel_limit)
+
+    def christoffel_table(self) -> Mapping[tuple[int, int, int], Expr]:
+        """The Christoffel symbols that are not zero, for j <= k (c_ijk = c_ikj); indices from 1."""
+        n = range(1, self.n + 1)
+        keys = [(i, j, k) for i in n for j in n for k in n if j <= k]
+        found = {(i, j, k): self.dynamics.christoffel(i - 1, j - 1, k - 1) for i, j, k in keys}
+        return MappingProxyType({key: self.christoffel(*key) for key, p in found.items() if p})
+
+    @cached_property
+    def C(self) -> Matrix:  # noqa: N802
+        """Coriolis matrix C(q, qd), nxn, by Christoffel symbols: C_ij = sum_k c_ijk qd_k."""
+        return self._rate_matrix(self.dynamics.christoffel)
+
+    @cached_property
+    def N(self) -> Matrix:  # noqa: N802
+        """N = Bdot - 2C, nxn, skew-symmetric."""
+        return self._rate_matrix(self.dynamics.skew)
+
+    @cached_property
+    def Bdot(self) -> Matrix:  # noqa: N802
+        """dB/dt, nxn: sum_k dB/dq_k qd_k."""
+        return self._rate_matrix(self.dynamics.derivative)
+
+    @cached_property
+    def g(self) -> Matrix:
+        """Gravity vector g(q) = dU/dq, nx1 [N m or N]."""
+        self._require_links("gravity vector")
+        return sympy.ImmutableMatrix([self.form.dynamic(p) for p in self.kinematics.gravity_vector])
+
+    @cached_property
+    def friction(self) -> Matrix:
+        """Joint friction, nx1: b*qd + f*sign(qd)."""
+        self._require_links("friction")
+        constant = self.domain.constant
+        return sympy.ImmutableMatrix(
+            [
+                self.form.dynamic(constant(link.viscous)) * rate
+                + self.form.dynamic(constant(link.coulomb)) * sympy.sign(rate)
+                for link, rate in zip(self.robot.links, self.qd, strict=True)
+            ]
+        )
+
+    @cached_property
+    def tau(self) -> Matrix:
+        """Joint torques, nx1: B qdd + C qd + g + friction [N m or N]."""
+        rows = [self._inertial_torque(i) + self._velocity_torque(i) for i in range(self.n)]
+        return sympy.ImmutableMatrix([r + self.g[i] + self.friction[i] for i, r in enumerate(rows)])
+
+    def _inertial_torque(self, i: int) -> Expr:
+        return sympy.Add(*(self.B[i, j] * self.qdd[j] for j in range(self.n)))
+
+    def _velocity_torque(self, i: int) -> Expr:
+        """sum_jk c_ijk qd_j qd_k, each pair once."""
+        pairs = []
+        for j in range(self.n):
+            for k in range(j, self.n):
+                twice = 1 if j == k else 2
+                pairs.append((self.dynamics.christoffel(i, j, k), twice * self.qd[j] * self.qd[k]))
+        return self.dynamic_form.rate_sum(pairs, self._christoffel_limit)
+
+    # -- sizes, identities
+
+    def terms(self, quantity: str, row: int, column: int = 1) -> int:
+        """Number of terms of an entry of B, C, Bdot, N or g expanded in the user's symbols; indices from 1.
+
+        It is counted on the exact polynomial, without writing it.
+
+        Raises:
+            QuantityError: No such quantity.
+        """
+        i, j = row - 1, column - 1
+        if quantity == "B":
+            return self.dynamics.expanded_size(self.dynamics.inertia_matrix[i][j])
+        if quantity == "g":
+            return len(self.kinematics.gravity_vector[i])
+        coefficient = self._rate_coefficients.get(quantity)
+        if coefficient is None:
+            raise QuantityError(f"the size of {quantity!r}", allowed="B, C, Bdot, N or g")
+        return sum(self.dynamics.expanded_size(coefficient(i, j, k)) for k in range(self.n))
+
+    @property
+    def _rate_coefficients(self) -> dict[str, Callable[[int, int, int], Polynomial]]:
+        d = self.dynamics
+        return {"C": d.christoffel, "N": d.skew, "Bdot": d.derivative}
+
+    def quantity(self, name: str) -> Expr:
+        """A quantity by its name as `derive show` takes it, for instance ``T[1,4]`` or ``christoffel[1,1,2]``.
+
+        Raises:
+            QuantityError: No such quantity or entry.
+        """
+        from derive.mechanics.quantities import evaluate
+
+        return evaluate(self, name)
+
+    def equal(self, quantity: str, expression: object) -> bool:
+        """Whether an expression equals a scalar quantity identically.
+
+        Args:
+            quantity: A scalar quantity such as ``T[1,4]``.
+            expression: Text in the notation of lecture notes (c12, qd1, ...) or a SymPy expression.
+
+        Raises:
+            QuantityError: No such quantity.
+            CheckError: The expression cannot be read.
+        """
+        from derive.mechanics.equality import equal
+
+        return equal(self, quantity, expression)
+
+    # -- writing
+
+    def _frame(self, frame: Frame[Polynomial]) -> Matrix:
+        write = self.form.kinematic
+        rows = [[*map(write, frame.rotation[i]), write(frame.position[i])] for i in range(3)]
+        return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
+
+    def _jacobian(self, linear: Sequence[Vector[Polynomial]], angular: Sequence[Vector[Polynomial]]) -> Matrix:
+        write = self.form.kinematic
+        columns = [[*map(write, v), *map(write, w)] for v, w in zip(linear, angular, strict=True)]
+        return sympy.ImmutableMatrix(columns).T
+
+    def _three(self, columns: Sequence[Vector[Polynomial]]) -> Matrix:
+        return sympy.ImmutableMatrix([[self.form.kinematic(x) for x in v] for v in columns]).T
+
+    def _symmetric(self, entries: list[list[Polynomial]]) -> Matrix:
+        return _symmetric(entries, self.dynamic_form)
+
+    @cached_property
+    def _christoffel_limit(self) -> int:
+        n = range(self.n)
+        return self.dynamic_form.limit(
+            self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k
+        )
+
+    def _rate_matrix(self, coefficient: Callable[[int, int, int], Polynomial]) -> Matrix:
+        n = range(self.n)
+        limit = self._christoffel_limit
+        form = self.dynamic_form
+        return sympy.ImmutableMatrix(
+            [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], limit) for j in n] for i in n]
+        )
+
+    # -- long chains
+
+    @cached_property
+    def _reach(self) -> tuple[int, ...]:
+        """For every i the last j up to which the polynomials of T_j^i stay short."""
+        return tuple(self._reach_of(i) for i in range(self.n + 1))
+
+    def _reach_of(self, i: int) -> int:
+        probe = PolynomialDomain(self.robot, rates=False, max_terms=20 * MAX_KINEMATIC_TERMS)
+        kinematics = Kinematics(self.robot, probe)
+        try:
+            for j in range(i, self.n + 1):
+                frame = kinematics.transform(i, j)
+                entries = [*frame.position, *(x for row in frame.rotation for x in row)]
+                if max(len(x) for x in entries) > MAX_KINEMATIC_TERMS:
+                    return j - 1
+        except TooManyTerms:
+            return j - 1
+        return self.n
+
+    def _long(self, i: int, j: int) -> bool:
+        if self.n <= 8:
+            return False
+        return max(i, j) > self._reach[min(i, j)]
+
+    @cached_property
+    def _nested_chain(self) -> Chain[Expr]:
+        alone = PolynomialDomain(self.robot, rates=False, sums=lambda group: False)
+        return build_chain(self.robot, SymPyDomain(alone))
+
+    @cached_property
+    def _nested(self) -> NestedKinematics[Expr]:
+        return nested_kinematics(self._nested_chain)
+
+    def _nested_row(self, i: int) -> Frame[Expr]:
+        chain = self._nested_chain
+        motion = chain.joints[i - 1].motion(chain.zero, chain.one)
+        if self.robot.convention is Convention.STANDARD:
+            return motion @ chain.ends[i - 1]
+        return chain.joints[i - 1].fixed @ motion
+
+    def _nested_transform(self, i: int, j: int) -> Matrix:
+        if i < j:
+            return self._nested_frame(product([self._nested_row(k) for k in range(i + 1, j + 1)]))
+        t = self._nested_transform(j, i)
+        rotation = t[:3, :3].T
+        rows = rotation.row_join(-rotation * t[:3, 3])
+        return sympy.ImmutableMatrix(rows.col_join(sympy.Matrix([[0, 0, 0, 1]])))
+
+    def _nested_frame(self, frame: Frame[Expr]) -> Matrix:
+        rows = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
+        return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
+
+    # -- arguments
+
+    def _require_index(self, i: int, first: int) -> None:
+        if not first <= i <= self.n:
+            raise QuantityError(f"index {i}", allowed=f"{first} to {self.n} for {self.robot.name}")
+
+    def _require_body(self, i: int) -> None:
+        self._require_links("link and rotor Jacobians")
+        self._require_index(i, 1)
+
+
+def inertial_symbols(robot: Robot) -> frozenset[str]:
+    """Symbols of masses and moments of inertia, by which dynamics is grouped."""
+    found: set[str] = set()
+    for link in robot.links:
+        t = link.inertia
+        cells = [link.mass, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature]
+        if link.motor is not None:
+            cells += [link.motor.mass, link.motor.inertia]
+        for cell in cells:
+            found.update(names(cell))
+    return frozenset(found)
+
+
+def only_link(robot: Robot, i: int) -> Robot:
+    """The robot with the body of link i alone: every other link massless, no rotor at all."""
+    from dataclasses import replace
+
+    from derive.robot.robot import Link
+
+    link = replace(robot.links[i - 1], motor=None, armature=Link().armature)
+    links = tuple(link if k == i else Link() for k in range(1, robot.n + 1))
+    return replace(robot, links=links)
+
+
+def _symmetric(entries: list[list[Polynomial]], form: DynamicForm) -> Matrix:
+    n = len(entries)
+    upper = [(i, j) for i in range(n) for j in range(i, n)]
+    written = dict(zip(upper, form.matrix_entries([entries[i][j] for i, j in upper]), strict=True))
+    return sympy.ImmutableMatrix([[written[min(i, j), max(i, j)] for j in range(n)] for i in range(n)])
+
+
+def _columns(pairs: Sequence[tuple[Vector[Expr], Vector[Expr]]]) -> Matrix:
+    return sympy.ImmutableMatrix([[*v, *w] for v, w in pairs]).T
+
+
+def _turned_back(rotation: Any, v: Vector[Polynomial]) -> Vector[Polynomial]:
+    entries = [sum((rotation[k][i] * v[k] for k in range(1, 3)), rotation[0][i] * v[0]) for i in range(3)]
+    return (entries[0], entries[1], entries[2])
