@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from derive.commands.arguments import positive
+
 SUMMARY = "derive, generate and verify models; the main job"
 DESCRIPTION = """\
 Derive the equations of each ROBOT, write NumPy, CasADi and LaTeX files to DIR/<robot>/, and compare every generated
@@ -20,14 +22,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("robots", metavar="ROBOT", nargs="*", help="robot file or catalogue name (default: the whole catalogue)")
     add("--out", metavar="DIR", type=Path, default=Path("generated"), help="parent folder (default: generated)")
     add("--target", metavar="NAME", action="append", help="only these targets; may be repeated or comma-separated")
-    add("--jobs", metavar="N", type=_positive, default=1, help="robots built at once (default 1)")
+    add("--jobs", metavar="N", type=positive, default=1, help="robots built at once (default 1)")
     add("--check", action="store_true", help="write nothing; list what is stale and exit with 1")
     add("--force", action="store_true", help="build even what has not changed")
     add("--quiet", action="store_true", help="no progress and no report")
     add("--json", action="store_true", help="machine-readable report")
-
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is no positive number")
-    return int(text)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from derive.commands.arguments import positive
 from derive.errors import OutputError
 
 SUMMARY = "write a commented robot file to start from"
@@ -14,7 +15,7 @@ DESCRIPTION = "Write NAME.yaml, a commented robot file that builds as it is. An 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The robot's name and its number of joints."""
     parser.add_argument("name", metavar="NAME", help="name of the robot, [a-z0-9-]+; the file is NAME.yaml")
-    parser.add_argument("--joints", type=int, default=2, metavar="N", help="number of joints (default 2)")
+    parser.add_argument("--joints", type=positive, default=2, metavar="N", help="number of joints (default 2)")
 
 
 def run(arguments: argparse.Namespace) -> int:

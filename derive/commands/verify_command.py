@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from derive.commands.arguments import positive
 from derive.errors import OutputError
 
 SUMMARY = "compare generated functions with an independent recursion"
@@ -20,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", metavar="DIR", type=Path, default=Path("generated"), help="parent folder (default: generated)"
     )
-    parser.add_argument("--samples", type=int, default=100, metavar="N", help="random configurations (default 100)")
+    parser.add_argument("--samples", type=positive, default=24, metavar="N", help="random configurations (default 24)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the random numbers (default 0)")
     parser.add_argument("--json", action="store_true", help="machine-readable output")
 
@@ -40,6 +41,6 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(report.as_dict())
         return 0
     header = ("target", "function", "samples", "worst error")
-    rows = [(row.target, row.function, str(row.samples), f"{row.worst_error:.1e}") for row in report.rows]
+    rows = [(row.target, row.function, str(row.samples), f"{row.worst:.1e}") for row in report.rows]
     print_columns(rows, header)
     return 0

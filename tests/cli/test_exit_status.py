@@ -19,7 +19,6 @@ WRONG = {
     "unknown option": ("list", "--frobnicate"),
     "abbreviated option": ("list", "--js"),
     "unknown robot": ("show", "scara-perugai", "T"),
-    "no quantity": ("show", "planar-2r-perugia"),
     "unknown quantity": ("show", "scara-perugia", "Q"),
     "index out of range": ("show", "scara-perugia", "A[9]"),
     "index zero": ("show", "scara-perugia", "A[0]"),

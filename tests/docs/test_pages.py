@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from derive.mechanics.quantities import REGISTRY
 from tests.docs.console import ROOT, agrees, blocks, commands, environment, run
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -73,3 +74,8 @@ def test_make_targets_that_a_page_names_exist(page: Path) -> None:
     shell = "\n".join(block.body for block in blocks(page) if block.language == "sh")
     named = set(re.findall(r"^make ([a-z-]+)", shell, re.MULTILINE))
     assert named <= set(phony[1].split())
+
+
+def test_page_of_quantities_names_every_quantity() -> None:
+    text = (ROOT / "docs" / "quantities.md").read_text(encoding="utf-8")
+    assert not [name for name in REGISTRY if f"`{name}`" not in text and f"`{name}[" not in text]
