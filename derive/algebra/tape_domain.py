@@ -10,48 +10,32 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from derive.algebra import tape_constant
 from derive.algebra.angles import decompose
 from derive.algebra.tape import PARAMETER
+from derive.algebra.tape_cells import CellReader, substitute
 from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
-from derive.errors import QuantityError
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
+from derive.robot.expression import Expression, Pi
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Joint, Robot
 
 Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"
 
 
-class TapeDomain:
+class TapeDomain(CellReader):
     """Implements `derive.mechanics.chain.Domain` for one robot and one graph.
 
-    Attributes:
-        graph: Where the values live.
-        symbols: The parameters of the robot; run-time parameter k of the traced graph is ``symbols[k]``.
+    Run-time parameter k of the traced graph is ``robot_symbols(robot)[k]``.
     """
 
     def __init__(self, robot: Robot, graph: Graph) -> None:
-        self.graph = graph
-        self.symbols = robot_symbols(robot)
-        self._values = {name: Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(self.symbols)}
+        symbols = robot_symbols(robot)
+        super().__init__(graph, {name: Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(symbols)})
         self._numbers = {k: v for k, v in number_of(robot).items() if k not in robot.runtime}
-        self._cache: dict[Expression, Value] = {}
-
-    def number(self, value: int | Fraction) -> Value:
-        """A rational."""
-        return Value(self.graph, self.graph.number(Fraction(value)))
 
     def argument(self, kind: str, index: int) -> Value:
         """Entry ``index`` (from 0) of the argument ``kind``."""
         return Value(self.graph, self.graph.input(kind, index))
-
-    def constant(self, expression: Expression) -> Value:
-        """A cell without joint variables."""
-        found = self._cache.get(expression)
-        if found is None:
-            found = self._cache[expression] = self._evaluate(expression)
-        return found
 
     def cosine_sine(self, angle: Expression) -> tuple[Value, Value]:
         """Cosine and sine of a constant angle [rad]."""
@@ -80,60 +64,3 @@ class TapeDomain:
         angle = variable + rest
         c, s = angle.cos(), angle.sin()
         return ((c, s), (-s, c), (-c, -s), (s, -c))[int(whole) % 4]
-
-    def _evaluate(self, expression: Expression) -> Value:
-        match expression:
-            case Number(value):
-                return self.number(value)
-            case Pi():
-                return Value(self.graph, self.graph.number(tape_constant.pi()))
-            case Name(name):
-                return self._values[name]
-            case Sum(terms):
-                return sum((self.constant(term) for term in terms), self.number(0))
-            case Product(factors):
-                return self._product(factors)
-            case Power(base, exponent):
-                return self.constant(base) ** exponent
-            case Call(function, arguments):
-                return self._call(function, self.constant(arguments[0]))
-
-    def _product(self, factors: tuple[Expression, ...]) -> Value:
-        """Divisors last: ``a * b**-1`` is one division, not a reciprocal and a product."""
-        result = self.number(1)
-        divisors = [f for f in factors if isinstance(f, Power) and f.exponent < 0]
-        for factor in factors:
-            if factor not in divisors:
-                result = result * self.constant(factor)
-        for divisor in divisors:
-            result = result / self.constant(divisor.base) ** -divisor.exponent
-        return result
-
-    def _call(self, function: str, argument: Value) -> Value:
-        match function:
-            case "sin":
-                return argument.sin()
-            case "cos":
-                return argument.cos()
-            case "tan":
-                return argument.sin() / argument.cos()
-            case "sqrt":
-                return argument.sqrt()
-        raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")
-
-
-def substitute(expression: Expression, numbers: dict[str, Expression]) -> Expression:
-    """The tree with its names replaced where they have a number."""
-    match expression:
-        case Name(name):
-            return numbers.get(name, expression)
-        case Sum(terms):
-            return Sum(tuple(substitute(term, numbers) for term in terms))
-        case Product(factors):
-            return Product(tuple(substitute(factor, numbers) for factor in factors))
-        case Power(base, exponent):
-            return Power(substitute(base, numbers), exponent)
-        case Call(function, arguments):
-            return Call(function, tuple(substitute(argument, numbers) for argument in arguments))
-        case _:
-            return expression

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 
 from derive.algebra.tape import PARAMETER, Tape
 from derive.algebra.tape_build import bake, cut
-from derive.algebra.tape_domain import TapeDomain
+from derive.algebra.tape_cells import exact_number
 from derive.algebra.tape_graph import Graph, Ref
 from derive.algebra.tape_improve import improve
+from derive.robot.expression import Expression
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
 
@@ -34,27 +34,18 @@ class Finisher:
 def _replacements(robot: Robot) -> dict[int, Callable[[Graph], Ref]]:
     """For each symbol its number, or its place in the parameter vector."""
     free = {name: k for k, name in enumerate(free_symbols(robot))}
-    values = _numbers(robot)
+    numbers = number_of(robot)
     return {
-        i: _input(free[name]) if name in free else _number(values[name]) for i, name in enumerate(robot_symbols(robot))
+        i: _input(free[name]) if name in free else _number(numbers[name])
+        for i, name in enumerate(robot_symbols(robot))
     }
-
-
-def _numbers(robot: Robot) -> dict[str, Fraction]:
-    """Exact numbers of the parameters, in their own graph: they contain no symbols."""
-    graph = Graph()
-    domain = TapeDomain(robot, graph)
-    found = {}
-    for name, expression in number_of(robot).items():
-        value = graph.constant_of(domain.constant(expression).ref)
-        assert value is not None, f"{name} is not a number"
-        found[name] = value
-    return found
 
 
 def _input(index: int) -> Callable[[Graph], Ref]:
     return lambda graph: graph.input(PARAMETER, index)
 
 
-def _number(value: Fraction) -> Callable[[Graph], Ref]:
+def _number(expression: Expression) -> Callable[[Graph], Ref]:
+    value = exact_number(expression, {})
+    assert value is not None, "the loader admits only numbers as parameters"
     return lambda graph: graph.number(value)

@@ -60,8 +60,8 @@ _MARKDOWN = frozenset("\\`*_[]{}|~$#!^")
 _MARKDOWN_START = re.compile(r"([-+=>]|[0-9]+(?=[.)]))")
 _LINK = re.compile(r"(?i)(?<=www)\.|:(?=//)|@|(?<=mailto):")
 _GREEK = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi omega "
-    "Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi "
+    "omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
 )
 _GREEK_COMMANDS = frozenset(_GREEK.split(" "))
 
