@@ -62,11 +62,12 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
 
 
 def potential_energy(arm: Arm, q: Array) -> Array:
-    """U = -sum m g0' p over links and rotors, with p in frame 0, (...)."""
+    """U = -sum m g0' p over links and rotors, with p in the world, (...)."""
     frames = chain_frames(arm, q)
-    places = _mass_centres(arm, frames), rotor_places(arm, frames, q)
-    g0 = arm.gravity_in_frame_0
-    energy: Array = -(places[0] @ g0) @ arm.mass - (places[1] @ g0) @ arm.rotor_mass
+    turn, origin = arm.base[:3, :3], arm.base[:3, 3]
+    links = _mass_centres(arm, frames) @ turn.T + origin
+    rotors = rotor_places(arm, frames, q) @ turn.T + origin
+    energy: Array = -(links @ arm.gravity) @ arm.mass - (rotors @ arm.gravity) @ arm.rotor_mass
     return energy
 
 
