@@ -73,7 +73,8 @@ def one_line(text: str) -> str:
 
 def python_string(text: str) -> str:
     """A string literal, quotes included, in ASCII."""
-    return ascii(text)
+    literal = ascii(text)
+    return f'"{literal[1:-1]}"' if literal[0] == "'" and '"' not in literal and "\\'" not in literal else literal
 
 
 def python_docstring(text: str) -> str:

@@ -1,0 +1,76 @@
+"""``model_numpy.py``: the functions of a robot for one configuration or any batch, importing NumPy alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from derive.emit.escape import python_docstring, python_string
+from derive.emit.interface import joint_lines
+from derive.emit.limits import joint_limits
+from derive.emit.python_kernel import python_functions, python_tuple, wrapped
+from derive.emit.source import Source
+from derive.emit.target import Target
+from derive.emit.templating import render
+
+FILE = "model_numpy.py"
+_SHORT = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """A tuple at the top of the module: its name, and its entries on one line or in several."""
+
+    name: str
+    short: bool
+    inside: str
+    lines: tuple[str, ...]
+
+
+def render_numpy(source: Source) -> dict[str, str]:
+    """The module's text."""
+    text = render("numpy/model_numpy.py.jinja", **python_context(source))
+    return {FILE: text}
+
+
+def python_context(source: Source) -> dict[str, object]:
+    """What the Python templates ask for."""
+    robot, program = source.robot, source.program
+    return {
+        "title": python_docstring(robot.title or robot.name),
+        "name": python_docstring(robot.name),
+        "version": python_docstring(source.version),
+        "digest": robot.digest,
+        "convention": robot.convention.value,
+        "joints": joint_lines(robot),
+        "dof": robot.n,
+        "constants": _constants(source),
+        "has_parameters": bool(program.parameters),
+        "has_dynamics": robot.has_dynamics,
+        "functions": python_functions(program, robot.n),
+    }
+
+
+def _constants(source: Source) -> tuple[Constant, ...]:
+    robot = source.robot
+    columns: dict[str, Sequence[str]] = {
+        "JOINT_NAMES": [python_string(joint.variable) for joint in robot.joints],
+        "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
+        "LIMITS": joint_limits(robot),
+        "PARAMETERS": [python_string(name) for name in source.program.parameters],
+    }
+    return tuple(_constant(name, values) for name, values in columns.items())
+
+
+def _constant(name: str, values: Sequence[str]) -> Constant:
+    lines = wrapped(values)
+    inside = python_tuple(values) if values else ""
+    return Constant(name, short=len(name) + len(inside) <= _SHORT, inside=inside, lines=lines)
+
+
+TARGET = Target(
+    name="numpy",
+    summary="functions of one configuration or a batch, importing NumPy alone",
+    files=(FILE,),
+    render=render_numpy,
+)
