@@ -1,8 +1,8 @@
 """Exact constant angles: what part is a multiple of pi, what part is a sum of symbols.
 
 An angle is written ``f*pi + sum k_j*u_j`` with rational f and k_j, where each unit u_j is a name, a plain number of
-radians or an expression that is not a sum. Sines and cosines of multiples of pi/2, pi/4, pi/6 are algebraic numbers; every other unit keeps
-its own sine and cosine.
+radians or an expression that is not a sum. Sines and cosines of multiples of pi/2, pi/4, pi/6 are algebraic numbers;
+every other unit keeps its own sine and cosine.
 """
 
 from __future__ import annotations

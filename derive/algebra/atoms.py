@@ -1,7 +1,7 @@
 """Which irrational pieces a set of expressions needs: angle units, roots, inverses and names.
 
-The ring must know its generators before any expression can become a polynomial, so the expressions are read twice: here for
-what they contain, in `derive.algebra.domain` for what they are.
+The ring must know its generators before any expression can become a polynomial, so the expressions are read twice:
+here for what they contain, in `derive.algebra.domain` for what they are.
 """
 
 from __future__ import annotations
@@ -100,13 +100,13 @@ class Atoms:
     def angle(self, e: Expression) -> None:
         """Record what the sine and cosine of an angle need."""
         exact = decompose(canonical(e))
-        self.pi_multiple(exact)
+        self._pi_multiple(exact)
         for unit, k in exact.terms:
             if unit == Number(Fraction(1)):
                 unit, k = Number(abs(k)), Fraction(1)
             self.units[unit] = lcm(self.units.get(unit, 1), k.denominator)
 
-    def pi_multiple(self, exact: ExactAngle) -> None:
+    def _pi_multiple(self, exact: ExactAngle) -> None:
         _, rest = split_pi(exact.pi_multiple)
         if abs(rest) in SPECIAL:
             self.primes.update(dict.fromkeys(SPECIAL[abs(rest)]))
@@ -123,22 +123,22 @@ class Atoms:
             case Power(base, exponent):
                 self.value(base)
                 if exponent < 0 and not isinstance(base, Number):
-                    self.inverse(base)
+                    self._inverse(base)
             case Call(function, (argument,)):
-                self.call(function, argument)
+                self._call(function, argument)
             case _:
                 for child in children(e):
                     self.value(child)
 
-    def call(self, function: str, argument: Expression) -> None:
+    def _call(self, function: str, argument: Expression) -> None:
         if function == "sqrt":
-            self.root(argument)
+            self._root(argument)
             return
         self.angle(argument)
         if function == "tan":
-            self.inverse(Call("cos", (argument,)))
+            self._inverse(Call("cos", (argument,)))
 
-    def root(self, argument: Expression) -> None:
+    def _root(self, argument: Expression) -> None:
         if isinstance(argument, Number):
             if argument.value > 0:
                 self.primes.update(dict.fromkeys(square_free(argument.value)[1]))
@@ -146,7 +146,7 @@ class Atoms:
         self.value(argument)
         self.roots[canonical(argument)] = None
 
-    def inverse(self, base: Expression) -> None:
+    def _inverse(self, base: Expression) -> None:
         self.inverses[canonical(base)] = None
 
 

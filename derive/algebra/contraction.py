@@ -1,8 +1,9 @@
 """The shortest way to write a trigonometric polynomial in the angles of one aligned group.
 
-For a group of k joints the angles q_i + ... + q_j of every contiguous run are candidates; any k of them that span form a basis. With the runs as
-edges between k+1 nodes the bases are the spanning trees. The polynomial is written in each basis, each s^2 or c^2 is replaced where
-that leaves fewer terms, and the shortest result wins: c2*c3 - s2*s3 becomes c23, c1*c12 + s1*s12 becomes c2, 1 - c5^2 becomes s5^2.
+For a group of k joints the angles q_i + ... + q_j of every contiguous run are candidates; any k of them that span
+form a basis. With the runs as edges between k+1 nodes the bases are the spanning trees. The polynomial is written in
+each basis, each s^2 or c^2 is replaced where that leaves fewer terms, and the shortest result wins: c2*c3 - s2*s3
+becomes c23, c1*c12 + s1*s12 becomes c2, 1 - c5^2 becomes s5^2.
 """
 
 from __future__ import annotations

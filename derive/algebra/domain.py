@@ -243,7 +243,9 @@ class PolynomialDomain:
                 return self._power(base, exponent)
             case Call(function, (argument,)):
                 return self._call(function, argument)
-        raise ExpressionError("atan2 in an algebraic expression", allowed="sums and products of sines, cosines and names")
+        raise ExpressionError(
+            "atan2 in an algebraic expression", allowed="sums and products of sines, cosines and names"
+        )
 
     def _power(self, base: Expression, exponent: int) -> Polynomial:
         if exponent >= 0:
@@ -368,7 +370,5 @@ def _scaled(unit: Expression, k: Fraction) -> Expression:
     return unit if k == 1 else Product((Number(k), unit))
 
 
-def _add_angles(
-    a: tuple[Polynomial, Polynomial], b: tuple[Polynomial, Polynomial]
-) -> tuple[Polynomial, Polynomial]:
+def _add_angles(a: tuple[Polynomial, Polynomial], b: tuple[Polynomial, Polynomial]) -> tuple[Polynomial, Polynomial]:
     return a[0] * b[0] - a[1] * b[1], a[1] * b[0] + a[0] * b[1]

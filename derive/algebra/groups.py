@@ -22,8 +22,8 @@ _UNIT_STEP = 0.737_912
 def aligned_groups(robot: Robot) -> tuple[tuple[int, ...], ...]:
     """Maximal runs of revolute joints (indices from 0) whose axes are parallel and point the same way.
 
-    The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta: q`` on one that
-    points up. Prismatic joints may stand between the joints of a group.
+    The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta:
+    q`` on one that points up. Prismatic joints may stand between the joints of a group.
     """
     groups: list[list[int]] = []
     relative = IDENTITY

@@ -1,7 +1,8 @@
 """The lecture form: from an exact polynomial to the expression that a teacher writes.
 
-One replaceable stage between `derive.mechanics` and everything that prints. Aligned angle sums and squares are dealt with in
-`derive.algebra.contraction`; here candidates are planned by rules, counted, and the cheapest is turned into SymPy.
+One replaceable stage between `derive.mechanics` and everything that prints. Aligned angle sums and squares are dealt
+with in `derive.algebra.contraction`; here candidates are planned by rules, counted, and the cheapest is turned into
+SymPy.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 import sympy
 
 from derive.algebra.domain import Kind, PolynomialDomain
-from derive.algebra.plan import Level, Plan, Plus, Term, Times, factored, flat, grouped, nested
+from derive.algebra.plan import Level, Plan, Plus, Term, Times, flat, grouped, nested
 from derive.algebra.products import ProductBuilder
 from derive.algebra.ring import Polynomial
 from derive.algebra.terms import FactorTable, Terms

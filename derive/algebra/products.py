@@ -1,4 +1,4 @@
-"""Products of powers as SymPy objects, built in SymPy's own canonical order without asking it to find that order again."""
+"""Products of powers as SymPy objects, in SymPy's canonical order without asking it to find that order again."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
 """Exact polynomials in sines, cosines, variables and parameters, reduced by what their generators satisfy.
 
-Everything that a DH chain yields is a polynomial over the rationals in the sine and cosine of each joint angle, the prismatic
-variables and the parameters. A `Ring` holds the generators and their relations (s^2 = 1 - c^2 for every angle, w^2 = x for every square
-root, u*x = 1 for every inverse); a `Polynomial` is always in normal form, so that equality is equality of coefficients.
+Everything that a DH chain yields is a polynomial over the rationals in the sine and cosine of each joint angle, the
+prismatic variables and the parameters. A `Ring` holds the generators and their relations (s^2 = 1 - c^2 for every
+angle, w^2 = x for every square root, u*x = 1 for every inverse); a `Polynomial` is always in normal form, so that
+equality is equality of coefficients.
 """
 
 from __future__ import annotations
@@ -47,8 +48,8 @@ class Ring:
     """A polynomial ring modulo relations.
 
     Args:
-        names: Generator names, highest in the lexicographic order first. A generator that a relation eliminates must come
-            before those that replace it.
+        names: Generator names, highest in the lexicographic order first. A generator that a relation eliminates must
+            come before those that replace it.
         max_terms: A product with more terms raises `TooManyTerms`.
     """
 
@@ -156,7 +157,8 @@ class Polynomial:
         return self if not o.raw else Polynomial(self.ring, self.raw - o.raw, self._mask | o._mask)
 
     def __rsub__(self, other: Any) -> Polynomial:
-        return -self + other
+        negative = -self
+        return negative.__add__(other)
 
     def __mul__(self, other: Any) -> Polynomial:
         o = self._coerce(other)

@@ -44,7 +44,8 @@ def euler_zyz(r: Matrix) -> Matrix:
 def analytic_jacobian(kind: str, r: Matrix, jacobian: Matrix) -> Matrix:
     """6xn: rows of velocity, then of the rates of the angles ``rpy`` or ``zyz``, from the geometric Jacobian.
 
-    The matrix that turns angular velocity into rates is written in entries of R, so that no inverse trigonometric function occurs.
+    The matrix that turns angular velocity into rates is written in entries of R, so that no inverse trigonometric
+    function occurs.
     """
     column = 0 if kind == "rpy" else 2
     x, y, z = r[0, column], r[1, column], r[2, column]

@@ -4,21 +4,21 @@ Both conventions are one chain,
 
     T = base K_0 Z_1 K_1 Z_2 ... Z_n K_n tool,   Z_i = Rot(z, theta_i) Trans(z, d_i),
 
-with K_i = Trans(x, a_i) Rot(x, alpha_i), K_0 = 1 (standard) or K_{i-1} = Rot(x, alpha_{i-1}) Trans(x, a_{i-1}), K_n = 1
-(modified). *Joint frame* i stands after Z_i: it moves with link i and its z axis is the axis of joint i. In the modified
-convention it is DH frame i; in the standard one DH frame i is joint frame i times K_i. Frames on the joint axes make every
-recursion cheaper than frames at the far end of the links (Khalil and Dombre, Modeling, Identification and Control of Robots, ch. 3).
+with K_i = Trans(x, a_i) Rot(x, alpha_i), K_0 = 1 (standard) or K_{i-1} = Rot(x, alpha_{i-1}) Trans(x, a_{i-1}), K_n =
+1 (modified). *Joint frame* i stands after Z_i: it moves with link i and its z axis is the axis of joint i. In the
+modified convention it is DH frame i; in the standard one DH frame i is joint frame i times K_i. Frames on the joint
+axes make every recursion cheaper than frames at the far end of the links (Khalil and Dombre, Modeling, Identification
+and Control of Robots, ch. 3).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Generic, Protocol
+from typing import Generic, Protocol, TypeVar
 
 from derive.mechanics.vectors import (
     Frame,
-    Matrix,
     S,
     Symmetric,
     Vector,
@@ -34,23 +34,25 @@ from derive.mechanics.vectors import (
 from derive.robot.expression import Expression
 from derive.robot.robot import Convention, Joint, Link, Motor, Robot
 
+S_co = TypeVar("S_co", covariant=True)
 
-class Domain(Protocol[S]):
+
+class Domain(Protocol[S_co]):
     """Turns exact expressions into scalars of one kind."""
 
-    def number(self, value: int | Fraction) -> S:
+    def number(self, value: int | Fraction) -> S_co:
         """A rational."""
 
-    def constant(self, expression: Expression) -> S:
+    def constant(self, expression: Expression) -> S_co:
         """A cell without joint variables."""
 
-    def cosine_sine(self, angle: Expression) -> tuple[S, S]:
+    def cosine_sine(self, angle: Expression) -> tuple[S_co, S_co]:
         """Cosine and sine of a constant angle [rad]."""
 
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[S, S]:
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[S_co, S_co]:
         """Cosine and sine of ``sign*q + theta`` of revolute joint ``index`` (from 0)."""
 
-    def joint_offset(self, index: int, joint: Joint) -> S:
+    def joint_offset(self, index: int, joint: Joint) -> S_co:
         """``sign*q + d`` of prismatic joint ``index`` (from 0)."""
 
 
@@ -159,9 +161,7 @@ class _ChainBuilder(Generic[S]):
         identity = self.identity()
         fixed = [identity, *links[:-1]] if self.standard else links
         ends = links if self.standard else [identity] * len(links)
-        joints = tuple(
-            self.joint(i, joint, fixed[i]) for i, joint in enumerate(self.robot.joints)
-        )
+        joints = tuple(self.joint(i, joint, fixed[i]) for i, joint in enumerate(self.robot.joints))
         return Chain(
             zero=self.zero,
             one=self.one,

@@ -1,7 +1,8 @@
 """Dynamics as it is printed: entries of B and the Christoffel symbols in the user's symbols.
 
-A short entry is expanded in the user's symbols, contracted, and grouped by masses and moments of inertia. A long one (a
-6R arm with every parameter symbolic) stays grouped by the lumped parameters of its bodies, each written out in the user's symbols.
+A short entry is expanded in the user's symbols, contracted, and grouped by masses and moments of inertia. A long one
+(a 6R arm with every parameter symbolic) stays grouped by the lumped parameters of its bodies, each written out in the
+user's symbols.
 """
 
 from __future__ import annotations
@@ -78,9 +79,7 @@ class DynamicForm:
     def _grouped(self, p: Polynomial) -> Expr:
         """Sum of lumped parameter times trigonometric polynomial, equal ones of the latter written once."""
         parts, rest = self.dynamics.split(p)
-        terms = [
-            sympy.Mul(self._lumps[lump.generator], self._coefficient(coefficient)) for lump, coefficient in parts
-        ]
+        terms = [sympy.Mul(self._lumps[lump.generator], self._coefficient(coefficient)) for lump, coefficient in parts]
         if rest:
             terms.append(self.form.dynamic(self.dynamics.domain.ring.project(rest)))
         return sympy.Add(*terms)

@@ -1,8 +1,9 @@
 """Closed-form dynamics by Lagrange: B and the Christoffel symbols as exact polynomials.
 
-B comes from composite bodies in joint frames, where polynomials stay short, and is linear in the ten parameters of each body. So
-it is derived in those *lumped* parameters (mass, first moments, inertia about the joint frame's origin, rotors included), each a symbol of
-its own, and the user's symbols are put in afterwards, entry by entry, where they are wanted.
+B comes from composite bodies in joint frames, where polynomials stay short, and is linear in the ten parameters of
+each body. So it is derived in those *lumped* parameters (mass, first moments, inertia about the joint frame's origin,
+rotors included), each a symbol of its own, and the user's symbols are put in afterwards, entry by entry, where they
+are wanted.
 """
 
 from __future__ import annotations

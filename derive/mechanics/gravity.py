@@ -1,7 +1,8 @@
 """The gravity vector by composite first moments.
 
-g_i is the moment (force) of the weight of all that joint i carries about (along) its axis, against gravity: with
-the acceleration of gravity gamma in joint frame i, g_i = -(h x gamma)_z for a revolute joint and -m gamma_z for a prismatic one.
+g_i is the moment (force) of the weight of all that joint i carries about (along) its axis, against gravity: with the
+acceleration of gravity gamma in joint frame i, g_i = -(h x gamma)_z for a revolute joint and -m gamma_z for a
+prismatic one.
 """
 
 from __future__ import annotations

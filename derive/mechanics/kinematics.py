@@ -1,4 +1,4 @@
-"""Closed-form kinematics: frames, Jacobians of the end effector, of the links and of the rotors, as exact polynomials."""
+"""Closed-form kinematics: frames and the Jacobians of end effector, links and rotors, as exact polynomials."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class Kinematics:
         return add(carrier.position, scale(along, column(carrier.rotation, 2)))
 
     def motor_angular_columns(self, i: int) -> list[PolynomialVector]:
-        """Angular velocity of the rotor of joint i per unit of every rate: that of link i-1, and ratio*z for joint i."""
+        """Angular velocity of rotor i per unit of every rate: that of link i-1, and ratio*z for joint i."""
         columns = self.angular_columns(i - 1)
         motor = self.robot.links[i - 1].motor or Motor()
         z = column((self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed).rotation, 2)

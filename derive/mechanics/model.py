@@ -1,4 +1,4 @@
-"""The model of a robot: every quantity in closed form, computed when asked for, once, as plain SymPy in the lecture form."""
+"""The model of a robot: every quantity in closed form, computed once when asked for, as plain SymPy."""
 
 from __future__ import annotations
 
@@ -12,25 +12,22 @@ import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.lecture_form import LectureForm
-from derive.algebra.ring import Polynomial, TooManyTerms
-from derive.algebra.sympy_domain import SymPyDomain
+from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
 from derive.mechanics.angles import analytic_jacobian, euler_zyz, rpy
-from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.determinant import determinant
 from derive.mechanics.dynamic_form import DynamicForm
 from derive.mechanics.dynamics import Dynamics
 from derive.mechanics.kinematics import Kinematics
-from derive.mechanics.nested import NestedKinematics, nested_kinematics, product
-from derive.mechanics.vectors import Frame, Vector
-from derive.robot.expression import names
+from derive.mechanics.long_chain import LongChain
+from derive.mechanics.parts import inertial_symbols, only_link
+from derive.mechanics.vectors import Vector, multiply, transpose
+from derive.mechanics.writing import columns_matrix, frame_matrix, symmetric_matrix
 from derive.robot.names import acceleration_name, velocity_name
-from derive.robot.robot import Convention, Robot
+from derive.robot.robot import Robot
 
 Expr = Any
 Matrix = Any
-
-MAX_KINEMATIC_TERMS = 300
-"""Entries of T with more terms are nested from the recursion instead of derived as polynomials."""
 
 MAX_DYNAMIC_TERMS = 400_000
 """Budget of one entry of B; beyond it only the generated functions remain."""
@@ -112,39 +109,39 @@ class Model:
     def _require_links(self, what: str) -> None:
         if not self.robot.has_dynamics:
             raise QuantityError(
-                f"{what} of {self.robot.name}", allowed="kinematics only, for the file has no `links`",
+                f"{what} of {self.robot.name}",
+                allowed="kinematics only, for the file has no `links`",
                 remedy="add `links:` with mass, com and inertia of each link",
             )
 
     # -- frames
 
-    def A(self, i: int) -> Matrix:  # noqa: N802 -- the symbol of the field
+    def A(self, i: int) -> Matrix:
         """A_i, 4x4: DH frame i in DH frame i-1, row i of the table (from 1)."""
         self._require_index(i, 1)
-        return self._frame(self.kinematics.row(i))
+        return frame_matrix(self.kinematics.row(i), self.form.kinematic)
 
     def transform(self, i: int, j: int) -> Matrix:
         """T_j^i, 4x4: DH frame j in DH frame i, without base and tool; i and j from 0 to n, in either order."""
         self._require_index(i, 0)
         self._require_index(j, 0)
-        if self._long(i, j):
-            return self._nested_transform(i, j)
-        return self._frame(self.kinematics.transform(i, j))
+        if self._long.is_long(i, j):
+            return self._long.transform(i, j)
+        return frame_matrix(self.kinematics.transform(i, j), self.form.kinematic)
 
     def frame(self, i: int) -> Matrix:
         """T_i, 4x4: DH frame i in the world, base A_1 ... A_i."""
         self._require_index(i, 0)
-        if self._long(0, i):
-            chain = self._nested_chain
-            return self._nested_frame(product([chain.base, *(self._nested_row(k) for k in range(1, i + 1))]))
-        return self._frame(self.kinematics.frame(i))
+        if self._long.is_long(0, i):
+            return self._long.frame(i)
+        return frame_matrix(self.kinematics.frame(i), self.form.kinematic)
 
     @cached_property
-    def T(self) -> Matrix:  # noqa: N802
+    def T(self) -> Matrix:
         """T, 4x4: the end effector in the world, base A_1 ... A_n tool."""
-        if self._long(0, self.n):
-            return self._nested_frame(self._nested.end)
-        return self._frame(self.kinematics.end)
+        if self._long.is_long(0, self.n):
+            return self._long.end
+        return frame_matrix(self.kinematics.end, self.form.kinematic)
 
     @property
     def p(self) -> Matrix:
@@ -152,43 +149,74 @@ class Model:
         return self.T[:3, 3]
 
     @property
-    def R(self) -> Matrix:  # noqa: N802
+    def R(self) -> Matrix:
         """Orientation of the end effector in the world, 3x3."""
         return self.T[:3, :3]
 
     @cached_property
     def rpy(self) -> Matrix:
-        """Roll, pitch, yaw [rad]: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), pitch in (-pi/2, pi/2); singular at +-pi/2."""
+        """Roll, pitch, yaw [rad]: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), pitch in (-pi/2, pi/2).
+
+        Singular at pitch = +-pi/2, where only the sum or difference of roll and yaw is determined.
+        """
         return rpy(self.R)
 
     @cached_property
     def euler_zyz(self) -> Matrix:
-        """phi, theta, psi [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi); singular at 0 and pi."""
+        """Euler angles phi, theta, psi [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi).
+
+        Singular at theta = 0 and pi, where only the sum or difference of phi and psi is determined.
+        """
         return euler_zyz(self.R)
 
     # -- Jacobians
 
     @cached_property
-    def J(self) -> Matrix:  # noqa: N802
+    def J(self) -> Matrix:
         """Geometric Jacobian of the end effector, 6xn, linear rows first, world frame."""
-        if self._long(0, self.n):
-            nested = self._nested
-            return _columns([*zip(nested.linear, nested.angular, strict=True)])
-        k = self.kinematics
-        return self._jacobian(k.linear_columns(k.end.position), k.angular_columns(self.n))
+        if self._long.is_long(0, self.n):
+            return self._long.jacobian
+        return columns_matrix(*self._jacobian_columns, write=self.form.kinematic)
 
     @cached_property
-    def J_end(self) -> Matrix:  # noqa: N802
+    def J_end(self) -> Matrix:
         """Geometric Jacobian of the end effector, 6xn, linear rows first, in the axes of the end effector."""
-        if self._long(0, self.n):
+        if self._long.is_long(0, self.n):
             turned = sympy.Matrix(self.R).T
             return sympy.ImmutableMatrix(sympy.Matrix.vstack(turned * self.J[:3, :], turned * self.J[3:, :]))
-        k = self.kinematics
-        r = k.end.rotation
-        linear, angular = k.linear_columns(k.end.position), k.angular_columns(self.n)
-        return self._jacobian([_turned_back(r, v) for v in linear], [_turned_back(r, w) for w in angular])
+        turned_back = transpose(self.kinematics.end.rotation)
+        linear, angular = ([multiply(turned_back, v) for v in columns] for columns in self._jacobian_columns)
+        return columns_matrix(linear, angular, self.form.kinematic)
 
-    def J_analytic(self, kind: str) -> Matrix:  # noqa: N802
+    @cached_property
+    def _jacobian_columns(self) -> tuple[list[Vector[Polynomial]], list[Vector[Polynomial]]]:
+        k = self.kinematics
+        return k.linear_columns(k.end.position), k.angular_columns(self.n)
+
+    def det_J(self, rows: Sequence[int] | None = None, columns: Sequence[int] | None = None) -> Expr:
+        """Determinant of a square block of J.
+
+        Args:
+            rows: Rows of J from 1; default 1 to 3 for three joints, all six for six.
+            columns: Columns of J from 1; default all.
+
+        Raises:
+            QuantityError: The block is not square, or the arm is too long for a closed form.
+        """
+        columns = tuple(range(1, self.n + 1)) if columns is None else tuple(columns)
+        rows = tuple(range(1, min(len(columns), 6) + 1)) if rows is None else tuple(rows)
+        inside = all(1 <= r <= 6 for r in rows) and all(1 <= c <= self.n for c in columns)
+        if len(rows) != len(columns) or not inside:
+            raise QuantityError(
+                f"rows {list(rows)} and columns {list(columns)} of J",
+                allowed=f"as many rows (1 to 6) as columns (1 to {self.n})",
+                remedy="name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3",
+            )
+        linear, angular = self._jacobian_columns
+        block = [[(*linear[c - 1], *angular[c - 1])[r - 1] for c in columns] for r in rows]
+        return self.form.kinematic(determinant(block))
+
+    def J_analytic(self, kind: str) -> Matrix:
         """Analytic Jacobian, 6xn: derivative of position and of the angles ``rpy`` or ``zyz``.
 
         Raises:
@@ -198,25 +226,25 @@ class Model:
             raise QuantityError(f"J_analytic of kind {kind!r}", allowed="rpy or zyz")
         return analytic_jacobian(kind, self.R, self.J)
 
-    def Jv_com(self, i: int) -> Matrix:  # noqa: N802
+    def Jv_com(self, i: int) -> Matrix:
         """3xn: velocity of the centre of mass of link i (from 1) per rate, world frame."""
         self._require_body(i)
-        return self._three(self.kinematics.linear_columns(self.kinematics.com(i)))
+        return columns_matrix(self.kinematics.linear_columns(self.kinematics.com(i)), write=self.form.kinematic)
 
-    def Jw_com(self, i: int) -> Matrix:  # noqa: N802
+    def Jw_com(self, i: int) -> Matrix:
         """3xn: angular velocity of link i (from 1) per rate, world frame."""
         self._require_body(i)
-        return self._three(self.kinematics.angular_columns(i))
+        return columns_matrix(self.kinematics.angular_columns(i), write=self.form.kinematic)
 
-    def Jv_motor(self, i: int) -> Matrix:  # noqa: N802
+    def Jv_motor(self, i: int) -> Matrix:
         """3xn: velocity of the rotor of joint i (from 1) per rate, world frame."""
         self._require_body(i)
-        return self._three(self.kinematics.linear_columns(self.kinematics.motor_place(i)))
+        return columns_matrix(self.kinematics.linear_columns(self.kinematics.motor_place(i)), write=self.form.kinematic)
 
-    def Jw_motor(self, i: int) -> Matrix:  # noqa: N802
+    def Jw_motor(self, i: int) -> Matrix:
         """3xn: angular velocity of the rotor of joint i (from 1) per rate, its spin included, world frame."""
         self._require_body(i)
-        return self._three(self.kinematics.motor_angular_columns(i))
+        return columns_matrix(self.kinematics.motor_angular_columns(i), write=self.form.kinematic)
 
     # -- dynamics
 
@@ -236,16 +264,19 @@ class Model:
         return self.form.dynamic(self.kinematics.potential)
 
     @cached_property
-    def B(self) -> Matrix:  # noqa: N802
+    def B(self) -> Matrix:
         """Inertia matrix B(q), nxn, links, rotors and armatures [kg m^2, kg m, kg]."""
-        return self._symmetric(self.dynamics.inertia_matrix)
+        return self._inertia(self.dynamics, self.dynamic_form)
 
-    def B_link(self, i: int) -> Matrix:  # noqa: N802
+    def B_link(self, i: int) -> Matrix:
         """The part of B that link i (from 1) contributes, without any rotor."""
         self._require_body(i)
         alone = Dynamics(only_link(self.robot, i), self.domain, MAX_DYNAMIC_TERMS)
-        form = DynamicForm(alone, self.form)
-        return _symmetric(alone.inertia_matrix, form)
+        return self._inertia(alone, DynamicForm(alone, self.form))
+
+    def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Matrix:
+        b, n = dynamics.inertia_matrix, self.n
+        return symmetric_matrix(n, form.matrix_entries([b[i][j] for i in range(n) for j in range(i, n)]))
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
         """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i); indices from 1."""
@@ -262,17 +293,17 @@ class Model:
         return MappingProxyType({key: self.christoffel(*key) for key, p in found.items() if p})
 
     @cached_property
-    def C(self) -> Matrix:  # noqa: N802
+    def C(self) -> Matrix:
         """Coriolis matrix C(q, qd), nxn, by Christoffel symbols: C_ij = sum_k c_ijk qd_k."""
         return self._rate_matrix(self.dynamics.christoffel)
 
     @cached_property
-    def N(self) -> Matrix:  # noqa: N802
+    def N(self) -> Matrix:
         """N = Bdot - 2C, nxn, skew-symmetric."""
         return self._rate_matrix(self.dynamics.skew)
 
     @cached_property
-    def Bdot(self) -> Matrix:  # noqa: N802
+    def Bdot(self) -> Matrix:
         """dB/dt, nxn: sum_k dB/dq_k qd_k."""
         return self._rate_matrix(self.dynamics.derivative)
 
@@ -365,28 +396,14 @@ class Model:
 
     # -- writing
 
-    def _frame(self, frame: Frame[Polynomial]) -> Matrix:
-        write = self.form.kinematic
-        rows = [[*map(write, frame.rotation[i]), write(frame.position[i])] for i in range(3)]
-        return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
-
-    def _jacobian(self, linear: Sequence[Vector[Polynomial]], angular: Sequence[Vector[Polynomial]]) -> Matrix:
-        write = self.form.kinematic
-        columns = [[*map(write, v), *map(write, w)] for v, w in zip(linear, angular, strict=True)]
-        return sympy.ImmutableMatrix(columns).T
-
-    def _three(self, columns: Sequence[Vector[Polynomial]]) -> Matrix:
-        return sympy.ImmutableMatrix([[self.form.kinematic(x) for x in v] for v in columns]).T
-
-    def _symmetric(self, entries: list[list[Polynomial]]) -> Matrix:
-        return _symmetric(entries, self.dynamic_form)
+    @cached_property
+    def _long(self) -> LongChain:
+        return LongChain(self.robot)
 
     @cached_property
     def _christoffel_limit(self) -> int:
         n = range(self.n)
-        return self.dynamic_form.limit(
-            self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k
-        )
+        return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
 
     def _rate_matrix(self, coefficient: Callable[[int, int, int], Polynomial]) -> Matrix:
         n = range(self.n)
@@ -395,59 +412,6 @@ class Model:
         return sympy.ImmutableMatrix(
             [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], limit) for j in n] for i in n]
         )
-
-    # -- long chains
-
-    @cached_property
-    def _reach(self) -> tuple[int, ...]:
-        """For every i the last j up to which the polynomials of T_j^i stay short."""
-        return tuple(self._reach_of(i) for i in range(self.n + 1))
-
-    def _reach_of(self, i: int) -> int:
-        probe = PolynomialDomain(self.robot, rates=False, max_terms=20 * MAX_KINEMATIC_TERMS)
-        kinematics = Kinematics(self.robot, probe)
-        try:
-            for j in range(i, self.n + 1):
-                frame = kinematics.transform(i, j)
-                entries = [*frame.position, *(x for row in frame.rotation for x in row)]
-                if max(len(x) for x in entries) > MAX_KINEMATIC_TERMS:
-                    return j - 1
-        except TooManyTerms:
-            return j - 1
-        return self.n
-
-    def _long(self, i: int, j: int) -> bool:
-        if self.n <= 8:
-            return False
-        return max(i, j) > self._reach[min(i, j)]
-
-    @cached_property
-    def _nested_chain(self) -> Chain[Expr]:
-        alone = PolynomialDomain(self.robot, rates=False, sums=lambda group: False)
-        return build_chain(self.robot, SymPyDomain(alone))
-
-    @cached_property
-    def _nested(self) -> NestedKinematics[Expr]:
-        return nested_kinematics(self._nested_chain)
-
-    def _nested_row(self, i: int) -> Frame[Expr]:
-        chain = self._nested_chain
-        motion = chain.joints[i - 1].motion(chain.zero, chain.one)
-        if self.robot.convention is Convention.STANDARD:
-            return motion @ chain.ends[i - 1]
-        return chain.joints[i - 1].fixed @ motion
-
-    def _nested_transform(self, i: int, j: int) -> Matrix:
-        if i < j:
-            return self._nested_frame(product([self._nested_row(k) for k in range(i + 1, j + 1)]))
-        t = self._nested_transform(j, i)
-        rotation = t[:3, :3].T
-        rows = rotation.row_join(-rotation * t[:3, 3])
-        return sympy.ImmutableMatrix(rows.col_join(sympy.Matrix([[0, 0, 0, 1]])))
-
-    def _nested_frame(self, frame: Frame[Expr]) -> Matrix:
-        rows = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
-        return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
 
     # -- arguments
 
@@ -458,43 +422,3 @@ class Model:
     def _require_body(self, i: int) -> None:
         self._require_links("link and rotor Jacobians")
         self._require_index(i, 1)
-
-
-def inertial_symbols(robot: Robot) -> frozenset[str]:
-    """Symbols of masses and moments of inertia, by which dynamics is grouped."""
-    found: set[str] = set()
-    for link in robot.links:
-        t = link.inertia
-        cells = [link.mass, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature]
-        if link.motor is not None:
-            cells += [link.motor.mass, link.motor.inertia]
-        for cell in cells:
-            found.update(names(cell))
-    return frozenset(found)
-
-
-def only_link(robot: Robot, i: int) -> Robot:
-    """The robot with the body of link i alone: every other link massless, no rotor at all."""
-    from dataclasses import replace
-
-    from derive.robot.robot import Link
-
-    link = replace(robot.links[i - 1], motor=None, armature=Link().armature)
-    links = tuple(link if k == i else Link() for k in range(1, robot.n + 1))
-    return replace(robot, links=links)
-
-
-def _symmetric(entries: list[list[Polynomial]], form: DynamicForm) -> Matrix:
-    n = len(entries)
-    upper = [(i, j) for i in range(n) for j in range(i, n)]
-    written = dict(zip(upper, form.matrix_entries([entries[i][j] for i, j in upper]), strict=True))
-    return sympy.ImmutableMatrix([[written[min(i, j), max(i, j)] for j in range(n)] for i in range(n)])
-
-
-def _columns(pairs: Sequence[tuple[Vector[Expr], Vector[Expr]]]) -> Matrix:
-    return sympy.ImmutableMatrix([[*v, *w] for v, w in pairs]).T
-
-
-def _turned_back(rotation: Any, v: Vector[Polynomial]) -> Vector[Polynomial]:
-    entries = [sum((rotation[k][i] * v[k] for k in range(1, 3)), rotation[0][i] * v[0]) for i in range(3)]
-    return (entries[0], entries[1], entries[2])

@@ -1,7 +1,8 @@
-"""Kinematics written straight from the recursion, nested from the base outwards, for arms whose expanded polynomials are too long.
+"""Kinematics straight from the recursion, nested from the base outwards.
 
-Everything is computed from the end effector inwards, so that an expression is ``c1*(...) + s1*(...)`` with inner parts shared between entries; a
-chain of n joints costs O(n^2) operations where its polynomials have a number of terms exponential in n.
+For arms whose expanded polynomials are too long. Everything is computed from the end effector inwards, so that an
+expression is ``c1*(...) + s1*(...)`` with inner parts shared between entries; a chain of n joints costs O(n^2)
+operations where its polynomials have a number of terms exponential in n.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def nested_kinematics(chain: Chain[S]) -> NestedKinematics[S]:
 
 
 def _column(chain: Chain[S], revolute: bool, sign: int, p: Vector[S]) -> tuple[Vector[S], Vector[S]]:
-    """Velocity of the end and of the link for a unit rate about (along) z, in a frame on the joint axis before it moves."""
+    """Velocity of the end and of the link per unit rate about (along) z, in a frame on the axis of the joint."""
     zero = chain.zero
     z = (zero, zero, chain.one)
     v, w = ((-p[1], p[0], zero), z) if revolute else (z, (zero, zero, zero))

@@ -55,7 +55,7 @@ REGISTRY = {
     q.name: q
     for q in (
         Quantity("A", (1,), lambda m, i: m.A(i), "DH transform of row i"),
-        Quantity("T", (0, 1, 2), _frame, "end effector in the world; T[i] frame i in the world; T[i,j] frame j in frame i"),
+        Quantity("T", (0, 1, 2), _frame, "end effector in the world; T[i] frame i there; T[i,j] frame j in frame i"),
         Quantity("p", (0,), lambda m: m.p, "position of the end effector"),
         Quantity("R", (0,), lambda m: m.R, "orientation of the end effector"),
         Quantity("rpy", (0,), lambda m: m.rpy, "roll, pitch, yaw"),
@@ -91,8 +91,8 @@ REGISTRY = {
 def evaluate(model: Model, text: str) -> Expr:
     """A quantity, or an entry of it, by name.
 
-    ``T[2]`` is frame 2; ``T[1,4]`` is the entry in row 1, column 4 where j = 4 is no frame of this robot, and frame 4 in frame 1
-    where it is: an entry is always meant by a second bracket, ``T[][1,4]`` or ``T[0,2][1,4]``.
+    ``T[2]`` is frame 2; ``T[1,4]`` is the entry in row 1, column 4 where j = 4 is no frame of this robot, and frame 4
+    in frame 1 where it is: an entry is always meant by a second bracket, ``T[][1,4]`` or ``T[0,2][1,4]``.
 
     Raises:
         QuantityError: Unknown name, wrong number of indices or an entry outside.
@@ -106,18 +106,27 @@ def parse(model: Model, text: str) -> tuple[Quantity, tuple[int, ...], tuple[int
     """The registry row, its indices and the entry, if one is asked for."""
     match = _NAME.fullmatch(text)
     if match is None:
-        raise QuantityError(f"quantity {text!r}", allowed="a name with indices, such as T, A[2], B[1,2], christoffel[1,1,2]")
+        raise QuantityError(
+            f"quantity {text!r}", allowed="a name with indices, such as T, A[2], B[1,2], christoffel[1,1,2]"
+        )
     quantity = _lookup(match[1])
     first = _integers(match[2], text)
     if match[3] is not None:
         return quantity, first, _integers(match[3], text)
-    if len(first) in quantity.indices:
+    if len(first) in quantity.indices and not _is_entry(quantity, first, model.n):
         return quantity, first, None
-    for count in quantity.indices:
+    for count in sorted(quantity.indices):
         if len(first) - count in (1, 2):
             return quantity, first[:count], first[count:]
     counts = " or ".join(map(str, quantity.indices))
-    raise QuantityError(f"{len(first)} indices in {text!r}", allowed=f"{counts} for {quantity.name}, and an entry behind them")
+    raise QuantityError(
+        f"{len(first)} indices in {text!r}", allowed=f"{counts} for {quantity.name}, and an entry behind them"
+    )
+
+
+def _is_entry(quantity: Quantity, indices: tuple[int, ...], n: int) -> bool:
+    """Whether two indices of T can only be a row and a column, for the arm has no such frame."""
+    return quantity.name == "T" and len(indices) == 2 and max(indices) > n
 
 
 def _lookup(name: str) -> Quantity:
@@ -145,5 +154,7 @@ def pick(value: Expr, entry: tuple[int, ...], text: str) -> Expr:
     row, column = (entry[0], 1) if len(entry) == 1 else (entry[0], entry[1])
     vector = len(entry) == 1 and shape[1] != 1
     if vector or not (1 <= row <= shape[0] and 1 <= column <= shape[1]):
-        raise QuantityError(f"entry {list(entry)} in {text!r}", allowed=f"rows 1 to {shape[0]}, columns 1 to {shape[1]}")
+        raise QuantityError(
+            f"entry {list(entry)} in {text!r}", allowed=f"rows 1 to {shape[0]}, columns 1 to {shape[1]}"
+        )
     return value[row - 1, column - 1]

@@ -10,7 +10,7 @@ from derive.robot.document import Document
 from derive.robot.limits import FILE_LIMITS
 from derive.robot.wording import quoted
 
-_NAME = re.compile(rf"[a-z][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}")
+_NAME = re.compile(rf"[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}")
 _DEVICES = {"con", "prn", "aux", "nul"} | {f"{port}{k}" for port in ("com", "lpt") for k in range(10)}
 _IMPORTED_BY_GENERATED_CODE = {"numpy", "casadi", "math", "derive"}
 _FORBIDDEN_CATEGORIES = {"Cc", "Cs"}
@@ -26,7 +26,7 @@ def read_name(document: Document) -> str:
     """The robot's name, which becomes the name of an importable folder.
 
     Raises:
-        RobotFileError: Not ``[a-z][a-z0-9-]*``, or a name that cannot be a folder or a Python package.
+        RobotFileError: Not ``[a-z0-9][a-z0-9-]*``, or a name that cannot be a folder or a Python package.
     """
     scalar = document.scalar(("name",))
     name = scalar.text if scalar else ""
@@ -34,7 +34,7 @@ def read_name(document: Document) -> str:
         raise document.error(
             ("name",),
             f"{quoted(name)} is not a robot name",
-            f"allowed: a letter a-z, then a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
+            f"allowed: a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
             f"write for instance {_suggestion(name)}; the title may be any text",
         )
     if not is_robot_name(name):

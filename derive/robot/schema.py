@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
 from derive.robot.limits import FILE_LIMITS
 
 NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"
-ROBOT_NAME_PATTERN = rf"^[a-z][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
+ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
 
 Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
