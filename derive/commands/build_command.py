@@ -27,3 +27,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--force", action="store_true", help="build even what has not changed")
     add("--quiet", action="store_true", help="no progress and no report")
     add("--json", action="store_true", help="machine-readable report")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Build or check, report, and say by the status whether all went well."""
+    raise NotImplementedError(arguments)
