@@ -6,18 +6,20 @@ N_ij = sum_k (c_j,ik - c_i,jk) qd_k, for dB_ij/dq_k = c_i,jk + c_j,ik (Siciliano
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
 import sympy
 
 from derive.algebra.to_sympy import expression_to_sympy
-from derive.emit.latex_layout import EQUALS, Equation, displays, equation_lines, pack
+from derive.emit.latex_layout import EQUALS, Equation, displays, equation_lines
 from derive.emit.latex_lines import break_lines
 from derive.emit.latex_metrics import EMPTY, Box, concatenate, italic
+from derive.emit.latex_names import Glyph
 from derive.emit.latex_pieces import Break, Piece, binary
-from derive.emit.latex_printer import MINUS
-from derive.emit.latex_quantity import Block, Layouter, omitted, select
+from derive.emit.latex_printer import MINUS, LatexPrinter
+from derive.emit.latex_quantity import Block, Item, Layouter
 from derive.emit.latex_symbols import Symbols
 from derive.emit.quantity import Quantities
 from derive.robot.names import acceleration_name, velocity_name
@@ -129,10 +131,8 @@ class DynamicsLayout:
     def _potential(self) -> Block:
         letter = Box("\\mathcal{U}", 8.0)
         quantity = self.quantities["potential"]
-        if quantity.terms(1, 1) > self.layouter.policy.entry_terms:
-            return Block((), omitted=tuple(displays([omitted(letter, quantity.terms(1, 1)).tex])))
-        pieces = tuple(self.layouter.printer.pieces(quantity.entry(1, 1)))
-        return Block(tuple(displays(equation_lines([Equation(letter, pieces)]))))
+        block = self.layouter.entries([Item(letter, quantity.terms(1, 1), lambda: quantity.entry(1, 1))], group=7)
+        return block if quantity.terms(1, 1) else Block(tuple(displays([letter.tex + " = 0"])))
 
     # -- Christoffel symbols
 
@@ -146,32 +146,30 @@ class DynamicsLayout:
         return self.quantities[_key(triple)].terms(1, 1)
 
     def _christoffel(self, triples: list[Triple]) -> Block:
-        counts = {triple: self._terms(triple) for triple in triples}
-        sizes = {(index, index): counts[triple] for index, triple in enumerate(triples)}
-        chosen = [triples[index] for index, _ in select(sizes, self.layouter.policy)]
-        left = [triple for triple in triples if triple not in set(chosen)]
-        equations = list(self._christoffel_equations(chosen))
-        return Block(
-            tuple(displays(equation_lines(equations))),
-            omitted=tuple(displays(pack(omitted(self.symbols.christoffel(*t), counts[t]) for t in left))),
-            by_entry=True,
-            has_zeros=True,
-        )
-
-    def _christoffel_equations(self, triples: Iterable[Triple]) -> Iterator[Equation]:
         """Each symbol by its expression, or by an earlier symbol that is the same up to the sign."""
-        known: dict[sympy.Expr, Box] = {}
-        for triple in triples:
+        known: dict[Any, Any] = {}
+        symbols: dict[str, Glyph] = {}
+        items = []
+        for index, triple in enumerate(triples):
             box = self.symbols.christoffel(*triple)
+            alias = sympy.Symbol(f"_c{index}")
+            symbols[alias.name] = Glyph(box)
+            items.append(Item(box, self._terms(triple), self._christoffel_writer(triple, alias, known)))
+        notation = self.layouter.printer.notation.with_terms(symbols)
+        block = replace(self.layouter, printer=LatexPrinter(notation)).entries(items, group=3)
+        return replace(block, has_zeros=True)
+
+    def _christoffel_writer(self, triple: Triple, alias: Any, known: dict[Any, Any]) -> Callable[[], Any]:
+        def write() -> Any:
             entry = self.quantities[_key(triple)].entry(1, 1)
             if entry in known:
-                right: tuple[Piece, ...] = (Piece(known[entry]),)
-            elif -entry in known:
-                right = (MINUS, Piece(known[-entry]))
-            else:
-                known[entry] = box
-                right = tuple(self.layouter.printer.pieces(entry))
-            yield Equation(box, right)
+                return known[entry]
+            if -entry in known:
+                return -known[-entry]
+            known[entry] = alias
+            return entry
+
+        return write
 
     # -- through named terms
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +12,13 @@ from derive.emit.latex_names import Glyph
 from derive.emit.latex_pieces import joined
 from derive.emit.latex_policy import SheetPolicy
 from derive.emit.latex_printer import LatexPrinter
-from derive.emit.latex_terms import extract
+from derive.emit.latex_terms import extract, needed
 from derive.emit.quantity import Quantity
 
 Place = tuple[int, int]
 Namer = Callable[[int, int], Box]
+
+ZERO = italic("0")
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +28,7 @@ class Block:
     Attributes:
         displays: The matrix, or the entries one by one.
         named: Definitions of intermediate terms that the entries use.
-        omitted: Entries left to the code, each as ``symbol: N`` rows.
+        omitted: Entries left to the code, with their numbers of terms.
         by_entry: Whether only the entries that are not zero are printed.
         has_zeros: Whether entries were left out because they are zero.
         symmetric: Whether entries below the diagonal were left out.
@@ -38,6 +40,21 @@ class Block:
     by_entry: bool = False
     has_zeros: bool = False
     symmetric: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One entry on its way to the page.
+
+    Attributes:
+        name: Its symbol.
+        terms: Number of terms when multiplied out.
+        write: Makes the expression; called only for entries within the budget.
+    """
+
+    name: Box
+    terms: int
+    write: Callable[[], Any]
 
 
 @dataclass(frozen=True)
@@ -64,47 +81,49 @@ class Layouter:
             group: Which letter its intermediate terms have.
             symmetric: Whether the entries below the diagonal may be left out.
         """
-        terms = {place: quantity.terms(*place) for place in places(quantity.shape)}
-        printed = select(terms, self.policy, symmetric)
-        entries = {place: quantity.entry(*place) for place in printed}
-        if len(printed) == sum(1 for place, count in terms.items() if count and (place[0] <= place[1] or not symmetric)):
-            whole = self._whole(symbol, quantity.shape, entries, symmetric)
-            if whole is not None:
-                return Block(tuple(displays([whole.tex])))
-        return self._by_entry(name, terms, entries, group, symmetric)
-
-    def _whole(self, symbol: Box, shape: Place, entries: dict[Place, Any], symmetric: bool) -> Box | None:
-        boxes = {place: joined(self.printer.pieces(entry)) for place, entry in entries.items()}
-        if symmetric:
-            boxes |= {(j, i): box for (i, j), box in boxes.items()}
-        rows = [[boxes.get((i, j), ZERO) for j in range(1, shape[1] + 1)] for i in range(1, shape[0] + 1)]
-        box = concatenate(symbol, EQUALS, matrix(rows))
-        return box if fits(box, shape[0]) else None
-
-    def _by_entry(
-        self, name: Namer, terms: dict[Place, int], entries: dict[Place, Any], group: int, symmetric: bool
-    ) -> Block:
-        definitions, expressions = extract(list(entries.values()))
-        symbols = {symbol.name: self.term_symbol(group, k) for k, (symbol, _) in enumerate(definitions, 1)}
-        printer = LatexPrinter(self.printer.notation.with_terms({key: Glyph(box) for key, box in symbols.items()}))
-        named = [Equation(symbols[s.name], tuple(printer.pieces(e))) for s, e in definitions]
-        shown = [
-            Equation(name(*place), tuple(printer.pieces(e))) for place, e in zip(entries, expressions, strict=True)
-        ]
-        left = {place: count for place, count in terms.items() if count and place not in entries}
-        if symmetric:
-            left = {(i, j): count for (i, j), count in left.items() if i <= j}
-        return Block(
-            tuple(displays(equation_lines(shown))),
-            tuple(displays(equation_lines(named))),
-            tuple(displays(pack(omitted(name(*place), count) for place, count in left.items()))),
-            by_entry=True,
-            has_zeros=not all(terms.values()),
-            symmetric=symmetric,
+        items = {
+            (i, j): Item(name(i, j), quantity.terms(i, j), lambda i=i, j=j: quantity.entry(i, j))  # type: ignore[misc]
+            for i, j in places(quantity.shape)
+            if i <= j or not symmetric
+        }
+        return self._whole(symbol, quantity, items) or self.entries(
+            list(items.values()), group=group, symmetric=symmetric
         )
 
+    def _whole(self, symbol: Box, quantity: Quantity, items: Mapping[Place, Item]) -> Block | None:
+        """The matrix in brackets, if it fits; its entries are a line at most."""
+        if sum(item.terms for item in items.values()) > self.policy.quantity_terms // 10:
+            return None
+        boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
+        rows = [
+            [boxes.get((i, j), boxes.get((j, i), ZERO) if (i, j) not in items else ZERO) for j in _upto(quantity, 1)]
+            for i in _upto(quantity, 0)
+        ]
+        box = concatenate(symbol, EQUALS, matrix(rows))
+        return Block(tuple(displays([box.tex]))) if fits(box, len(rows)) else None
 
-ZERO = italic("0")
+    def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False) -> Block:
+        """Entries one by one, brackets that they share as named terms."""
+        chosen = within([item.terms for item in items], self.policy.entry_terms, self.policy.quantity_terms)
+        definitions, expressions = extract([items[index].write() for index in chosen])
+        symbols = {symbol.name: self.term_symbol(group, k) for k, (symbol, _) in enumerate(definitions, 1)}
+        printer = LatexPrinter(self.printer.notation.with_terms({key: Glyph(box) for key, box in symbols.items()}))
+        equations = [
+            Equation(items[index].name, tuple(printer.pieces(e))) for index, e in zip(chosen, expressions, strict=True)
+        ]
+        sizes = [len(equation_lines([equation])) for equation in equations]
+        printed = within(sizes, self.policy.entry_lines, self.policy.quantity_lines)
+        used = needed(definitions, [expressions[k] for k in printed])
+        named = [Equation(symbols[s.name], tuple(printer.pieces(e))) for s, e in used]
+        left = [item for index, item in enumerate(items) if item.terms and index not in {chosen[k] for k in printed}]
+        return Block(
+            tuple(displays(equation_lines([equations[k] for k in printed]))),
+            tuple(displays(equation_lines(named))),
+            tuple(displays(pack(omitted(item) for item in left))),
+            by_entry=True,
+            has_zeros=not all(item.terms for item in items),
+            symmetric=symmetric,
+        )
 
 
 def places(shape: Place) -> Iterator[Place]:
@@ -112,19 +131,23 @@ def places(shape: Place) -> Iterator[Place]:
     return ((i, j) for i in range(1, shape[0] + 1) for j in range(1, shape[1] + 1))
 
 
-def omitted(name: Box, count: int) -> Box:
+def _upto(quantity: Quantity, axis: int) -> range:
+    return range(1, quantity.shape[axis] + 1)
+
+
+def omitted(item: Item) -> Box:
     """An entry that is left to the code."""
-    text = f" \\colon\\ \\text{{{count} terms}}"
-    return Box(name.tex + text, name.width + 12.0 + 5.0 * len(f"{count} terms"))
+    text = f"{item.terms} terms"
+    return Box(f"{item.name.tex} \\colon\\ \\text{{{text}}}", item.name.width + 12.0 + 5.0 * len(text))
 
 
-def select(terms: dict[Place, int], policy: SheetPolicy, symmetric: bool = False) -> Sequence[Place]:
-    """The entries to print, in their order: none beyond the budget, the shortest first within it."""
-    wanted = [p for p, count in terms.items() if 0 < count <= policy.entry_terms and (p[0] <= p[1] or not symmetric)]
-    chosen, total = set(), 0
-    for place in sorted(wanted, key=lambda p: (terms[p], p)):
-        total += terms[place]
-        if total > policy.quantity_terms:
+def within(sizes: Sequence[int], longest: int, total: int) -> list[int]:
+    """Indices of what is not empty and within the budget, the shortest first until it is used up, in their order."""
+    wanted = sorted((size, index) for index, size in enumerate(sizes) if 0 < size <= longest)
+    chosen, used = [], 0
+    for size, index in wanted:
+        used += size
+        if used > total:
             break
-        chosen.add(place)
-    return [place for place in wanted if place in chosen]
+        chosen.append(index)
+    return sorted(chosen)

@@ -11,8 +11,10 @@ import sympy
 SHORTEST = 3
 """Terms of the shortest bracket worth a name."""
 
+Definition = tuple[Any, Any]
 
-def extract(expressions: Sequence[Any]) -> tuple[list[tuple[Any, Any]], list[Any]]:
+
+def extract(expressions: Sequence[Any]) -> tuple[list[Definition], list[Any]]:
     """Names the brackets that several places share.
 
     Args:
@@ -31,9 +33,20 @@ def extract(expressions: Sequence[Any]) -> tuple[list[tuple[Any, Any]], list[Any
     definitions = []
     for index, bracket in enumerate(shared, 1):
         symbol = sympy.Symbol(f"_{index}")
-        definitions.append((symbol, bracket.xreplace(names)))
+        definitions.append((symbol, _replaced(bracket, names)))
         names[bracket] = symbol
     return definitions, [_replaced(expression, names) for expression in expressions]
+
+
+def needed(definitions: Sequence[Definition], expressions: Sequence[Any]) -> list[Definition]:
+    """The definitions that some expressions use, directly or through each other."""
+    wanted = {symbol for expression in expressions for symbol in expression.free_symbols}
+    kept = []
+    for symbol, value in reversed(definitions):
+        if symbol in wanted:
+            kept.append((symbol, value))
+            wanted |= value.free_symbols
+    return kept[::-1]
 
 
 def _count(expression: Any, uses: Counter[Any], root: bool) -> None:
@@ -54,4 +67,20 @@ def _depth(expression: Any) -> int:
 
 
 def _replaced(expression: Any, names: dict[Any, Any]) -> Any:
-    return expression.xreplace({bracket: name for bracket, name in names.items() if bracket != expression})
+    """The expression with symbols for the brackets inside it; the outermost sum stays."""
+    if not names or not expression.args:
+        return expression
+    if not expression.is_Add:
+        return _substituted(expression, names)
+    return expression.func(*(_substituted(term, names) for term in expression.args), evaluate=False)
+
+
+def _substituted(expression: Any, names: dict[Any, Any]) -> Any:
+    if expression in names:
+        return names[expression]
+    if not expression.args:
+        return expression
+    arguments = tuple(_substituted(argument, names) for argument in expression.args)
+    if all(new is old for new, old in zip(arguments, expression.args, strict=True)):
+        return expression
+    return expression.func(*arguments, evaluate=False) if expression.is_Add or expression.is_Mul else expression.func(*arguments)
