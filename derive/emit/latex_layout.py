@@ -18,8 +18,8 @@ GAP = Box(" \\qquad ", 20.0)
 TALLEST_MATRIX = 40
 """Rows of a matrix that a page can hold."""
 
-BREAK_AFTER = 40
-"""Rows in one display; TeX sets a display as a whole, and very long ones take it long."""
+BREAK_AFTER = 250
+"""Rows in one display; TeX sets a display as a whole, and its memory is finite."""
 
 EQUALS = Box(" = ", RELATION_WIDTH)
 _COLUMN_GAP = 10.0

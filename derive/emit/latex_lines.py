@@ -14,7 +14,7 @@ from derive.emit.latex_pieces import Break, Piece, line_start
 LINE_WIDTH = 455.0
 """Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve."""
 
-DEPTH_COST = 0.12
+DEPTH_COST = 0.25
 """Part of the line that may stay empty to break one bracket further out."""
 
 FACTOR_COST = 0.45

@@ -113,7 +113,7 @@ def _inertial(robot: Robot) -> dict[str, int]:
         inertia = link.inertia
         cells = [link.mass, inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz, link.armature]
         if link.motor is not None:
-            cells += [link.motor.mass, link.motor.inertia, link.motor.ratio]
+            cells += [link.motor.ratio, link.motor.mass, link.motor.inertia]
         found.update(dict.fromkeys(name for cell in cells for name in names(cell)))
     return {name: index for index, name in enumerate(found)}
 

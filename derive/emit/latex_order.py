@@ -1,6 +1,6 @@
 """The order of terms and factors that textbooks use.
 
-Factors: number, parameters, prismatic variables, cosines and sines by joint, brackets, velocities, accelerations.
+Factors: number, ratios, masses and inertias, other parameters, prismatic variables, cosines and sines by joint, brackets, velocities, accelerations.
 Terms: accelerations before velocities before the rest, then by inertial parameter, terms without cosines and sines before
 those with, by joint from the base outwards, cosine before sine, then by parameter; multiples of pi last. Equal keys keep the order of the expression.
 """
@@ -16,7 +16,7 @@ from derive.emit.latex_notation import Notation
 FactorKey = tuple[int, tuple[int, ...], str, float]
 TermKey = tuple[int, tuple[FactorKey, ...], tuple[int, ...], tuple[FactorKey, ...], tuple[FactorKey, ...], tuple[FactorKey, ...]]
 
-_NUMBER, _UNKNOWN, _PARAMETER, _OFFSET, _TRIGONOMETRIC, _OTHER, _BRACKET, _VELOCITY, _ACCELERATION = range(9)
+_NUMBER, _UNKNOWN, _INERTIAL, _PARAMETER, _OFFSET, _TRIGONOMETRIC, _OTHER, _BRACKET, _VELOCITY, _ACCELERATION = range(10)
 _CLASS_OF_POSITION = (_PARAMETER, _OFFSET, _VELOCITY, _ACCELERATION)
 
 
@@ -48,6 +48,8 @@ class Order:
         return found
 
     def _base(self, base: Any) -> tuple[int, tuple[int, ...], str]:
+        if base.is_Symbol and base.name in self._notation.inertial:
+            return (_INERTIAL, (self._notation.inertial[base.name],), "")
         if base.is_Symbol:
             position = self._notation.positions.get(base.name)
             if position is None:
@@ -58,7 +60,14 @@ class Order:
         name = getattr(base.func, "__name__", "")
         if name in ("cos", "sin"):
             return self._circular(name, base.args[0])
-        return (_BRACKET, (), "") if base.is_Add else (_OTHER, (), str(base))
+        if not base.is_Add:
+            return (_OTHER, (), str(base))
+        return (_VELOCITY if self._moves(base) else _BRACKET, (), "")
+
+    def _moves(self, bracket: Any) -> bool:
+        """Whether a bracket holds velocities or accelerations only."""
+        positions = self._notation.positions
+        return all(positions.get(symbol.name, (0, 0))[0] >= 2 for symbol in bracket.free_symbols)
 
     def _circular(self, name: str, angle: Any) -> tuple[int, tuple[int, ...], str]:
         positions = self._notation.positions

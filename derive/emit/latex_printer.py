@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from sympy import Integer, Rational, pi
+from sympy import Add, Integer, Rational, pi
 
 from derive.emit.latex_metrics import EMPTY, MINUS_WIDTH, Box, concatenate, fraction, greek, italic, operator, script
 from derive.emit.latex_notation import Notation
@@ -67,6 +67,10 @@ class LatexPrinter:
         factors = rest.args if rest.is_Mul else () if rest == 1 else (rest,)
         powers = [factor.as_base_exp() for factor in sorted(factors, key=self._order.factor)]
         value = Fraction(int(coefficient.p), int(coefficient.q))
+        for index, (base, exponent) in enumerate(powers):
+            if exponent == 1 and base.is_Add and all(map(_is_negative, base.args)):
+                powers[index] = (_opposite(base), exponent)
+                value = -value
         return value < 0, self._product(abs(value), powers, depth)
 
     def _product(self, value: Fraction, powers: list[Power], depth: int) -> Pieces:
@@ -187,6 +191,15 @@ class LatexPrinter:
         if not all(term.is_Symbol and term.name in order for term in terms):
             return ()
         return tuple(sorted((term.name for term in terms), key=order.__getitem__))
+
+
+def _is_negative(term: Any) -> bool:
+    return bool(term.as_coeff_Mul()[0] < 0)
+
+
+def _opposite(bracket: Any) -> Any:
+    """A sum with every sign turned."""
+    return Add(*(-term for term in bracket.args))
 
 
 def _is_below(exponent: Any) -> bool:

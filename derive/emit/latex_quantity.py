@@ -12,7 +12,7 @@ from derive.emit.latex_names import Glyph
 from derive.emit.latex_pieces import joined
 from derive.emit.latex_policy import SheetPolicy
 from derive.emit.latex_printer import LatexPrinter
-from derive.emit.latex_terms import extract, needed
+from derive.emit.latex_terms import Definition, extract, needed
 from derive.emit.quantity import Quantity
 
 Place = tuple[int, int]
@@ -106,24 +106,32 @@ class Layouter:
         """Entries one by one, brackets that they share as named terms."""
         chosen = within([item.terms for item in items], self.policy.entry_terms, self.policy.quantity_terms)
         definitions, expressions = extract([items[index].write() for index in chosen])
-        symbols = {symbol.name: self.term_symbol(group, k) for k, (symbol, _) in enumerate(definitions, 1)}
-        printer = LatexPrinter(self.printer.notation.with_terms({key: Glyph(box) for key, box in symbols.items()}))
-        equations = [
-            Equation(items[index].name, tuple(printer.pieces(e))) for index, e in zip(chosen, expressions, strict=True)
-        ]
+        named, equations = self._equations(definitions, [items[index].name for index in chosen], expressions, group)
         sizes = [len(equation_lines([equation])) for equation in equations]
         printed = within(sizes, self.policy.entry_lines, self.policy.quantity_lines)
-        used = needed(definitions, [expressions[k] for k in printed])
-        named = [Equation(symbols[s.name], tuple(printer.pieces(e))) for s, e in used]
-        left = [item for index, item in enumerate(items) if item.terms and index not in {chosen[k] for k in printed}]
+        if len(printed) < len(chosen):
+            chosen, expressions = [chosen[k] for k in printed], [expressions[k] for k in printed]
+            used = needed(definitions, expressions)
+            named, equations = self._equations(used, [items[index].name for index in chosen], expressions, group)
+        left = [item for index, item in enumerate(items) if item.terms and index not in set(chosen)]
         return Block(
-            tuple(displays(equation_lines([equations[k] for k in printed]))),
+            tuple(displays(equation_lines(equations))),
             tuple(displays(equation_lines(named))),
             tuple(displays(pack(omitted(item) for item in left))),
             by_entry=True,
             has_zeros=not all(item.terms for item in items),
             symmetric=symmetric,
         )
+
+    def _equations(
+        self, definitions: Sequence[Definition], names: Sequence[Box], expressions: Sequence[Any], group: int
+    ) -> tuple[list[Equation], list[Equation]]:
+        """The named terms, numbered in their order, and the entries in them."""
+        symbols = {symbol.name: self.term_symbol(group, k) for k, (symbol, _) in enumerate(definitions, 1)}
+        printer = LatexPrinter(self.printer.notation.with_terms({key: Glyph(box) for key, box in symbols.items()}))
+        named = [Equation(symbols[symbol.name], tuple(printer.pieces(value))) for symbol, value in definitions]
+        entries = [Equation(name, tuple(printer.pieces(e))) for name, e in zip(names, expressions, strict=True)]
+        return named, entries
 
 
 def places(shape: Place) -> Iterator[Place]:

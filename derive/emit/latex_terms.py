@@ -9,7 +9,10 @@ from typing import Any
 import sympy
 
 SHORTEST = 3
-"""Terms of the shortest bracket worth a name."""
+"""Terms of a bracket that gets a name when it occurs twice."""
+
+OFTEN = 4
+"""Uses after which a bracket of two products gets one too."""
 
 Definition = tuple[Any, Any]
 
@@ -27,7 +30,7 @@ def extract(expressions: Sequence[Any]) -> tuple[list[Definition], list[Any]]:
     uses: Counter[Any] = Counter()
     for expression in expressions:
         _count(expression, uses, root=True)
-    shared = [bracket for bracket, count in uses.items() if count > 1]
+    shared = [bracket for bracket, count in uses.items() if _is_worth(bracket, count)]
     shared.sort(key=_depth)
     names: dict[Any, Any] = {}
     definitions = []
@@ -51,13 +54,19 @@ def needed(definitions: Sequence[Definition], expressions: Sequence[Any]) -> lis
 
 def _count(expression: Any, uses: Counter[Any], root: bool) -> None:
     """Counts brackets; the inside of one that was met before is not counted again."""
-    if expression.is_Add and not root and len(expression.args) >= SHORTEST:
+    if expression.is_Add and not root:
         uses[expression] += 1
         if uses[expression] > 1:
             return
     for argument in expression.args:
         if argument.args:
             _count(argument, uses, root=False)
+
+
+def _is_worth(bracket: Any, uses: int) -> bool:
+    if len(bracket.args) >= SHORTEST:
+        return uses > 1
+    return uses >= OFTEN and any(len(term.args) > SHORTEST - 1 for term in bracket.args)
 
 
 def _depth(expression: Any) -> int:
