@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from derive.algebra.tape import LEAVES, PARAMETER, Node, Op, Output, Source, Tape
 from derive.algebra.tape_graph import Graph, Ref
+from derive.algebra.tape_signs import absorb_signs
 
 Leaf = Callable[[Graph, int, Graph], Ref]
 
@@ -79,7 +80,7 @@ def cut(graph: Graph, outputs: Sequence[Ref]) -> Tape:
     order = _depth_first(graph, outputs)
     number = {old: new for new, old in enumerate(order)}
     nodes = tuple(_renumbered(graph.node(i), number) for i in order)
-    return Tape(nodes, tuple(Output(number[r >> 1], bool(r & 1)) for r in outputs))
+    return absorb_signs(Tape(nodes, tuple(Output(number[r >> 1], bool(r & 1)) for r in outputs)))
 
 
 def _renumbered(node: Node, number: Mapping[int, int]) -> Node:

@@ -16,22 +16,27 @@ from fractions import Fraction
 from derive.algebra import tape_constant
 from derive.algebra.tape import LEAVES, Layer, Op
 from derive.algebra.tape_build import copy_leaf, cost, reachable
+from derive.algebra.tape_distribute import distribute
 from derive.algebra.tape_graph import ONE, ZERO, Graph, Ref
 
 _ROUNDS = 4
+_LARGE = 20_000
+"""Operations from which one round must do: the first finds nearly all, and time grows with each."""
+
 _SUMS = (Op.ADD, Op.SUBTRACT)
 
 
 def improve(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
     """The same values for fewer operations, where a few rounds find any."""
     best, results, spent = graph, tuple(outputs), cost(graph, outputs)
-    for _ in range(_ROUNDS):
+    for _ in range(_ROUNDS if sum(spent) < _LARGE else 1):
         fresh, moved = _Round(best, results).run()
         now = cost(fresh, moved)
         if now >= spent:
             break
         best, results, spent = fresh, moved, now
-    return best, results
+    fresh, moved = distribute(best, results)
+    return (fresh, moved) if cost(fresh, moved) < spent else (best, results)
 
 
 @dataclass(frozen=True, slots=True)
