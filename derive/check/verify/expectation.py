@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -40,10 +40,20 @@ class Expectation:
         """Relative error of each entry; infinite where ``got`` is not a number."""
         return _relative(got - self.value, self.scale)
 
-    def take(self, rows: Array) -> Expectation:
-        """The expectation of a batch made of these rows."""
-        arguments = tuple(argument[rows] for argument in self.arguments)
-        return replace(self, arguments=arguments, value=self.value[rows])
+    def farthest_repetitions(self, got: Array, rows: Array) -> Array:
+        """Of a batch that repeats the arguments, for each of them the value that is farthest off.
+
+        Args:
+            got: The values, (len(rows), *shape).
+            rows: Which of the arguments each of them belongs to.
+        """
+        distance = np.abs(got - self.value[rows]).reshape(len(rows), -1).max(axis=1)
+        distance[np.isnan(distance)] = np.inf
+        order = np.argsort(distance, kind="stable")
+        farthest = np.empty(len(self.value), dtype=int)
+        farthest[rows[order]] = order
+        values: Array = got[farthest]
+        return values
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,9 +67,13 @@ class AccelerationExpectation(Expectation):
 
     Attributes:
         regular: (...) where B is not singular.
+        bias: (..., n) C qd + g + friction.
+        root: (..., n) square roots of the diagonal of B.
     """
 
     regular: Array
+    bias: Array
+    root: Array
 
     @property
     def compared(self) -> int:
@@ -71,18 +85,11 @@ class AccelerationExpectation(Expectation):
         q, qd, tau = self.arguments
         finite = np.where(np.isfinite(got), got, 0.0)
         left = self.oracle.evaluate("inverse_dynamics", q, qd, finite) - tau
-        bias = self.oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
-        root = np.sqrt(np.abs(np.diagonal(self.oracle.evaluate("inertia_matrix", q), axis1=-2, axis2=-1)))
-        inertial = root * (root * np.abs(finite)).sum(axis=-1, keepdims=True)
-        errors = _relative(left, np.maximum(inertial + np.abs(tau) + np.abs(bias), self.scale))
+        inertial = self.root * (self.root * np.abs(finite)).sum(axis=-1, keepdims=True)
+        errors = _relative(left, np.maximum(inertial + np.abs(tau) + np.abs(self.bias), self.scale))
         errors[~np.isfinite(got)] = np.inf
         errors[~self.regular] = 0.0
         return errors
-
-    def take(self, rows: Array) -> Expectation:
-        """The expectation of a batch made of these rows."""
-        arguments = tuple(argument[rows] for argument in self.arguments)
-        return replace(self, arguments=arguments, value=self.value[rows], regular=self.regular[rows])
 
 
 def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:
@@ -112,7 +119,8 @@ def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], torque: Array) 
     solvable = np.where(regular[..., None, None], matrix, np.eye(q.shape[-1]))
     bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
     value = np.linalg.solve(solvable, (tau - bias)[..., None])[..., 0]
-    return AccelerationExpectation(oracle, arguments, value, FLOOR * torque, regular)
+    root = np.sqrt(np.abs(np.diagonal(matrix, axis1=-2, axis2=-1)))
+    return AccelerationExpectation(oracle, arguments, value, FLOOR * torque, regular, bias, root)
 
 
 def _is_regular(matrix: Array) -> Array:

@@ -85,15 +85,17 @@ FORMS: Mapping[str, Form] = MappingProxyType({"one": one, "batch": batch, "broad
 def parameter_trials(
     model: GeneratedModel, function: str, arguments: tuple[Array, ...], sample_sets: Sequence[SampleSet]
 ) -> list[Trial]:
-    """Every parameter an array of its numbers in all sets, (sets, 1), against one batch of configurations."""
+    """Every parameter an array of its numbers in all sets, (sets, 1), against (sets, samples, n) configurations."""
     stacked: Parameters = {
         name: np.array([[sample_set.parameters[name]] for sample_set in sample_sets])
         for name in sample_sets[0].parameters
     }
 
+    shaped = [np.broadcast_to(argument, (len(sample_sets), *argument.shape)) for argument in arguments]
+
     def trial(index: int) -> Trial:
         def run() -> Array:
-            value: Array = np.asarray(model.call(function, read_only(arguments), stacked))[index]
+            value: Array = np.asarray(model.call(function, read_only(shaped), stacked))[index]
             return value
 
         return Trial("a batch of parameters", run, arguments, sample_sets[index])

@@ -94,13 +94,16 @@ class _Verifier:
 
     def check(self, function: str, trial: Trial, expected: Expectation) -> float:
         """The worst error of one trial, if it is within the tolerance."""
-        expected = expected if trial.rows is None else expected.take(trial.rows)
         got = self.value(function, trial, expected)
         if got is None:
             return 0.0
-        if got.shape != expected.value.shape:
-            found = f"{self.where(function)} returns shape {got.shape} instead of {expected.value.shape}"
+        rows = trial.rows
+        shape = expected.value.shape if rows is None else (len(rows), *expected.value.shape[1:])
+        if got.shape != shape:
+            found = f"{self.where(function)} returns shape {got.shape} instead of {shape}"
             raise VerificationError(f"{found} ({trial.how})", remedy=REMEDY)
+        if rows is not None:
+            got = expected.farthest_repetitions(got, rows)
         errors = expected.errors(got)
         worst = float(errors.max(initial=0.0))
         if worst > TOLERANCE:
