@@ -195,3 +195,27 @@ def test_configurations_lie_within_the_limits(tmp_path: Path) -> None:
         second = sample_set.arguments["q"][:, 1]
         assert second.min() >= -1
         assert second.max() <= 2
+
+
+ROUNDED = """
+name: rounded-base
+convention: modified
+base: [[0.707107, -0.707107, 0, 1], [0.707107, 0.707107, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+joints:
+  - {type: revolute}
+  - {type: revolute, a: 0.4, alpha: 0.3}
+tool: [[1, 0, 0, 0.3], [0, 1, 0, 0.2], [0, 0, 1, 0.1], [0, 0, 0, 1]]
+"""
+
+
+def test_a_rounded_base_leaves_the_jacobian_undetermined_by_its_defect_and_no_more(tmp_path: Path) -> None:
+    in_world_axes = """
+def jacobian(q, params=None):
+    frames = link_transforms(q)
+    z, r = frames[..., 2], forward_kinematics(q)[..., None, :, 3] - frames[..., 3]
+    linear = np.cross(z[..., :3], r[..., :3])
+    return np.swapaxes(np.concatenate([linear, z[..., :3]], axis=-1), -1, -2){more}
+"""
+    robot = write_stand_in(tmp_path, ROUNDED, in_world_axes.format(more=""))
+    assert 1e-12 < verify(robot, tmp_path, samples=6).worst <= TOLERANCE
+    assert "jacobian" in failure(tmp_path, in_world_axes.format(more=" * (1 + 2e-5)"), ROUNDED)

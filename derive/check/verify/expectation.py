@@ -8,6 +8,7 @@ import numpy as np
 
 from derive.check.oracle import Oracle
 from derive.check.oracle.arm import Array
+from derive.check.verify.report import TOLERANCE
 from derive.check.verify.samples import SampleSet
 from derive.check.verify.scales import FLOOR, bounds
 
@@ -109,7 +110,8 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     batch = tuple(range(arguments[0].ndim - 1))
     if function == "link_transforms":
         batch = (*batch, arguments[0].ndim - 1)
-    return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=batch), FLOOR * natural))
+    yardstick = np.maximum(FLOOR, limits.undetermined(function) / TOLERANCE) * natural
+    return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=batch), yardstick))
 
 
 def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], torque: Array) -> AccelerationExpectation:

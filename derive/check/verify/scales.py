@@ -17,6 +17,9 @@ from derive.check.oracle.arm import Arm, Array
 
 FLOOR = 1e-3
 
+ROUNDING = 1e-14
+"""Defect of a rotation that is written exactly."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bounds:
@@ -25,6 +28,7 @@ class Bounds:
     Attributes:
         reach: From frame 0 to anything on the arm [m].
         extent: Reach plus base and tool [m].
+        base_defect: Largest entry of R'R - 1 of the base, as written in the file.
         revolute: (n,) whether joint i turns.
         inertia: (n,) bound of B_ii.
         gravity: (n,) bound of g_i.
@@ -33,6 +37,7 @@ class Bounds:
 
     reach: float
     extent: float
+    base_defect: float
     revolute: Array
     inertia: Array
     gravity: Array
@@ -77,6 +82,14 @@ class Bounds:
         linear = np.where(self.revolute, self.extent, 1.0)
         return np.vstack([np.tile(linear, (3, 1)), np.ones((3, len(linear)))])
 
+    def undetermined(self, function: str) -> float:
+        """How far apart right values may be, relative to their natural size.
+
+        A base rounded in the file to 0.7071 is no rotation: R (z x r) and (R z) x (R r), both the Jacobian, then differ
+        by its defect. A base whose defect is rounding of floats leaves nothing undetermined.
+        """
+        return 4.0 * self.base_defect if function == "jacobian" and self.base_defect > ROUNDING else 0.0
+
     def _inertia(self) -> Array:
         scale: Array = np.sqrt(np.outer(self.inertia, self.inertia))
         return scale
@@ -99,6 +112,7 @@ def bounds(oracle: Oracle, q: Array) -> Bounds:
     return Bounds(
         reach=float(reach[0]),
         extent=float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum()),
+        base_defect=float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max()),
         revolute=arm.revolute,
         inertia=_inertia_bound(arm, mass, reach),
         gravity=np.where(arm.revolute, force * reach, force),
