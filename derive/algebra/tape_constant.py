@@ -106,12 +106,12 @@ def square_root(a: Constant) -> Constant:
 
 def sine(a: Constant) -> Constant:
     """Sin(a), a in radians."""
-    return _settle(_CONTEXT.sin(_real(a)), max(1, abs(a)))
+    return _settle(_CONTEXT.sin(_real(a)), _uncertainty(a))
 
 
 def cosine(a: Constant) -> Constant:
     """Cos(a), a in radians."""
-    return _settle(_CONTEXT.cos(_real(a)), max(1, abs(a)))
+    return _settle(_CONTEXT.cos(_real(a)), _uncertainty(a))
 
 
 def _real(value: Constant) -> Any:
@@ -125,6 +125,11 @@ def _bounded(value: Fraction) -> Constant:
     if value.numerator.bit_length() + value.denominator.bit_length() > _MAX_RATIONAL_SIZE:
         return _settle(_real(value), 0)
     return value
+
+
+def _uncertainty(angle: Constant) -> Any:
+    """Scale below which a sine or cosine is taken for zero: that of a rational angle other than 0 never is zero."""
+    return 0 if isinstance(angle, Fraction) else max(1, abs(angle))
 
 
 def _settle(value: Any, scale: Any) -> Constant:
