@@ -30,7 +30,12 @@ def render(source: Source) -> dict[str, str]:
     return {"sheet.tex": templating.render("latex/sheet.tex.jinja", **context)}
 
 
-LATEX = Target("latex", "the equations as a sheet to print (sheet.tex)", ("sheet.tex",), render)
+TARGET = Target(
+    name="latex",
+    summary="the equations as a sheet to print, for pdflatex",
+    files=("sheet.tex",),
+    render=render,
+)
 
 
 @dataclass(frozen=True)

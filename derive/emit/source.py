@@ -19,9 +19,11 @@ class Source:
         program: Its functions as tapes.
         quantities: Closed forms by name, for the targets that print formulas.
         version: Version of the tool, stated in every output.
+        files: Names of all files of this build, for the page that lists them.
     """
 
     robot: Robot
     program: Program
     quantities: Mapping[str, Any]
     version: str
+    files: tuple[str, ...] = ()

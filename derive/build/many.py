@@ -1,0 +1,130 @@
+"""Several robots, one after the other or at once; one failure does not stop the rest."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from derive.build.pipeline import build_robot, check_robot
+from derive.build.results import BuildFailure, BuildResult, CheckResult, Progress
+from derive.emit.readme_target import package_name
+from derive.errors import DeriveError, OutputError
+from derive.robot.robot import Robot
+
+R = TypeVar("R", BuildResult, CheckResult)
+
+
+@dataclass(frozen=True, slots=True)
+class _Task(Generic[R]):
+    """One robot's work as a value that another process can read."""
+
+    work: Callable[..., R]
+    out: Path
+    targets: tuple[str, ...] | None
+    options: tuple[tuple[str, bool], ...]
+
+    def __call__(self, robot: Robot, progress: Progress | None = None) -> R | BuildFailure:
+        extra = {"progress": progress} if progress else {}
+        try:
+            return self.work(robot, self.out, self.targets, **dict(self.options), **extra)
+        except Exception as error:  # a fault of one robot, or of derive, must not take the others along
+            return BuildFailure(robot.name, error)
+
+
+def build_many(
+    robots: Sequence[Robot],
+    out: Path,
+    targets: Iterable[str] | None = None,
+    *,
+    jobs: int = 1,
+    verified: bool = True,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> list[BuildResult | BuildFailure]:
+    """Builds robots; results come in the order of ``robots``, whatever finished first.
+
+    Args:
+        robots: The robots.
+        out: Parent folder.
+        targets: Names of targets; None for all.
+        jobs: Robots built at once, each in a process of its own.
+        verified: See `build_robot`.
+        force: See `build_robot`.
+        progress: Told the stages; with several jobs only the end of each robot.
+
+    Raises:
+        OutputError: Two different robots would share a folder.
+    """
+    _require_distinct(robots)
+    options = (("verified", verified), ("force", force))
+    task = _Task(build_robot, out, None if targets is None else tuple(targets), options)
+    return _run(task, robots, jobs, progress, hears=True)
+
+
+def check_many(
+    robots: Sequence[Robot],
+    out: Path,
+    targets: Iterable[str] | None = None,
+    *,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> list[CheckResult | BuildFailure]:
+    """Checks robots as `check_robot` does; results come in the order of ``robots``."""
+    task = _Task(check_robot, out, None if targets is None else tuple(targets), ())
+    return _run(task, robots, jobs, progress, hears=False)
+
+
+def _require_distinct(robots: Sequence[Robot]) -> None:
+    """Two files with one name would overwrite each other's folder."""
+    seen: dict[str, Robot] = {}
+    for robot in robots:
+        other = seen.setdefault(package_name(robot), robot)
+        if other.digest != robot.digest:
+            raise OutputError(
+                f"{other.source or other.name} and {robot.source or robot.name} have the same name {robot.name!r}",
+                allowed="robots that are built into one folder have different names",
+                remedy="change `name:` in one of the files, or build them with different --out",
+            )
+
+
+def _run(
+    task: _Task[R], robots: Sequence[Robot], jobs: int, progress: Progress | None, *, hears: bool
+) -> list[R | BuildFailure]:
+    if jobs <= 1 or len(robots) <= 1:
+        return [_told(task(robot, progress if hears else None), progress) for robot in robots]
+    results = _in_processes(task, robots, jobs, progress)
+    lost = [index for index in range(len(robots)) if index not in results]
+    for index in lost:  # a process died: each robot that it may have been gets one of its own
+        alone = _in_processes(task, [robots[index]], 1, progress)
+        results[index] = alone.get(0) or BuildFailure(robots[index].name, DeriveError("the process that built it died"))
+    return [results[index] for index in range(len(robots))]
+
+
+def _in_processes(
+    task: _Task[R], robots: Sequence[Robot], jobs: int, progress: Progress | None
+) -> dict[int, R | BuildFailure]:
+    """Results by index; robots whose process died are missing."""
+    results: dict[int, R | BuildFailure] = {}
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(robots)), mp_context=context) as pool:
+        futures: dict[Future[R | BuildFailure], int] = {
+            pool.submit(task, robot): index for index, robot in enumerate(robots)
+        }
+        for future in as_completed(futures):
+            try:
+                results[futures[future]] = _told(future.result(), progress)
+            except BrokenProcessPool:
+                continue
+    return results
+
+
+def _told(result: R | BuildFailure, progress: Progress | None) -> R | BuildFailure:
+    """Tells the end of a robot; a build that ran in this process has told its own success."""
+    if progress is not None:
+        progress(result.robot, "failed" if isinstance(result, BuildFailure) else "done")
+    return result

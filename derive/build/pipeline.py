@@ -1,0 +1,106 @@
+"""From a robot to its verified folder: render in memory, write beside the target, verify there, take its place."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from pathlib import Path
+
+from derive import __version__
+from derive.build.manifest import FILE as MANIFEST
+from derive.build.manifest import is_current, read_manifest
+from derive.build.publish import heal, publish
+from derive.build.render import render_robot
+from derive.build.results import BuildResult, CheckResult, Progress
+from derive.check.verify import Report, verify
+from derive.emit.readme_target import package_name
+from derive.emit.registry import targets_named
+from derive.robot.robot import Robot
+
+
+def folder_of(robot: Robot, out: Path) -> Path:
+    """The folder of a robot below ``out``: its name as Python can import it."""
+    return out / package_name(robot)
+
+
+def build_robot(
+    robot: Robot,
+    out: Path,
+    targets: Iterable[str] | None = None,
+    *,
+    verified: bool = True,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> BuildResult:
+    """Builds one robot into ``out/<robot_name>``.
+
+    Args:
+        robot: The robot.
+        out: Parent folder; made if there is none.
+        targets: Names of targets; None for all.
+        verified: Whether every generated function is compared with the independent recursion first.
+        force: Whether to build even what has not changed.
+        progress: Told the stages.
+
+    Raises:
+        TargetError: An unknown target.
+        OutputError: The folder cannot or may not be written.
+        VerificationError: A generated function is wrong; the old folder stays.
+    """
+    started = time.perf_counter()
+    tell = progress or _silent
+    chosen = targets_named(targets)
+    target = folder_of(robot, out)
+    heal(out)
+    if not force and is_current(target, robot.digest, __version__, chosen):
+        tell(robot.name, "unchanged")
+        manifest = read_manifest(target) or {"files": {}}
+        return BuildResult(robot.name, target, (*manifest["files"], MANIFEST), True, {}, None, _since(started))
+    tell(robot.name, "derive")
+    rendered = render_robot(robot, chosen)
+
+    def check(folder: Path) -> Report | None:
+        if not verified:
+            return None
+        tell(robot.name, "verify")
+        return verify(robot, folder)
+
+    report = publish(rendered.files, target, robot.name, check)
+    tell(robot.name, "built")
+    return BuildResult(
+        robot.name, target, tuple(rendered.files), False, rendered.operations, report, _since(started)
+    )
+
+
+def check_robot(robot: Robot, out: Path, targets: Iterable[str] | None = None) -> CheckResult:
+    """Compares the folder of a robot with what a build would write, byte by byte; writes nothing.
+
+    Raises:
+        TargetError: An unknown target.
+    """
+    target = folder_of(robot, out)
+    wanted = render_robot(robot, targets_named(targets)).files
+    found = {name: _contents(target / name) for name in wanted}
+    listed = (read_manifest(target) or {"files": {}})["files"]
+    return CheckResult(
+        robot=robot.name,
+        folder=target,
+        stale=tuple(sorted(name for name, data in found.items() if data is not None and data != wanted[name])),
+        missing=tuple(sorted(name for name, data in found.items() if data is None)),
+        extra=tuple(sorted(name for name in listed if name not in wanted and _contents(target / name) is not None)),
+    )
+
+
+def _contents(path: Path) -> bytes | None:
+    try:
+        return None if path.is_symlink() else path.read_bytes()
+    except OSError:
+        return None
+
+
+def _since(started: float) -> float:
+    return time.perf_counter() - started
+
+
+def _silent(robot: str, stage: str) -> None:
+    """Progress that nobody asked for."""

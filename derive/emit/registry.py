@@ -1,0 +1,31 @@
+"""All targets, one row each; the command line, the manifest and the README page of a robot derive from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from derive.emit.casadi_target import TARGET as CASADI
+from derive.emit.latex_target import TARGET as LATEX
+from derive.emit.numpy_target import TARGET as NUMPY
+from derive.emit.readme_target import TARGET as README
+from derive.emit.target import Target
+from derive.errors import TargetError
+
+TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, LATEX, README)}
+"""By name, in the order in which they are written."""
+
+
+def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
+    """Targets by name, in the registry's order; all of them for None.
+
+    Raises:
+        TargetError: An unknown name, or none at all.
+    """
+    if names is None:
+        return tuple(TARGETS.values())
+    wanted = set(names)
+    unknown = sorted(wanted - TARGETS.keys())
+    if unknown or not wanted:
+        found = f"unknown target {unknown[0]!r}" if unknown else "no target"
+        raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}")
+    return tuple(target for name, target in TARGETS.items() if name in wanted)
