@@ -47,7 +47,7 @@ def load_robot(path_or_name: str | Path) -> Robot:
             allowed="allowed: a path to a robot file, or a name from derive list",
             remedy=near_miss(path.stem, catalogue_names()),
         )
-    return robot_from_bytes(_bytes(path), text)
+    return robot_from_bytes(file_bytes(path), text)
 
 
 def robot_from_text(text: str, source: str = "<text>") -> Robot:
@@ -151,8 +151,12 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _bytes(path: Path) -> bytes:
-    """Contents of a regular file, at most one byte more than is allowed."""
+def file_bytes(path: Path) -> bytes:
+    """Contents of a regular file, at most one byte more than is allowed.
+
+    Raises:
+        RobotFileError: Not a file, or it cannot be read.
+    """
     shown = str(path) if str(path).isprintable() else quoted(str(path), 200)
     place = Location(shown)
     if not path.is_file():

@@ -27,17 +27,31 @@ def read_document(data: bytes, source: str) -> Document:
     Raises:
         RobotFileError: Not UTF-8, too large, not YAML, or YAML outside the plain subset that robot files use.
     """
-    start = Location(source)
+    root = read_tree(data, source)
+    return Document(_robot_block(root, Location(source)), source, hashlib.sha256(data).hexdigest())
+
+
+def read_tree(data: bytes, source: str) -> Node | None:
+    """Parse a file to its tree of texts; None where it is empty.
+
+    Args:
+        data: Bytes of the file, UTF-8.
+        source: Name for messages.
+
+    Raises:
+        RobotFileError: Not UTF-8, too large, not YAML, or YAML outside the plain subset that robot files use.
+    """
     if len(data) > FILE_LIMITS.size:
         raise RobotFileError(
-            f"file larger than {FILE_LIMITS.size} bytes", remedy="a robot file holds one robot", location=start
+            f"file larger than {FILE_LIMITS.size} bytes",
+            remedy="a robot file holds one robot",
+            location=Location(source),
         )
     text = _decoded(data, source)
     try:
-        root = _Builder(text, source).build()
+        return _Builder(text, source).build()
     except yaml.YAMLError as error:
         raise _yaml_error(error, text, source) from None
-    return Document(_robot_block(root, start), source, hashlib.sha256(data).hexdigest())
 
 
 def _decoded(data: bytes, source: str) -> str:
