@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from derive import __version__
-from derive.commands.terminal import one_line
+from derive.commands.terminal import one_line, print_error
 from derive.errors import DeriveError
 
 COMMANDS = ("list", "show", "build", "check", "verify", "new", "schema")
@@ -105,7 +105,7 @@ def _escape_what_cannot_be_encoded() -> None:
 
 
 def _refuse(reason: object, status: int) -> int:
-    print(f"derive: error: {one_line(str(reason))}", file=sys.stderr)
+    print_error(reason)
     return status
 
 

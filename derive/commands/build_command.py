@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from derive.commands.arguments import positive
+from derive.errors import DeriveError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from derive.build import BuildFailure, BuildResult, CheckResult
+    from derive.robot.robot import Robot
 
 SUMMARY = "derive, generate and verify models; the main job"
 DESCRIPTION = """\
@@ -14,6 +22,10 @@ function with an independent recursion before the folder is put in place. Withou
 
 A folder is replaced as a whole or not at all. What has not changed is not built again.
 """
+
+WRONG_INPUT = 2
+CHECK_FAILED = 1
+INTERNAL_FAULT = 70
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -31,4 +43,84 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Build or check, report, and say by the status whether all went well."""
-    raise NotImplementedError(arguments)
+    from derive.build import build_many, check_many
+    from derive.commands.progress import progress
+    from derive.commands.terminal import print_json
+    from derive.emit.registry import targets_named
+    from derive.robot.catalogue import catalogue_names
+    from derive.robot.robot import Robot
+
+    targets = _targets(arguments.target)
+    targets_named(targets)
+    robots = [Robot.load(name) for name in arguments.robots or catalogue_names()]
+    with progress(len(robots), quiet=arguments.quiet or arguments.json) as tell:
+        work = (robots, arguments.out, targets)
+        results: Sequence[BuildResult | CheckResult | BuildFailure]
+        if arguments.check:
+            results = check_many(*work, jobs=arguments.jobs, progress=tell)
+        else:
+            results = build_many(*work, jobs=arguments.jobs, force=arguments.force, progress=tell)
+    if arguments.json:
+        print_json([result.as_dict() for result in results])
+    elif not arguments.quiet:
+        _report(results)
+    return _status(robots, results)
+
+
+def _targets(given: list[str] | None) -> tuple[str, ...] | None:
+    if given is None:
+        return None
+    return tuple(name.strip() for text in given for name in text.split(","))
+
+
+def _report(results: Sequence[BuildResult | CheckResult | BuildFailure]) -> None:
+    from derive.build import BuildResult, CheckResult
+    from derive.commands.terminal import print_columns
+
+    built = [_built_row(result) for result in results if isinstance(result, BuildResult)]
+    if built:
+        print_columns(built, ("robot", "status", "folder", "files", "worst error", "seconds"))
+    for result in results:
+        if isinstance(result, CheckResult):
+            print("\n".join(_check_lines(result)))
+
+
+def _built_row(result: BuildResult) -> tuple[str, ...]:
+    rows = result.report.rows if result.report else ()
+    return (
+        result.robot,
+        "unchanged" if result.unchanged else "built",
+        str(result.folder),
+        str(len(result.files)),
+        f"{max(row.worst for row in rows):.1e}" if rows else "-",
+        f"{result.seconds:.1f}",
+    )
+
+
+def _check_lines(result: CheckResult) -> list[str]:
+    if result.is_current:
+        return [f"{result.robot}: current"]
+    found = {"stale": result.stale, "missing": result.missing, "not ours any more": result.extra}
+    differences = [f"{what} {', '.join(names)}" for what, names in found.items() if names]
+    return [f"{result.robot}: {'; '.join(differences)} in {result.folder}"]
+
+
+def _status(robots: Sequence[Robot], results: Sequence[BuildResult | CheckResult | BuildFailure]) -> int:
+    """The gravest status; failures are told on standard error, each with the file that it belongs to."""
+    from derive.build import BuildFailure, CheckResult
+    from derive.commands.terminal import print_error
+
+    status = 0
+    for robot, result in zip(robots, results, strict=True):
+        if isinstance(result, BuildFailure):
+            print_error(f"{robot.source}: {result.error}")
+            status = max(status, _status_of(result.error))
+        elif isinstance(result, CheckResult) and not result.is_current:
+            status = max(status, CHECK_FAILED)
+    return status
+
+
+def _status_of(error: Exception) -> int:
+    if isinstance(error, DeriveError):
+        return error.exit_status
+    return WRONG_INPUT if isinstance(error, OSError) else INTERNAL_FAULT

@@ -31,6 +31,6 @@ def print_json(value: Any) -> None:
     print()
 
 
-def is_terminal() -> bool:
-    """Whether somebody watches standard error."""
-    return sys.stderr.isatty()
+def print_error(reason: object) -> None:
+    """Print a message on standard error: one line, whatever it quotes."""
+    print(f"derive: error: {one_line(str(reason))}", file=sys.stderr)
