@@ -16,6 +16,10 @@ from derive.check.oracle import Oracle
 from derive.check.oracle.arm import Arm, Array
 
 FLOOR = 1e-3
+"""Share of the natural size below which an entry counts as vanishing."""
+
+FAR = 0.1
+"""Share of the whole arm's reach that a lever counts for at least: places far from the base carry its rounding."""
 
 ROUNDING = 1e-14
 """Defect of a rotation that is written exactly."""
@@ -115,14 +119,14 @@ def bounds(oracle: Oracle, q: Array) -> Bounds:
         base_defect=float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max()),
         revolute=arm.revolute,
         inertia=_inertia_bound(arm, mass, reach),
-        gravity=np.where(arm.revolute, force * reach, force),
+        gravity=np.where(arm.revolute, force * np.maximum(reach, FAR * reach[0]), force),
         friction=np.abs([arm.viscous, arm.coulomb]),
     )
 
 
 def _inertia_bound(arm: Arm, mass: Array, reach: Array) -> Array:
     tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
-    turning = mass * reach**2 + _outwards(tensors) + _outwards(arm.rotor_inertia)
+    turning = mass * reach * np.maximum(reach, FAR * reach[0]) + _outwards(tensors) + _outwards(arm.rotor_inertia)
     own = arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)
     bound: Array = np.where(arm.revolute, turning, mass) + own
     return bound
