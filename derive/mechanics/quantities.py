@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from derive.errors import QuantityError
+from derive.mechanics.vectors import subtract
+from derive.mechanics.writing import columns_matrix
 
 if TYPE_CHECKING:
     from derive.mechanics.model import Model
@@ -51,6 +53,14 @@ def _determinant(model: Model) -> Expr:
     return model.det_J()
 
 
+def _reduced_block(model: Model) -> Expr:
+    """J_11 with its second column subtracted from the first: the same determinant, shorter entries."""
+    if model.n < 2:
+        raise QuantityError("J_11_reduced of one joint", allowed="two joints or more")
+    first, second, *others = model.kinematics.linear_columns(model.kinematics.end.position)[:3]
+    return columns_matrix([subtract(first, second), second, *others], write=model.form.kinematic)
+
+
 REGISTRY = {
     q.name: q
     for q in (
@@ -65,6 +75,7 @@ REGISTRY = {
         Quantity("J_rpy", (0,), lambda m: m.J_analytic("rpy"), "analytic Jacobian for roll, pitch, yaw"),
         Quantity("J_zyz", (0,), lambda m: m.J_analytic("zyz"), "analytic Jacobian for Euler ZYZ"),
         Quantity("J_11", (0,), lambda m: m.J[:3, :3], "rows 1-3, columns 1-3 of J"),
+        Quantity("J_11_reduced", (0,), _reduced_block, "J_11, its second column subtracted from the first"),
         Quantity("J_12", (0,), lambda m: m.J[:3, 3:], "rows 1-3, the other columns of J"),
         Quantity("J_21", (0,), lambda m: m.J[3:, :3], "rows 4-6, columns 1-3 of J"),
         Quantity("J_22", (0,), lambda m: m.J[3:, 3:], "rows 4-6, the other columns of J"),

@@ -1,0 +1,188 @@
+"""Corpus files: a block ``robot:`` and the list ``expected:`` of what some notes print about it.
+
+Every formula is read here, so that a text that cannot be read is reported with its line and column.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from derive.check import tree
+from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.errors import CheckError, Location
+from derive.robot import document
+from derive.robot.document import Node, Scalar
+from derive.robot.expression import Expression
+from derive.robot.load import file_bytes, robot_from_bytes
+from derive.robot.notation import read_formula
+from derive.robot.robot import Robot
+from derive.robot.source import read_tree
+from derive.robot.wording import quoted
+
+UNREAD = ("inverse_kinematics", "singularities", "trajectory")
+"""Blocks with printed results of a kind that is not compared here."""
+
+_KEYS = ("source", "notes", "ocr", "figure_configuration", "expected", "identities", "factorisation", *UNREAD)
+_CONTENT = ("matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated")
+_REMARKS = ("printed_as", "note", "duplicate", "implied")
+_PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
+
+Place = tuple[int, int]
+Abbreviations = Mapping[str, Expression]
+
+
+def read_corpus_file(path: str) -> CorpusFile:
+    """Read a robot and the formulas printed about it.
+
+    Args:
+        path: Path of the file.
+
+    Raises:
+        RobotFileError: The file cannot be read, or its block ``robot:`` is no robot.
+        ExpressionError: A cell of the robot is outside the grammar.
+        CheckError: A printed formula, or the structure around it, cannot be read.
+    """
+    return corpus_from_bytes(file_bytes(Path(path)), path if path.isprintable() else quoted(path, 200))
+
+
+def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
+    """Read the bytes of a corpus file; see `read_corpus_file`."""
+    robot = robot_from_bytes(data, source)
+    node = read_tree(data, source)
+    if not isinstance(node, document.Mapping) or "robot" not in node.entries:
+        raise CheckError(
+            "no block 'robot:' beside the printed formulas",
+            allowed="allowed: robot: with the DH table, expected: with what is printed",
+            remedy="indent the robot under 'robot:' and add 'expected:'",
+            location=Location(source),
+        )
+    return _Reader(robot).file(tree.mapping(node, "the file", ("robot",), _KEYS), source)
+
+
+class _Reader:
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+
+    def file(self, root: document.Mapping, source: str) -> CorpusFile:
+        expected = tree.items(tree.child(root, "expected"), "expected")
+        identities = tree.items(tree.child(root, "identities"), "identities")
+        product = tree.child(root, "factorisation")
+        return CorpusFile(
+            source=source,
+            robot=self.robot,
+            expected=tuple(self.quantity(item) for item in expected),
+            identities=tuple(self.identity(item) for item in identities),
+            factorisation=self.factorisation(product) if product else None,
+            unread=tuple(name for name in UNREAD if name in root.entries),
+        )
+
+    def quantity(self, node: Node) -> PrintedQuantity:
+        item = tree.mapping(node, "an item of expected", ("quantity",), (*_CONTENT, *_REMARKS))
+        name = tree.scalar(item.entries["quantity"][1], "quantity").text
+        entries, shape = self.content(item)
+        return PrintedQuantity(
+            quantity=name,
+            location=item.location,
+            entries=entries,
+            shape=shape,
+            abbreviated=self.abbreviated(item),
+            corrections=self.corrections(item, {(entry.row, entry.column) for entry in entries}),
+            rest_zero=tree.word(item, "rest", ("zero",), "") == "zero",
+            status=tree.word(item, "status", ("ok", "erratum"), "ok"),
+            kind=tree.word(item, "kind", ("error", "convention", "notation"), "error"),
+            duplicate=tree.flag(item, "duplicate"),
+            implied=tree.flag(item, "implied"),
+        )
+
+    def content(self, item: document.Mapping) -> tuple[tuple[Printed, ...], tuple[int, int] | None]:
+        matrix, entries = tree.child(item, "matrix"), tree.child(item, "entries")
+        if (matrix is None) == (entries is None):
+            raise CheckError(
+                "an item of expected needs either 'matrix' or 'entries'",
+                remedy='write matrix: [["..."]] for all entries, or entries: {"1,4": "..."} for some',
+                location=item.location,
+            )
+        if entries is not None:
+            return tuple(self.placed(entries, "entries")), None
+        assert matrix is not None
+        rows = [tree.items(row, "a row of the matrix") for row in tree.items(matrix, "matrix")]
+        if not rows or not rows[0] or len({len(row) for row in rows}) > 1:
+            raise CheckError(
+                "matrix whose rows differ in length or are empty",
+                remedy='write rows of equal length, a scalar as [["..."]]',
+                location=matrix.location,
+            )
+        return tuple(self.matrix(rows)), (len(rows), len(rows[0]))
+
+    def matrix(self, rows: list[list[Node]], short: Abbreviations | None = None) -> Iterator[Printed]:
+        for i, row in enumerate(rows, 1):
+            for j, cell in enumerate(row, 1):
+                yield self.printed((i, j), tree.scalar(cell, "an entry"), short)
+
+    def placed(self, node: Node, what: str) -> Iterator[Printed]:
+        """Formulas under keys such as ``1,4``, or ``3`` for a vector."""
+        seen: set[Place] = set()
+        for key, value in tree.mapping(node, what).entries.values():
+            match = _PLACE.fullmatch(key.text)
+            place = (int(match[1]), int(match[2] or 1)) if match else (0, 0)
+            if 0 in place or place in seen:
+                raise CheckError(
+                    f"{what}: place {quoted(key.text)}" + (" twice" if place in seen else ""),
+                    allowed='allowed: row,column from 1, such as "1,4"; "3" in a vector',
+                    location=key.location,
+                )
+            seen.add(place)
+            yield self.printed(place, tree.scalar(value, "an entry"))
+
+    def abbreviated(self, item: document.Mapping) -> tuple[Printed, ...]:
+        node = tree.child(item, "abbreviated")
+        if node is None:
+            return ()
+        short: dict[str, Expression] = {}
+        names = tree.child(item, "abbreviations")
+        for key, value in tree.mapping(names, "abbreviations").entries.values() if names else ():
+            short[key.text] = self.formula(tree.scalar(value, "an abbreviation"), short)
+        rows = [tree.items(row, "a row of 'abbreviated'") for row in tree.items(node, "abbreviated")]
+        return tuple(self.matrix(rows, short))
+
+    def corrections(self, item: document.Mapping, wrong: set[Place]) -> tuple[Printed, ...]:
+        node = tree.child(item, "correct")
+        if node is None:
+            return ()
+        found = tuple(self.placed(node, "correct"))
+        for correction in found:
+            if (correction.row, correction.column) not in wrong:
+                raise CheckError(
+                    f"correction of {correction.row},{correction.column}, which is not among the printed entries",
+                    remedy="print the wrong entry too",
+                    location=correction.location,
+                )
+        return found
+
+    def identity(self, node: Node) -> Identity:
+        item = tree.mapping(node, "an identity", ("left", "right"), ("status", *_REMARKS))
+        left, right = (self.printed((1, 1), tree.scalar(item.entries[side][1], side)) for side in ("left", "right"))
+        return Identity(left, right, tree.word(item, "status", ("ok", "erratum"), "ok"))
+
+    def factorisation(self, node: Node) -> Factorisation:
+        item = tree.mapping(node, "factorisation", ("of", "factors"), _REMARKS)
+        factors = tree.items(item.entries["factors"][1], "factors")
+        if not factors:
+            raise CheckError("factorisation without factors", remedy="name two or more", location=item.location)
+        names = tuple(tree.scalar(factor, "a factor").text for factor in factors)
+        return Factorisation(tree.scalar(item.entries["of"][1], "of").text, names, item.location)
+
+    def printed(self, place: Place, text: Scalar, short: Abbreviations | None = None) -> Printed:
+        return Printed(*place, text.text, self.formula(text, short), text.inner)
+
+    def formula(self, text: Scalar, short: Abbreviations | None = None) -> Expression:
+        try:
+            return read_formula(text.text, self.robot, text.inner, short)
+        except CheckError as error:
+            if text.verbatim:
+                raise
+            raise CheckError(
+                error.found, allowed=error.allowed, remedy=error.remedy, location=text.location
+            ) from None
