@@ -1,0 +1,103 @@
+"""Generated modules as namespaces, without writing them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.abc import InspectLoader
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+from derive.algebra.program import Function, Program
+from derive.algebra.tape_build import cut
+from derive.algebra.tape_graph import Graph
+from derive.algebra.tape_value import Value
+from derive.emit.casadi_target import render_casadi
+from derive.emit.numpy_target import render_numpy
+from derive.emit.source import Source
+from derive.mechanics.programs import build_program
+from derive.robot.robot import Robot
+
+PLANAR = """
+name: planar
+title: "two links"
+convention: standard
+joints:
+  - {type: revolute, a: a1, limits: [-pi, 2]}
+  - {type: prismatic, a: a2, alpha: pi/2}
+gravity: [0, -9.81, 0]
+links:
+  - {mass: m1, com: [-0.1, 0, 0], inertia: {zz: 0.02}, friction: {viscous: 0.5, coulomb: 0.2}}
+  - {mass: m2, com: [-0.2, 0.1, 0], inertia: {zz: 0.03, xx: 0.01}, motor: {mass: 0.3, inertia: 0.001, ratio: 50}}
+parameters: {a1: 0.5, a2: 0.4}
+"""
+PARAMETERS = {"m1": 2.0, "m2": 1.5}
+
+
+def source_of(robot: Robot, program: Program | None = None) -> Source:
+    """What targets are rendered from."""
+    return Source(robot, program or build_program(robot), {}, "0.0.0")
+
+
+def load(text: str, name: str = "generated") -> ModuleType:
+    """A module from its text."""
+    loader = TextLoader(name, text)
+    module = ModuleType(name)
+    loader.exec_module(module)
+    return module
+
+
+class TextLoader(InspectLoader):
+    """Loads one module from text."""
+
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self.text = text
+
+    def get_source(self, fullname: str) -> str:
+        return self.text
+
+    def is_package(self, fullname: str) -> bool:
+        return False
+
+    def exec_module(self, module: ModuleType) -> None:
+        module.__spec__ = ModuleSpec(self.name, self)
+        super().exec_module(module)
+
+
+def numpy_model(robot: Robot, program: Program | None = None) -> ModuleType:
+    """The NumPy module of a robot."""
+    return load(render_numpy(source_of(robot, program))["model_numpy.py"])
+
+
+def casadi_model(robot: Robot, program: Program | None = None) -> ModuleType:
+    """The CasADi module of a robot."""
+    return load(render_casadi(source_of(robot, program))["model_casadi.py"])
+
+
+def planar() -> Robot:
+    """A small robot with free parameters, a prismatic joint, a motor and friction."""
+    return Robot.from_text(PLANAR)
+
+
+def small_program(graph: Graph, values: list[Value]) -> Program:
+    """A program that returns some values as a gravity vector."""
+    tape = cut(graph, [value.ref for value in values])
+    return Program((Function("gravity_vector", ("q",), (len(values),), tape, "by hand"),), ())
+
+
+def call(module: ModuleType, name: str, arguments: Mapping[str, object], **options: object) -> object:
+    """A function with the arguments that it takes."""
+    taken = {"coriolis_matrix": "q qd", "inverse_dynamics": "q qd qdd", "forward_dynamics": "q qd tau"}.get(name, "q")
+    return getattr(module, name)(*(arguments[k] for k in taken.split()), **options)
+
+
+FUNCTIONS = (
+    "forward_kinematics",
+    "link_transforms",
+    "jacobian",
+    "inertia_matrix",
+    "coriolis_matrix",
+    "gravity_vector",
+    "inverse_dynamics",
+    "forward_dynamics",
+)

@@ -1,0 +1,253 @@
+"""The NumPy module as users meet it: shapes, batches, parameters, refusals."""
+
+from __future__ import annotations
+
+import ast
+import math
+import random
+
+import numpy as np
+import pytest
+
+from derive.emit.numpy_target import render_numpy
+from derive.robot.robot import Robot
+from tests.emit.generated_models import FUNCTIONS, PARAMETERS, call, load, numpy_model, planar, source_of
+from tests.random_robots import random_robot
+
+MODEL = numpy_model(planar())
+SHAPES = {
+    "forward_kinematics": (4, 4),
+    "link_transforms": (2, 4, 4),
+    "jacobian": (6, 2),
+    "inertia_matrix": (2, 2),
+    "coriolis_matrix": (2, 2),
+    "gravity_vector": (2,),
+    "inverse_dynamics": (2,),
+    "forward_dynamics": (2,),
+}
+
+
+def arguments(*batch: int, seed: int = 0) -> dict[str, np.ndarray]:
+    """Random arguments of a batch's shape."""
+    rng = np.random.default_rng(seed)
+    return {kind: rng.uniform(-2, 2, (*batch, 2)) for kind in ("q", "qd", "qdd", "tau")}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("batch", [(), (1,), (7,), (2, 3), (0,), (3, 0, 2), (5001,)])
+def test_results_have_the_shape_of_the_batch(name: str, batch: tuple[int, ...]) -> None:
+    result = call(MODEL, name, arguments(*batch), params=PARAMETERS)
+    assert result.shape == (*batch, *SHAPES[name])
+    assert result.dtype == np.float64
+    assert result.flags.c_contiguous
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_batch_gives_what_its_configurations_give(name: str) -> None:
+    many = arguments(9000)
+    batch = call(MODEL, name, many, params=PARAMETERS)
+    for k in (0, 1, 4095, 4096, 8191, 8999):
+        one = call(MODEL, name, {kind: values[k] for kind, values in many.items()}, params=PARAMETERS)
+        assert batch[k] == pytest.approx(one, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_robots_give_the_same_one_by_one_and_in_batches(seed: int) -> None:
+    robot = random_robot(random.Random(seed))
+    model = numpy_model(Robot.from_text(robot.text))
+    rng = np.random.default_rng(seed)
+    many = {kind: rng.uniform(-2, 2, (6, robot.n)) for kind in ("q", "qd", "qdd", "tau")}
+    for name in model.OPERATIONS:
+        batch = call(model, name, many, params=robot.values)
+        ones = [call(model, name, {k: v[i] for k, v in many.items()}, params=robot.values) for i in range(6)]
+        assert np.abs(batch - ones).max() <= 1e-12 * max(1, np.abs(batch).max())
+
+
+def test_arguments_broadcast_against_each_other() -> None:
+    a = arguments(4, 3)
+    q, qd, qdd = a["q"][0, 0], a["qd"][:, :1], a["qdd"][0]
+    found = MODEL.inverse_dynamics(q, qd, qdd, params=PARAMETERS)
+    full = MODEL.inverse_dynamics(*(np.broadcast_to(x, (4, 3, 2)) for x in (q, qd, qdd)), params=PARAMETERS)
+    assert np.array_equal(found, full)
+
+
+def test_parameters_broadcast_against_the_batch() -> None:
+    a = arguments(3)
+    masses = np.array([1.0, 2.0, 3.0])
+    found = MODEL.inverse_dynamics(a["q"], a["qd"], a["qdd"], params={"m1": masses, "m2": 1.5})
+    for k, mass in enumerate(masses):
+        one = MODEL.inverse_dynamics(a["q"][k], a["qd"][k], a["qdd"][k], params={"m1": mass, "m2": 1.5})
+        assert found[k] == pytest.approx(one, rel=1e-13)
+    grid = MODEL.gravity_vector([0.1, 0.2], params={"m1": masses[:, None], "m2": np.array([[1.0, 2.0]])})
+    assert grid.shape == (3, 2, 2)
+
+
+def test_parameters_may_be_a_sequence_or_a_table_in_order() -> None:
+    q = [0.4, 0.1]
+    by_name = MODEL.gravity_vector(q, params=PARAMETERS)
+    values = [PARAMETERS[name] for name in MODEL.PARAMETERS]
+    assert np.array_equal(MODEL.gravity_vector(q, params=values), by_name)
+    assert np.array_equal(MODEL.gravity_vector(q, params=np.array(values)), by_name)
+    table = MODEL.gravity_vector(q, params=np.array([values, values]))
+    assert table == pytest.approx(np.array([by_name, by_name]))
+
+
+def test_kinematics_asks_for_no_masses() -> None:
+    assert MODEL.forward_kinematics([0.0, 0.0]).shape == (4, 4)
+
+
+def test_lists_integers_views_and_other_floats_are_taken() -> None:
+    wanted = MODEL.forward_kinematics(np.array([1.0, 2.0]))
+    wide = np.array([[1.0, 9.0, 2.0, 9.0]])[0, ::2]
+    single = np.array([1, 2], dtype=np.float32)
+    for q in ([1, 2], (1.0, 2.0), np.array([1, 2]), single, wide, np.array([2.0, 1.0])[::-1]):
+        assert np.array_equal(MODEL.forward_kinematics(q), wanted)
+
+
+def test_arguments_stay_as_they_are_even_when_read_only() -> None:
+    a = arguments(5)
+    before = {kind: values.copy() for kind, values in a.items()}
+    for values in a.values():
+        values.flags.writeable = False
+    for name in FUNCTIONS:
+        call(MODEL, name, a, params=PARAMETERS)
+    assert all(np.array_equal(a[kind], before[kind]) for kind in a)
+
+
+def test_results_are_independent_of_each_other() -> None:
+    q = arguments(3)["q"]
+    first = MODEL.inertia_matrix(q, params=PARAMETERS)
+    kept = first.copy()
+    MODEL.inertia_matrix(q + 1, params=PARAMETERS)
+    assert np.array_equal(first, kept)
+
+
+def test_not_a_number_passes_through_and_infinity_does_not_raise() -> None:
+    one = MODEL.forward_kinematics([math.nan, 1.0])
+    batch = MODEL.forward_kinematics([[math.nan, 1.0], [0.0, 1.0]])
+    assert np.isnan(one).any()
+    assert np.array_equal(one, batch[0], equal_nan=True)
+    assert np.isfinite(batch[1]).all()
+    with np.errstate(invalid="ignore"):
+        assert np.isnan(MODEL.forward_kinematics([math.inf, 1.0])).any()
+
+
+@pytest.mark.parametrize(
+    ("q", "message"),
+    [
+        ([1.0, 2.0, 3.0], r"q must have shape \(2,\) or \(\.\.\., 2\); got \(3,\)"),
+        (1.0, r"got \(\)"),
+        (np.zeros((2, 5)), r"got \(2, 5\)"),
+        ([[1.0, 2.0], [1.0]], "unequal length"),
+        ([], r"got \(0,\)"),
+    ],
+)
+def test_wrong_shapes_are_refused_with_the_right_one(q: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        MODEL.forward_kinematics(q)
+
+
+@pytest.mark.parametrize("q", [[1j, 2.0], ["a", "b"], [None, 1.0], np.array([1.0, 2.0], dtype=object)])
+def test_what_is_no_real_number_is_refused(q: object) -> None:
+    with pytest.raises(TypeError, match="q must be real numbers"):
+        MODEL.forward_kinematics(q)
+
+
+def test_batches_that_do_not_fit_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"do not broadcast: q \(3,\), qd \(4,\)"):
+        MODEL.coriolis_matrix(np.zeros((3, 2)), np.zeros((4, 2)), params=PARAMETERS)
+    with pytest.raises(ValueError, match=r"params m1 \(4,\)"):
+        MODEL.gravity_vector(np.zeros((3, 2)), params={"m1": np.ones(4), "m2": 1})
+
+
+@pytest.mark.parametrize(
+    ("params", "message"),
+    [
+        (None, "missing in params: m1, m2"),
+        ({"m1": 1.0}, "missing in params: m2"),
+        ({"m1": 1.0, "m2": 1.0, "m3": 1.0}, "unknown in params: m3"),
+        ([1.0], "params must have 2 entries"),
+        (np.ones((3, 5)), "params must have 2 entries"),
+    ],
+)
+def test_wrong_parameters_are_refused(params: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        MODEL.gravity_vector([0.0, 0.0], params=params)
+
+
+def test_parameters_must_be_numbers() -> None:
+    with pytest.raises(TypeError, match="m1 must be a real number"):
+        MODEL.gravity_vector([0.0, 0.0], params={"m1": "heavy", "m2": 1.0})
+
+
+def test_the_module_says_what_it_is() -> None:
+    assert MODEL.DOF == 2
+    assert MODEL.JOINT_NAMES == ("q1", "q2")
+    assert MODEL.JOINT_TYPES == ("revolute", "prismatic")
+    assert list(MODEL.LIMITS) == [(-math.pi, 2.0), None]
+    assert MODEL.PARAMETERS == ("m1", "m2")
+    assert set(MODEL.OPERATIONS) == set(FUNCTIONS) == set(MODEL.__all__) - {
+        "DOF", "JOINT_NAMES", "JOINT_TYPES", "LIMITS", "OPERATIONS", "PARAMETERS",
+    }  # fmt: skip
+    for name in FUNCTIONS:
+        assert "Args:" in getattr(MODEL, name).__doc__
+
+
+def test_the_module_imports_numpy_and_math_alone() -> None:
+    tree = ast.parse(render_numpy(source_of(planar()))["model_numpy.py"])
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert sorted(alias.name for node in imports for alias in node.names) == ["math", "numpy"]
+
+
+def test_lines_are_clean() -> None:
+    text = render_numpy(source_of(planar()))["model_numpy.py"]
+    assert "\t" not in text
+    assert "\r" not in text
+    assert text.endswith("\n")
+    assert not any(line != line.rstrip() for line in text.split("\n"))
+
+
+def test_names_of_users_never_collide_with_names_of_ours() -> None:
+    names = ["lambda", "t1", "k1", "p", "k", "sin", "np", "math", "functions", "q", "qd1", "c1", "s1", "print", "class"]
+    names = [name for name in names if name not in ("sin", "qd1")]
+    links = "\n".join(f"  - {{mass: {a}, com: [{b}, 0, 0]}}" for a, b in zip(names[::2], names[1::2], strict=False))
+    count = len(names) // 2
+    joints = "\n".join("  - {type: revolute, a: 0.5}" for _ in range(count))
+    robot = Robot.from_text(
+        f"name: names\nconvention: standard\njoints:\n{joints}\ngravity: [0, -9.81, 0]\nlinks:\n{links}\n"
+    )
+    model = numpy_model(robot)
+    found = model.gravity_vector(np.full(count, 0.1), params={name: 1.0 for name in model.PARAMETERS})
+    assert np.isfinite(found).all()
+
+
+TITLES = [
+    'a """ b',
+    '"""',
+    "back\\slash\\",
+    "{{ 7*7 }}{% raw %}",
+    "*/ // # \\input{x}",
+    "two\nlines\r\nthree",
+    "\u202eevil \u0416 \u4e2d\u6587 \U0001f916",
+    "\\N{BULLET} \\x41 \\",
+    "'''\n\"\"\"\nimport os",
+]
+
+
+@pytest.mark.parametrize("title", TITLES)
+def test_titles_stay_inert(title: str) -> None:
+    plain = planar()
+    robot = Robot(**{k: getattr(plain, k) for k in plain.__dataclass_fields__} | {"title": title})
+    text = render_numpy(source_of(robot))["model_numpy.py"]
+    model = load(text)
+    assert model.forward_kinematics([0.0, 0.0]).shape == (4, 4)
+    usual = ast.parse(render_numpy(source_of(plain))["model_numpy.py"])
+    assert ast.dump(ast.Module(ast.parse(text).body[1:], [])) == ast.dump(ast.Module(usual.body[1:], []))
+
+
+def test_code_stays_compact() -> None:
+    joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
+    robot = Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n")
+    text = render_numpy(source_of(robot))["model_numpy.py"]
+    assert len(text) < 250_000
+    assert load(text).forward_kinematics(np.zeros(64)).shape == (4, 4)
