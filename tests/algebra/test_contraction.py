@@ -1,0 +1,118 @@
+"""Angle sums and squares: short forms are found, and they are equal to what went in."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.groups import aligned_groups
+from derive.algebra.lecture_form import LectureForm
+from derive.algebra.ring import Polynomial
+from derive.errors import Location
+from derive.robot.parser import parse_expression
+from derive.robot.robot import Robot
+from tests.evaluate import evaluate
+
+PLANAR = """
+name: planar
+convention: standard
+joints:
+  - {type: revolute, a: a1}
+  - {type: revolute, a: a2}
+  - {type: revolute, a: a3}
+"""
+
+
+def planar() -> Robot:
+    return Robot.from_text(PLANAR)
+
+
+def written(cell: str, *, sums: bool = True) -> sympy.Expr:
+    expression = parse_expression(cell, Location("cell"))
+    domain = PolynomialDomain(planar(), [expression], sums=lambda group: sums)
+    return LectureForm(domain).kinematic(domain.constant(expression))
+
+
+@pytest.mark.parametrize("sums", [True, False])
+@pytest.mark.parametrize(
+    ("cell", "form"),
+    [
+        ("cos(q1)*cos(q2) - sin(q1)*sin(q2)", "cos(q1 + q2)"),
+        ("sin(q1)*cos(q2 + q3) + cos(q1)*sin(q2 + q3)", "sin(q1 + q2 + q3)"),
+        ("cos(q1)*cos(q1 + q2) + sin(q1)*sin(q1 + q2)", "cos(q2)"),
+        ("sin(q1 + q2 + q3)*cos(q1) - cos(q1 + q2 + q3)*sin(q1)", "sin(q2 + q3)"),
+        ("1 - cos(q3)**2", "sin(q3)**2"),
+        ("a**2*cos(q1)**2 + a**2*sin(q1)**2", "a**2"),
+        ("cos(q1)**2 - sin(q1)**2 + 1", "2*cos(q1)**2"),
+        ("cos(q2)*cos(q2 + q3)", "cos(q2)*cos(q2 + q3)"),
+        ("a*cos(q1) + b*cos(q1 + q2) + c*cos(q1 + q2 + q3)", "a*cos(q1) + b*cos(q1 + q2) + c*cos(q1 + q2 + q3)"),
+    ],
+)
+def test_the_short_form_is_found_from_either_basis(cell: str, form: str, sums: bool) -> None:
+    assert written(cell, sums=sums) == sympy.sympify(form)
+
+
+def random_polynomial(domain: PolynomialDomain, rng: random.Random) -> Polynomial:
+    total = domain.ring.zero
+    for _ in range(rng.randint(1, 6)):
+        term = domain.ring.number(rng.randint(-3, 3))
+        for _ in range(rng.randint(0, 4)):
+            term = term * rng.choice(domain.cosine_sine_of(rng.randrange(3)))
+        total = total + term * domain.ring.generator(rng.choice(["a1", "a2"]))
+    return total
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.booleans())
+def test_contraction_never_changes_the_value(seed: int, sums: bool) -> None:
+    rng = random.Random(seed)
+    domain = PolynomialDomain(planar(), sums=lambda group: sums)
+    p = random_polynomial(domain, rng)
+    values = {name: rng.uniform(-2, 2) for name in ("q1", "q2", "q3", "a1", "a2", "a3")}
+    plain = sum(float(c) * _product(domain, exponents, values) for exponents, c in p.terms())
+    form = LectureForm(domain)
+    assert evaluate(form.kinematic(p), values) == pytest.approx(plain, abs=1e-9)
+    assert evaluate(form.dynamic(p), values) == pytest.approx(plain, abs=1e-9)
+
+
+def _product(domain: PolynomialDomain, exponents: tuple[int, ...], values: dict[str, float]) -> float:
+    from derive.algebra.to_sympy import expression_to_sympy
+
+    result = 1.0
+    for generator, e in zip(domain.generators, exponents, strict=True):
+        if e:
+            value = evaluate(expression_to_sympy(generator.argument), values)
+            function = {"SINE": sympy.sin, "COSINE": sympy.cos}.get(generator.kind.name, lambda x: x)
+            result *= float(function(value)) ** e
+    return result
+
+
+def test_products_are_built_in_sympys_own_order() -> None:
+    form = written("3*a**2*b*cos(q1)*sin(q2)*cos(q1 + q2)**2 + z*a*q1")
+    assert form == form.func(*form.args)
+    for product in form.atoms(sympy.Mul):
+        assert product.args == sympy.Mul(*product.args).args
+
+
+@pytest.mark.parametrize(
+    ("rows", "groups"),
+    [
+        ("[{type: revolute}, {type: revolute}, {type: revolute}]", ((0, 1, 2),)),
+        ("[{type: revolute, alpha: pi/2}, {type: revolute}, {type: revolute}]", ((0,), (1, 2))),
+        ("[{type: revolute}, {type: revolute, alpha: pi}, {type: prismatic}, {type: revolute}]", ((0, 1), (3,))),
+        ("[{type: revolute}, {type: prismatic}, {type: revolute}]", ((0, 2),)),
+        ("[{type: revolute, theta: -q1}, {type: revolute, theta: -q2}]", ((0, 1),)),
+        ("[{type: revolute, theta: -q1}, {type: revolute}]", ((0,), (1,))),
+        ("[{type: revolute, alpha: pi}, {type: revolute, theta: -q2}]", ((0, 1),)),
+        ("[{type: revolute, alpha: al}, {type: prismatic, alpha: -al}, {type: revolute}]", ((0, 2),)),
+        ("[{type: revolute, alpha: al}, {type: revolute}]", ((0,), (1,))),
+    ],
+)
+def test_groups_are_aligned_parallel_axes(rows: str, groups: tuple[tuple[int, ...], ...]) -> None:
+    robot = Robot.from_text(f"name: r\nconvention: standard\njoints: {rows}\n")
+    assert aligned_groups(robot) == groups
