@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Iterable, Sequence
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -110,17 +113,46 @@ def _in_processes(
 ) -> dict[int, R | BuildFailure]:
     """Results by index; robots whose process died are missing."""
     results: dict[int, R | BuildFailure] = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(robots)), mp_context=context) as pool:
-        futures: dict[Future[R | BuildFailure], int] = {
-            pool.submit(task, robot): index for index, robot in enumerate(robots)
-        }
+    with _pool(min(jobs, len(robots))) as pool:
+        with _interrupts_ignored():
+            futures: dict[Future[R | BuildFailure], int] = {
+                pool.submit(task, robot): index for index, robot in enumerate(robots)
+            }
         for future in as_completed(futures):
             try:
                 results[futures[future]] = _told(future.result(), progress)
             except BrokenProcessPool:
                 continue
     return results
+
+
+@contextmanager
+def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that end with us: after an interrupt they are stopped at once, which no folder minds."""
+    others = multiprocessing.active_children()
+    pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            if process not in others:
+                process.terminate()
+        raise
+    pool.shutdown()
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """A terminal interrupts every process; those started here leave it to us and print no traceback of their own."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _told(result: R | BuildFailure, progress: Progress | None) -> R | BuildFailure:

@@ -101,17 +101,20 @@ def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1] in ("0", "141")
 
 
-def test_interrupt_ends_with_130_and_one_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_interrupt_from_the_terminal_ends_every_process_with_one_line(jobs: str, tmp_path: Path) -> None:
+    """A terminal interrupts the whole group; an interrupt inside of ``exec`` lets Python die by the signal itself."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "derive", "build", "--force", "--out", "out"],
+        [sys.executable, "-m", "derive", "build", "--force", "--jobs", jobs],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        start_new_session=True,
     )
     time.sleep(1.5)
-    process.send_signal(signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=60)
-    assert process.returncode == 130
+    assert process.returncode in (130, -signal.SIGINT)
     assert errors == "derive: error: interrupted\n"
