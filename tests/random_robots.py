@@ -132,6 +132,7 @@ class _Writer:
         self.rng, self.n, self.dynamics, self.symbols = rng, n, dynamics, symbols
         self.standard = rng.random() < 0.5 if standard is None else standard
         self.degrees, self.millimetres = rng.random() < 0.4, rng.random() < 0.3
+        self.plain_names = rng.random() < 0.7
         self.parameters: dict[str, str] = {}
         self.runtime: list[str] = []
         self.values: dict[str, float] = {}
@@ -170,8 +171,9 @@ class _Writer:
         )
 
     def joint(self, i: int) -> tuple[dict[str, object], JointNumbers]:
-        rng, variable = self.rng, f"q{i}"
+        rng = self.rng
         revolute, sign = rng.random() < 0.7, rng.choice([1, 1, 1, -1])
+        variable = f"q{i}" if self.plain_names else f"{'theta' if revolute else 'x'}{i}"
         theta = (("0", 0.0) if rng.random() < 0.5 else self.angle("th", i)) if revolute else self.angle("th", i)
         d, a, alpha = self.length("d", i), self.length("a", i), self.angle("al", i)
         constant = theta if revolute else d
@@ -182,6 +184,8 @@ class _Writer:
             del row["theta" if revolute else "d"]
         for key in [key for key, cell in row.items() if cell == "0" and rng.random() < 0.5]:
             del row[key]
+        if self.plain_names and rng.random() < 0.3:
+            del row["q"]
         if rng.random() < 0.5:
             row["limits"] = self.limits(revolute)
         return row, JointNumbers(revolute, sign, theta[1], d[1], a[1], alpha[1])

@@ -1,0 +1,98 @@
+"""Random robots from the text of their file to generated NumPy and CasADi code, against Pinocchio and the oracle."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from derive.check.oracle import FUNCTIONS
+from derive.check.verify import TOLERANCE, verify
+from derive.check.verify.generated import GeneratedModel, load_models
+from derive.emit.casadi_target import render_casadi
+from derive.emit.numpy_target import render_numpy
+from derive.emit.source import Source
+from derive.mechanics.programs import build_program
+from derive.robot.catalogue import catalogue_names
+from derive.robot.robot import Robot
+from tests.oracle.pinocchio_reference import Array, reference
+from tests.random_robots import RandomRobot, configurations, random_robot, robots
+
+FIXTURE_IS_A_FACTORY = [HealthCheck.function_scoped_fixture]
+"""Every example writes over the files of the one before."""
+
+
+def generate(robot: Robot, folder: Path) -> tuple[GeneratedModel, ...]:
+    """Write both modules into ``folder`` and load them."""
+    source = Source(robot, build_program(robot), {}, "0.0.0")
+    for name, text in {**render_numpy(source), **render_casadi(source)}.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return load_models(folder)
+
+
+def check_with_pinocchio(robot: RandomRobot, models: tuple[GeneratedModel, ...]) -> None:
+    """Every function of every target at one random state."""
+    outside = reference(robot)
+    q, qd, qdd, tau = configurations(random.Random(robot.n), robot.n, 4)
+    state: Mapping[str, Array] = {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau}
+    for model in models:
+        for name, definition in FUNCTIONS.items():
+            if definition.dynamic and not robot.links:
+                continue
+            arguments = [state[argument] for argument in definition.arguments]
+            got: Any = model.call(name, arguments, robot.values)
+            wanted = getattr(outside, name)(*arguments)
+            assert got.shape == wanted.shape
+            assert np.abs(got - wanted).max() < TOLERANCE * max(1.0, np.abs(wanted).max()), (model.target, name)
+
+
+@given(robots())
+@settings(max_examples=25, deadline=None, suppress_health_check=FIXTURE_IS_A_FACTORY)
+def test_generated_code_agrees_with_pinocchio(tmp_path: Path, robot: RandomRobot) -> None:
+    models = generate(Robot.from_text(robot.text), tmp_path)
+    assert [model.target for model in models] == ["numpy", "casadi"]
+    check_with_pinocchio(robot, models)
+
+
+@given(robots(max_joints=5))
+@settings(max_examples=15, deadline=None, suppress_health_check=FIXTURE_IS_A_FACTORY)
+def test_generated_code_passes_verification(tmp_path: Path, robot: RandomRobot) -> None:
+    loaded = Robot.from_text(robot.text)
+    generate(loaded, tmp_path)
+    report = verify(loaded, tmp_path, samples=6)
+    assert report.worst < 1e-10
+    assert {(row.target, row.function) for row in report.rows} == {
+        (target, function) for target in ("numpy", "casadi") for function in FUNCTIONS
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 100, 20))
+def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, first: int) -> None:
+    for seed in range(first, first + 20):
+        robot = random_robot(random.Random(seed), dynamics=seed % 5 > 0)
+        loaded = Robot.from_text(robot.text)
+        check_with_pinocchio(robot, generate(loaded, tmp_path))
+        assert verify(loaded, tmp_path, samples=6, seed=seed).worst < 1e-10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("standard", [True, False])
+def test_generated_code_of_a_long_chain_agrees_with_pinocchio(tmp_path: Path, standard: bool) -> None:
+    """Eighteen joints with dynamics, sixty-four without."""
+    for n in (18, 64):
+        robot = random_robot(random.Random(n), n, standard=standard, dynamics=n < 64)
+        check_with_pinocchio(robot, generate(Robot.from_text(robot.text), tmp_path))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", catalogue_names())
+def test_generated_code_of_the_catalogue_passes_verification(tmp_path: Path, name: str) -> None:
+    robot = Robot.load(name)
+    generate(robot, tmp_path)
+    assert verify(robot, tmp_path, samples=12, seed=1).worst < 1e-10
