@@ -167,8 +167,9 @@ class Tape:
             if node.layer is Layer.BODY:
                 used.update(node.operands)
         return tuple(
-            i for i, node in enumerate(self.nodes) if i in used and node.layer is Layer.HOISTED and node.op not in
-            LEAVES
+            i
+            for i, node in enumerate(self.nodes)
+            if i in used and node.layer is Layer.HOISTED and node.op not in LEAVES
         )
 
     @cached_property

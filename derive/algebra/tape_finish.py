@@ -36,8 +36,7 @@ def _replacements(robot: Robot) -> dict[int, Callable[[Graph], Ref]]:
     free = {name: k for k, name in enumerate(free_symbols(robot))}
     numbers = number_of(robot)
     return {
-        i: _input(free[name]) if name in free else _number(numbers[name])
-        for i, name in enumerate(robot_symbols(robot))
+        i: _input(free[name]) if name in free else _number(numbers[name]) for i, name in enumerate(robot_symbols(robot))
     }
 
 

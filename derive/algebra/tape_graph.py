@@ -124,12 +124,14 @@ class Graph:
         return 2 * self._find(key, Op.MULTIPLY, (first, second))
 
     def divide(self, a: Ref, b: Ref) -> Ref:
-        """A over b.
+        """A over b; what depends on the arguments may be divided by zero, as floats may.
 
         Raises:
-            QuantityError: b is the constant zero.
+            QuantityError: b is the constant zero and a does not depend on the arguments, as in a cell.
         """
         divisor = self.constant_of(b)
+        if divisor == 0 and self.layer[a >> 1] == Layer.BODY:
+            return self._intern(Op.DIVIDE, a >> 1, b >> 1) | (a & 1)
         if divisor is not None:
             return self.multiply(a, self.number(constants.reciprocal(divisor)))
         if a == ZERO:

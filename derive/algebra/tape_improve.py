@@ -1,9 +1,9 @@
 """Cheaper programs for the same values: sums and products taken apart and put together again.
 
-Sums of sums and products of products, where the inner one serves nothing else, are taken as one. In a sum, like terms are
-merged and common factors taken out, a*b + a*c -> a*(b + c); in both, what depends on run-time parameters alone comes
-first, so that it is done once per call, and the rest is in the order of its making, so that sums that begin alike share.
-A round is kept if it saves operations.
+Sums of sums and products of products, where the inner one serves nothing else, are taken as one. In a sum, like terms
+are merged and common factors taken out, a*b + a*c -> a*(b + c); in both, what depends on run-time parameters alone
+comes first, so that it is done once per call, and the rest is in the order of its making, so that sums that begin
+alike share. A round is kept if it saves operations.
 """
 
 from __future__ import annotations

@@ -103,9 +103,7 @@ def angular_velocities(chain: Chain[S], speed: Sequence[S]) -> list[Vector[S]]:
     return omegas
 
 
-def _composites(
-    chain: Chain[S], speed: Sequence[S], omegas: Sequence[Vector[S]], half: S
-) -> list[MovingBody[S]]:
+def _composites(chain: Chain[S], speed: Sequence[S], omegas: Sequence[Vector[S]], half: S) -> list[MovingBody[S]]:
     bodies = [_moving(body, omega, half) for body, omega in zip(chain.bodies, omegas[1:], strict=True)]
     for i in range(chain.n - 1, 0, -1):
         joint = chain.joints[i]

@@ -119,5 +119,3 @@ def composite_bodies(chain: Chain[S]) -> list[Body[S]]:
 def work(joint: ChainJoint[S], force: Vector[S], moment: Vector[S]) -> S:
     """The component of a wrench (at the joint frame's origin) along the joint's motion."""
     return moment[2] if joint.revolute else force[2]
-
-

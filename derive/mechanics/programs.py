@@ -16,6 +16,7 @@ from derive.algebra.tape_domain import QD, QDD, TAU, Q, TapeDomain
 from derive.algebra.tape_finish import Finisher
 from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
+from derive.errors import QuantityError
 from derive.mechanics import forward_kinematics as kinematics
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.composite_inertia import inertia_matrix
@@ -60,8 +61,11 @@ def build_program(robot: Robot) -> Program:
     """
     trace = Trace(robot)
     finisher = Finisher(robot, trace.graph)
-    specifications = [*trace.kinematics(), *(trace.dynamics() if robot.has_dynamics else ())]
-    return Program(tuple(_function(s, finisher) for s in specifications), free_symbols(robot))
+    functions = [_function(specification, finisher) for specification in trace.kinematics()]
+    if robot.has_dynamics:
+        functions += [_function(specification, finisher) for specification in trace.dynamics()]
+        functions.append(_accelerations(trace, finisher))
+    return Program(tuple(functions), free_symbols(robot))
 
 
 def _function(specification: Specification, finisher: Finisher) -> Function:
@@ -71,6 +75,17 @@ def _function(specification: Specification, finisher: Finisher) -> Function:
     ]
     tape, formulation = min(tapes, key=lambda pair: pair[0].operations.total)
     return Function(specification.name, specification.arguments, specification.shape, tape, formulation)
+
+
+def _accelerations(trace: Trace, finisher: Finisher) -> Function:
+    """Forward dynamics; infinite or not a number where no motion of a joint meets inertia.
+
+    Cells without a value have been refused by the functions before.
+    """
+    try:
+        return _function(trace.accelerations(), finisher)
+    except QuantityError:
+        return _function(trace.no_accelerations(), finisher)
 
 
 class Trace:
@@ -106,16 +121,18 @@ class Trace:
                 "coriolis_matrix", (Q, QD), (n, n), (Candidate(f"moving composite bodies {base}", self._coriolis),)
             ),
             Specification("gravity_vector", (Q,), (n,), (Candidate(f"composite first moments {base}", self._gravity),)),
-            Specification(
-                "inverse_dynamics", (Q, QD, QDD), (n,), (Candidate(f"Newton-Euler {base}", self._torques),)
-            ),
-            Specification(
-                "forward_dynamics",
-                (Q, QD, TAU),
-                (n,),
-                (Candidate("inertia matrix and Newton-Euler, factorised without roots", self._accelerations),),
-            ),
+            Specification("inverse_dynamics", (Q, QD, QDD), (n,), (Candidate(f"Newton-Euler {base}", self._torques),)),
         )
+
+    def accelerations(self) -> Specification:
+        """Forward dynamics."""
+        words = "inertia matrix and Newton-Euler, factorised without roots"
+        return Specification("forward_dynamics", (Q, QD, TAU), (self.n,), (Candidate(words, self._solution),))
+
+    def no_accelerations(self) -> Specification:
+        """Forward dynamics of an arm whose inertia matrix is singular everywhere."""
+        words = "the inertia matrix is singular everywhere"
+        return Specification("forward_dynamics", (Q, QD, TAU), (self.n,), (Candidate(words, self._divided_by_zero),))
 
     def _arguments(self, kind: str) -> list[Value]:
         return [self.domain.argument(kind, i) for i in range(self.n)]
@@ -143,10 +160,13 @@ class Trace:
     def _torques(self) -> list[Value]:
         return self._with_friction(inverse_dynamics(self.regrouped, self._arguments(QD), self._arguments(QDD)))
 
-    def _accelerations(self) -> list[Value]:
+    def _solution(self) -> list[Value]:
         rest = [self.chain.zero] * self.n
         bias = self._with_friction(inverse_dynamics(self.regrouped, self._arguments(QD), rest))
         return forward_dynamics(inertia_matrix(self.regrouped), bias, self._arguments(TAU))
+
+    def _divided_by_zero(self) -> list[Value]:
+        return [torque / self.chain.zero for torque in self._arguments(TAU)]
 
     def _with_friction(self, torques: Sequence[Value]) -> list[Value]:
         """Torques and b*qd + f*sign(qd)."""

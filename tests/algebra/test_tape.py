@@ -165,11 +165,19 @@ def test_powers_square_repeatedly() -> None:
     assert operations(x**-2) == Operations(mul=1, div=1)
 
 
-def test_division_by_the_constant_zero_is_refused() -> None:
+def test_division_by_the_constant_zero_is_refused_where_no_argument_enters() -> None:
     graph = Graph()
-    x, _, _ = variables(graph)
-    with pytest.raises(QuantityError, match="division by zero"):
-        _ = x / 0
+    parameter = Value(graph, graph.input(PARAMETER, 0))
+    for value in (parameter, parameter - parameter, parameter**0):
+        with pytest.raises(QuantityError, match="division by zero"):
+            _ = value / 0
+
+
+def test_arguments_may_be_divided_by_zero_as_floats_may() -> None:
+    graph = Graph()
+    x, y, _ = variables(graph)
+    tape = cut(*improve(graph, [(x * y / 0).ref]))
+    assert tape.operations == Operations(mul=1, div=1)
 
 
 def test_deep_programs_need_no_recursion() -> None:

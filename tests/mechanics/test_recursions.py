@@ -11,6 +11,8 @@ import numpy.typing as npt
 import pytest
 
 from derive.algebra.program import Program
+from derive.algebra.tape import Op, Operations
+from derive.errors import QuantityError
 from derive.mechanics.programs import build_program
 from derive.robot.robot import Robot
 from tests.mechanics.recursion_values import State, derivative, random_state, value
@@ -133,3 +135,36 @@ def test_the_work_of_inertia_and_coriolis_torques_is_the_rate_of_kinetic_energy(
     rate = state.qd @ value(program, "inertia_matrix", state) @ state.qdd
     rate += state.qd @ derivative(program, "inertia_matrix", state, state.qd) @ state.qd / 2
     assert_close(np.array([state.qd @ torque]), np.array([rate]))
+
+
+SINGULAR = """
+name: singular
+convention: standard
+joints: [{type: revolute, a: 0.5}, {type: revolute}]
+gravity: [0, -9.81, 0]
+links: [{mass: m1, com: [-0.1, 0, 0]}, {mass: m2}]
+parameters: {m2: 0}
+"""
+
+
+def test_a_joint_without_inertia_has_torques_but_no_accelerations() -> None:
+    program = build_program(Robot.from_text(SINGULAR))
+    tape = program["forward_dynamics"].tape
+    assert {node.op for node in tape.nodes} >= {Op.DIVIDE}
+    assert tape.operations == Operations(div=2)
+    assert program["inverse_dynamics"].operations.total > 0
+
+
+@pytest.mark.parametrize("cell", ["y/x", "1/(x*y)"])
+def test_cells_that_divide_by_zero_with_their_numbers_are_refused(cell: str) -> None:
+    joints = f"[{{type: revolute, q: q1, a: '{cell}'}}]"
+    robot = Robot.from_text(f"name: one\nconvention: standard\njoints: {joints}\nparameters: {{x: 0}}\n")
+    with pytest.raises(QuantityError, match="division by zero"):
+        build_program(robot)
+
+
+def test_many_joints_are_traced_in_time_and_without_recursion() -> None:
+    joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
+    program = build_program(Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n"))
+    assert program["link_transforms"].operations.total < 4000
+    assert len(program["jacobian"].outputs) == 6 * 64
