@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from derive.algebra.ring import Polynomial
 from derive.emit.quantity import Quantity
+from derive.mechanics.long_chain import LongChain
 from derive.mechanics.model import Model
+from derive.mechanics.vectors import Frame
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
@@ -63,6 +66,8 @@ class ModelQuantities(Mapping[str, Quantity]):
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.model = Model(robot)
+        self._long = LongChain(robot)
+        self._sizes: dict[tuple[int, int, int], int] = {}
         self._found: dict[str, Quantity] = {}
 
     def __getitem__(self, name: str) -> Quantity:
@@ -84,18 +89,21 @@ class ModelQuantities(Mapping[str, Quantity]):
         model, n = self.model, self.robot.n
         match name:
             case "T":
-                return Written((4, 4), lambda: model.T)
+                return self._end_effector()
             case "J":
-                return Written((6, n), lambda: model.J)
-            case "B" | "C" | "N":
+                return self._jacobian()
+            case "B":
+                return Counted((n, n), lambda i, j: model.terms("B", i, j), self._inertia_entry)
+            case "C":
+                return Counted((n, n), self._coriolis_terms, self._entry_of(name))
+            case "N":
                 return Counted((n, n), lambda i, j: model.terms(name, i, j), self._entry_of(name))
             case "g":
-                return Counted((n, 1), lambda i, j: model.terms(name, i, j), self._entry_of(name))
+                return self._polynomials([[p] for p in model.kinematics.gravity_vector], model.form.dynamic)
             case "tau":
                 return Counted((n, 1), self._torque_terms, self._entry_of(name))
             case "potential":
-                potential = model.kinematics.potential
-                return Counted((1, 1), lambda i, j: len(potential), lambda i, j: model.energy.potential)
+                return self._polynomials([[model.kinematics.potential]], model.form.dynamic)
         raise KeyError(name)
 
     def _indexed(self, letter: str, indices: tuple[int, ...]) -> Quantity:
@@ -103,16 +111,61 @@ class ModelQuantities(Mapping[str, Quantity]):
         if letter == "A":
             return Written((4, 4), lambda: model.A(*indices))
         if letter == "T":
-            return Written((4, 4), lambda: model.transform(*indices))
+            return self._transform(*indices)
         i, j, k = indices
         return Counted((1, 1), lambda r, c: self._christoffel_terms(i, j, k), lambda r, c: model.christoffel(i, j, k))
+
+    def _transform(self, i: int, j: int) -> Quantity:
+        if self._long.is_long(i, j):
+            return Written((4, 4), lambda: self.model.transform(i, j))
+        return self._frame(self.model.kinematics.transform(i, j))
+
+    def _end_effector(self) -> Quantity:
+        if self._long.is_long(0, self.robot.n):
+            return Written((4, 4), lambda: self.model.T)
+        return self._frame(self.model.kinematics.end)
+
+    def _frame(self, frame: Frame[Polynomial]) -> Quantity:
+        number = self.model.domain.number
+        rows = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
+        return self._polynomials([*rows, [number(k // 3) for k in range(4)]], self.model.form.kinematic)
+
+    def _jacobian(self) -> Quantity:
+        n, kinematics = self.robot.n, self.model.kinematics
+        if self._long.is_long(0, n):
+            return Written((6, n), lambda: self.model.J)
+        halves = zip(kinematics.linear_columns(kinematics.end.position), kinematics.angular_columns(n), strict=True)
+        columns = [[*linear, *angular] for linear, angular in halves]
+        return self._polynomials([[column[row] for column in columns] for row in range(6)], self.model.form.kinematic)
+
+    def _polynomials(self, rows: Sequence[Sequence[Polynomial]], write: Callable[[Polynomial], Any]) -> Quantity:
+        """Entries that are counted as they are, and written one by one."""
+        return Counted(
+            (len(rows), len(rows[0])),
+            lambda i, j: len(rows[i - 1][j - 1]),
+            lambda i, j: write(rows[i - 1][j - 1]),
+        )
+
+    def _inertia_entry(self, i: int, j: int) -> Any:
+        return self.model.dynamic_form.entry(self.model.dynamics.inertia_matrix[i - 1][j - 1], self._inertia_limit)
+
+    @cached_property
+    def _inertia_limit(self) -> int:
+        matrix = self.model.dynamics.inertia_matrix
+        return self.model.dynamic_form.limit([matrix[i][j] for i in range(self.robot.n) for j in range(i + 1)])
 
     def _entry_of(self, name: str) -> Callable[[int, int], Any]:
         return lambda i, j: getattr(self.model, name)[i - 1, j - 1]
 
     def _christoffel_terms(self, i: int, j: int, k: int) -> int:
-        dynamics = self.model.dynamics
-        return dynamics.expanded_size(dynamics.christoffel(i - 1, j - 1, k - 1))
+        key = (i, min(j, k), max(j, k))
+        if key not in self._sizes:
+            dynamics = self.model.dynamics
+            self._sizes[key] = dynamics.expanded_size(dynamics.christoffel(i - 1, j - 1, k - 1))
+        return self._sizes[key]
+
+    def _coriolis_terms(self, i: int, j: int) -> int:
+        return sum(self._christoffel_terms(i, j, k) for k in range(1, self.robot.n + 1))
 
     def _torque_terms(self, i: int, _: int) -> int:
         joints = range(1, self.robot.n + 1)

@@ -79,10 +79,11 @@ class DynamicsLayout:
     def blocks(self) -> DynamicsBlocks:
         """All parts."""
         triples = list(self._nonzero_triples())
-        inertia = self.layouter.block(self._matrix("B"), self._entry("b"), self.quantities["B"], group=2, symmetric=True)
+        limit = self.layouter.policy.grouped_terms
+        inertia = self.layouter.block(self._matrix("B"), self._entry("b"), self.quantities["B"], group=2, symmetric=True, limit=limit)
         coriolis_named = not self._is_compact("C")
-        skew_named = not self._is_compact("N")
-        torque_named = not self._is_compact("tau")
+        skew_named = coriolis_named or not self._is_compact("N")
+        torque_named = coriolis_named or not self._is_compact("tau")
         torque_long = torque_named and 2 * len(triples) > self.layouter.policy.named_products * self.robot.n
         return DynamicsBlocks(
             inertia=inertia,
@@ -117,7 +118,7 @@ class DynamicsLayout:
         return True
 
     def _closed(self, name: str, group: int) -> Block:
-        return self.layouter.block(self._matrix(name), self._entry(name), self.quantities[name], group=group)
+        return self.layouter.block(self._matrix(name), self._entry(name), self.quantities[name], group=group, limit=self.layouter.policy.grouped_terms)
 
     def _vector(self, name: str) -> Block:
         symbols = self.symbols
@@ -126,12 +127,12 @@ class DynamicsLayout:
             return symbols.torque(row) if name == "tau" else symbols.component(name, row)
 
         symbol = Box("\\boldsymbol{\\tau}", 8.0) if name == "tau" else self._matrix(name)
-        return self.layouter.block(symbol, component, self.quantities[name], group=6)
+        return self.layouter.block(symbol, component, self.quantities[name], group=6, limit=self.layouter.policy.grouped_terms)
 
     def _potential(self) -> Block:
         letter = Box("\\mathcal{U}", 8.0)
-        quantity = self.quantities["potential"]
-        block = self.layouter.entries([Item(letter, quantity.terms(1, 1), lambda: quantity.entry(1, 1))], group=7)
+        quantity, limit = self.quantities["potential"], self.layouter.policy.grouped_terms
+        block = self.layouter.entries([Item(letter, quantity.terms(1, 1), lambda: quantity.entry(1, 1))], group=7, limit=limit)
         return block if quantity.terms(1, 1) else Block(tuple(displays([letter.tex + " = 0"])))
 
     # -- Christoffel symbols
@@ -156,7 +157,7 @@ class DynamicsLayout:
             symbols[alias.name] = Glyph(box)
             items.append(Item(box, self._terms(triple), self._christoffel_writer(triple, alias, known)))
         notation = self.layouter.printer.notation.with_terms(symbols)
-        block = replace(self.layouter, printer=LatexPrinter(notation)).entries(items, group=3)
+        block = replace(self.layouter, printer=LatexPrinter(notation)).entries(items, group=3, limit=self.layouter.policy.grouped_terms)
         return replace(block, has_zeros=True)
 
     def _christoffel_writer(self, triple: Triple, alias: Any, known: dict[Any, Any]) -> Callable[[], Any]:

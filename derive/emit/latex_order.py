@@ -55,7 +55,7 @@ class Order:
             if position is None:
                 return (_UNKNOWN, (), base.name)
             return (_CLASS_OF_POSITION[position[0]], (position[1],), "")
-        if base.is_number:
+        if base.is_Number or base.is_NumberSymbol:
             return (_NUMBER, (), str(base))
         name = getattr(base.func, "__name__", "")
         if name in ("cos", "sin"):

@@ -86,7 +86,7 @@ class LatexPrinter:
     def _leading(self, value: Fraction, powers: list[Power]) -> tuple[Box, list[Power]]:
         """The number, the quotient of parameters or both in front of a product, and the powers that remain."""
         below = [(base, -exponent) for base, exponent in powers if _is_below(exponent)]
-        constants = [power for power in powers if power[0].is_number and not _is_below(power[1])]
+        constants = [power for power in powers if _is_constant(power[0]) and not _is_below(power[1])]
         if not below and not constants:
             plain = value == 1 and powers
             return (EMPTY if plain else self._magnitude(value)), powers
@@ -116,7 +116,7 @@ class LatexPrinter:
 
     def _is_simple(self, base: Any, with_parameters: bool) -> bool:
         position = self.notation.positions.get(base.name) if base.is_Symbol else None
-        return bool(base.is_number or (with_parameters and position is not None and position[0] == 0))
+        return _is_constant(base) or (with_parameters and position is not None and position[0] == 0)
 
     def _side(self, number: int, powers: list[Power]) -> Box:
         if len(powers) == 1 and number == 1 and powers[0][1] == 1:
@@ -191,6 +191,11 @@ class LatexPrinter:
         if not all(term.is_Symbol and term.name in order for term in terms):
             return ()
         return tuple(sorted((term.name for term in terms), key=order.__getitem__))
+
+
+def _is_constant(base: Any) -> bool:
+    """Whether it is a plain number, pi, or what a root is taken of."""
+    return bool(base.is_Number or base.is_NumberSymbol)
 
 
 def _is_negative(term: Any) -> bool:

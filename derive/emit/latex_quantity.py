@@ -71,7 +71,7 @@ class Layouter:
     policy: SheetPolicy
     term_symbol: Callable[[int, int], Box]
 
-    def block(self, symbol: Box, name: Namer, quantity: Quantity, *, group: int = 0, symmetric: bool = False) -> Block:
+    def block(self, symbol: Box, name: Namer, quantity: Quantity, *, group: int = 0, symmetric: bool = False, limit: int = 0) -> Block:
         """One matrix.
 
         Args:
@@ -80,6 +80,7 @@ class Layouter:
             quantity: The matrix.
             group: Which letter its intermediate terms have.
             symmetric: Whether the entries below the diagonal may be left out.
+            limit: Most terms of an entry that is written.
         """
         items = {
             (i, j): Item(name(i, j), quantity.terms(i, j), lambda i=i, j=j: quantity.entry(i, j))  # type: ignore[misc]
@@ -87,12 +88,12 @@ class Layouter:
             if i <= j or not symmetric
         }
         return self._whole(symbol, quantity, items) or self.entries(
-            list(items.values()), group=group, symmetric=symmetric
+            list(items.values()), group=group, symmetric=symmetric, limit=limit
         )
 
     def _whole(self, symbol: Box, quantity: Quantity, items: Mapping[Place, Item]) -> Block | None:
         """The matrix in brackets, if it fits; its entries are a line at most."""
-        if sum(item.terms for item in items.values()) > self.policy.quantity_terms // 10:
+        if sum(item.terms for item in items.values()) > self.policy.matrix_terms:
             return None
         boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
         rows = [
@@ -102,9 +103,10 @@ class Layouter:
         box = concatenate(symbol, EQUALS, matrix(rows))
         return Block(tuple(displays([box.tex]))) if fits(box, len(rows)) else None
 
-    def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False) -> Block:
+    def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> Block:
         """Entries one by one, brackets that they share as named terms."""
-        chosen = within([item.terms for item in items], self.policy.entry_terms, self.policy.quantity_terms)
+        limit = limit or self.policy.flat_terms
+        chosen = within([item.terms for item in items], limit, limit * self.policy.quantity_entries)
         definitions, expressions = extract([items[index].write() for index in chosen])
         named, equations = self._equations(definitions, [items[index].name for index in chosen], expressions, group)
         sizes = [len(equation_lines([equation])) for equation in equations]
