@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -26,15 +26,17 @@ class Term:
 
 @dataclass(frozen=True)
 class Times:
-    """monomial * (inner)."""
+    """coefficient * monomial * product of (inner ** exponent)."""
 
+    coefficient: Fraction
     monomial: Monomial
-    inner: Plan
+    inner: tuple[tuple[Plan, int], ...]
 
     @cached_property
     def operations(self) -> int:
-        """Multiplications of the outer factors and everything inside."""
-        return sum(e for _, e in self.monomial) + self.inner.operations
+        """Multiplications between the factors and everything inside them."""
+        outside = sum(e for _, e in self.monomial) + (abs(self.coefficient) != 1)
+        return outside - 1 + sum(exponent + plan.operations for plan, exponent in self.inner)
 
 
 @dataclass(frozen=True)
@@ -62,28 +64,54 @@ def flat(terms: Terms) -> Plan:
     return parts[0] if len(parts) == 1 else Plus(parts)
 
 
-def factored(terms: Terms, inside: Writer) -> Plan:
-    """The common factor of all terms taken out, the rest written by ``inside``."""
+def factored(terms: Terms, inside: Writer, among: Level | None = None) -> Plan:
+    """The common factor of all terms (of those factors that are in ``among``) taken out, the rest by ``inside``."""
     common = common_factor(terms) if len(terms) > 1 else ()
+    if among is not None:
+        common = project(common, among)
     if not common:
         return inside(terms)
     return times(common, inside({divide(m, common): c for m, c in terms.items()}))
 
 
 def times(monomial: Monomial, inner: Plan) -> Plan:
-    """monomial * inner, merged where inner is a single term or a product."""
-    if not monomial:
-        return inner
+    """monomial * inner, merged where inner is a single term or a product; a sum of negatives gets its sign outside."""
     if isinstance(inner, Plus):
-        return Times(monomial, inner)
+        if not monomial:
+            return inner
+        sign, plan = _without_sign(inner)
+        return Times(sign, monomial, ((plan, 1),))
     merged = dict(inner.monomial)
     for factor, exponent in monomial:
         merged[factor] = merged.get(factor, 0) + exponent
     outer = tuple(sorted(merged.items()))
-    return Term(inner.coefficient, outer) if isinstance(inner, Term) else Times(outer, inner.inner)
+    if isinstance(inner, Term):
+        return Term(inner.coefficient, outer)
+    return Times(inner.coefficient, outer, inner.inner)
 
 
-def plus(parts: Sequence[Plan]) -> Plan:
+def _without_sign(plan: Plus) -> tuple[Fraction, Plus]:
+    """A sum whose parts are all negative as -1 times a sum of positive ones."""
+    if any(_coefficient(part) >= 0 for part in plan.parts):
+        return Fraction(1), plan
+    return Fraction(-1), Plus(tuple(_negated(part) for part in plan.parts))
+
+
+def _coefficient(plan: Plan) -> Fraction:
+    return Fraction(1) if isinstance(plan, Plus) else plan.coefficient
+
+
+def _negated(plan: Plan) -> Plan:
+    match plan:
+        case Term(coefficient, monomial):
+            return Term(-coefficient, monomial)
+        case Times(coefficient, monomial, inner):
+            return Times(-coefficient, monomial, inner)
+        case Plus(parts):
+            return Plus(tuple(_negated(part) for part in parts))
+
+
+def plus(parts: Iterable[Plan]) -> Plan:
     """The sum of the parts, sums inside it merged."""
     flattened: list[Plan] = []
     for part in parts:
@@ -93,11 +121,16 @@ def plus(parts: Sequence[Plan]) -> Plan:
 
 def grouped(terms: Terms, level: Level, inside: Writer) -> Plan:
     """Collected by the monomials in the factors of ``level``, each coefficient written by ``inside``."""
+    return plus([times(outer, inside(rest)) for outer, rest in partition(terms, level).items()])
+
+
+def partition(terms: Terms, level: Level) -> dict[Monomial, Terms]:
+    """The terms by their monomials in the factors of ``level``."""
     parts: dict[Monomial, Terms] = {}
     for monomial, coefficient in terms.items():
         outer = project(monomial, level)
         parts.setdefault(outer, {})[divide(monomial, outer)] = coefficient
-    return plus([times(outer, inside(rest)) for outer, rest in parts.items()])
+    return parts
 
 
 def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
@@ -105,8 +138,10 @@ def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
 
     ``c1*(a2*c2 + a3*c23)`` where the levels are the joints from the base outwards.
     """
-    if len(terms) <= 1 or not levels:
-        return factored(terms, flat) if not levels else flat(terms)
+    if len(terms) <= 1:
+        return flat(terms)
+    if not levels:
+        return factored(terms, flat)
     present = {f for m in terms for f, _ in m}
     first, rest = levels[0], levels[1:]
     if not present & first:

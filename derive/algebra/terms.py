@@ -60,7 +60,7 @@ class GroupPlaces(NamedTuple):
 
 @dataclass
 class FactorTable:
-    """Numbers the factors of one domain; the numbering follows first use and is the same in every run.
+    """Numbers the factors of one domain; the numbering depends on the domain alone.
 
     Args:
         domain: The domain of the polynomials.
@@ -74,6 +74,15 @@ class FactorTable:
         self._plain = [self.intern(self._plain_factor(g)) for g in self.domain.generators]
         place = {(g.kind, g.joint): i for i, g in enumerate(self.domain.generators) if g.joint >= 0}
         self._groups = [self._places(group, place) for group in self.domain.groups]
+        for group in self.domain.groups:
+            self._intern_runs(group)
+
+    def _intern_runs(self, group: tuple[int, ...]) -> None:
+        """Number every sum of angles at once, so that the numbers do not depend on what is asked for first."""
+        for start in range(len(group)):
+            for end in range(start + 1, len(group) + 1):
+                self.intern(Factor(Kind.SINE, group[start:end], None))
+                self.intern(Factor(Kind.COSINE, group[start:end], None))
 
     def _places(self, group: tuple[int, ...], place: dict[tuple[Kind, int], int]) -> GroupPlaces:
         places = tuple(place[kind, j] for kind in (Kind.SINE, Kind.COSINE) for j in group)

@@ -11,8 +11,9 @@ from typing import Any
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.lecture_form import LectureForm
+from derive.algebra.lecture_form import LectureForm, SymbolRoles
 from derive.algebra.ring import Polynomial
+from derive.algebra.style import Style
 from derive.errors import QuantityError
 from derive.mechanics.angles import analytic_jacobian, euler_zyz, rpy
 from derive.mechanics.determinant import determinant
@@ -20,7 +21,7 @@ from derive.mechanics.dynamic_form import DynamicForm
 from derive.mechanics.dynamics import Dynamics
 from derive.mechanics.kinematics import Kinematics
 from derive.mechanics.long_chain import LongChain
-from derive.mechanics.parts import inertial_symbols, only_link
+from derive.mechanics.parts import gravity_symbols, inertial_symbols, only_link
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.mechanics.writing import columns_matrix, frame_matrix, symmetric_matrix
 from derive.robot.names import acceleration_name, velocity_name
@@ -54,16 +55,19 @@ class Model:
 
     Args:
         robot: The robot.
+        style: How expressions are grouped: ``compact``, ``by-geometry`` or ``expanded``.
 
     Attributes:
         robot: The robot.
+        style: How expressions are grouped.
         q: Joint variables.
         qd: Their velocities.
         qdd: Their accelerations.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, style: Style | str = Style.COMPACT) -> None:
         self.robot = robot
+        self.style = Style.named(style)
         variables = [joint.variable for joint in robot.joints]
         self.q = tuple(sympy.Symbol(v) for v in variables)
         self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
@@ -99,7 +103,8 @@ class Model:
     @cached_property
     def form(self) -> LectureForm:
         """How expressions are written."""
-        return LectureForm(self.domain, inertial_symbols(self.robot))
+        roles = SymbolRoles(inertial_symbols(self.robot), gravity_symbols(self.robot))
+        return LectureForm(self.domain, roles, self.style)
 
     @cached_property
     def dynamic_form(self) -> DynamicForm:
@@ -214,7 +219,7 @@ class Model:
             )
         linear, angular = self._jacobian_columns
         block = [[(*linear[c - 1], *angular[c - 1])[r - 1] for c in columns] for r in rows]
-        return self.form.kinematic(determinant(block))
+        return self.form.determinant(determinant(block))
 
     def J_analytic(self, kind: str) -> Matrix:
         """Analytic Jacobian, 6xn: derivative of position and of the angles ``rpy`` or ``zyz``.
@@ -311,7 +316,7 @@ class Model:
     def g(self) -> Matrix:
         """Gravity vector g(q) = dU/dq, nx1 [N m or N]."""
         self._require_links("gravity vector")
-        return sympy.ImmutableMatrix([self.form.dynamic(p) for p in self.kinematics.gravity_vector])
+        return sympy.ImmutableMatrix([self.form.gravity(p) for p in self.kinematics.gravity_vector])
 
     @cached_property
     def friction(self) -> Matrix:
@@ -337,12 +342,12 @@ class Model:
 
     def _velocity_torque(self, i: int) -> Expr:
         """sum_jk c_ijk qd_j qd_k, each pair once."""
-        pairs = []
+        terms = []
         for j in range(self.n):
             for k in range(j, self.n):
-                twice = 1 if j == k else 2
-                pairs.append((self.dynamics.christoffel(i, j, k), twice * self.qd[j] * self.qd[k]))
-        return self.dynamic_form.rate_sum(pairs, self._christoffel_limit)
+                rates = (1 if j == k else 2) * self.qd[j] * self.qd[k]
+                terms.append(self.christoffel(i + 1, j + 1, k + 1) * rates)
+        return sympy.Add(*terms)
 
     # -- sizes, identities
 

@@ -21,6 +21,11 @@ def inertial_symbols(robot: Robot) -> frozenset[str]:
     return frozenset(found)
 
 
+def gravity_symbols(robot: Robot) -> frozenset[str]:
+    """Symbols of the acceleration of gravity."""
+    return frozenset(name for cell in robot.gravity or () for name in names(cell))
+
+
 def only_link(robot: Robot, i: int) -> Robot:
     """The robot with the body of link i (from 1) alone: every other link massless, no rotor at all."""
     link = replace(robot.links[i - 1], motor=None, armature=Link().armature)
