@@ -12,10 +12,10 @@ section 3.3): with all vectors in base coordinates, and with the vectors of link
     n_i      = n_{i+1} + p*_i x f_{i+1} + (p*_i + s_i) x F_i + N_i
     tau_i    = n_i . z_{i-1} + b_i qd_i
 
-with p*_i = o_i - o_{i-1}, s_i the centre of mass less o_i, and vd_0 = -g_0. For a prismatic joint omega_i = omega_{i-1},
-omegad_i = omegad_{i-1}, vd_i has z_{i-1} qdd_i + 2 omega_i x z_{i-1} qd_i more, and f_i takes the place of n_i in tau_i.
-Rotors are no part of it. For generated code there is the cheaper recursion of `derive.mechanics.newton_euler`; this one
-is for teaching and for checking.
+with p*_i = o_i - o_{i-1}, s_i the centre of mass less o_i, and vd_0 = -g_0. For a prismatic joint omega and omegad
+stay, vd_i has z_{i-1} qdd_i + 2 omega_i x z_{i-1} qd_i more, and f_i takes the place of n_i in tau_i. Rotors are no part
+of it. For generated code there is the cheaper recursion of `derive.mechanics.newton_euler`; this one is for teaching and
+for checking.
 """
 
 from __future__ import annotations
