@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from derive.algebra.tape import LEAVES, PARAMETER, Layer, Node, Op, Source, Tape
 from derive.emit.printer import Piece, Printer, print_operation
 
-_INLINE_WIDTH = 88
+_INLINE_WIDTH = 52
 """Longest value, in characters, that is written inside another one; longer ones get a name."""
 
 _TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}

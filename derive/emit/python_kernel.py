@@ -11,7 +11,7 @@ from derive.emit.interface import ARGUMENTS, WORDING, function_notes
 from derive.emit.kernel import Kernel, rows_of, write_kernel
 from derive.emit.printer import PythonPrinter
 
-_WIDTH = 112
+_WIDTH = 104
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class PythonFunction:
         argument_names: Quoted, as the inside of a tuple.
         symbol: How the notes write its result.
         shape: As a Python tuple.
-        parameter_places: Indices of the run-time parameters that it needs, as a Python tuple.
+        parameter_places: Indices of the run-time parameters that it needs, in lines.
         hoists: Whether it needs any.
         unpack_parameters: Statement that names the parameters.
         hoisted: Statements on parameters alone.
@@ -46,7 +46,7 @@ class PythonFunction:
     argument_names: str
     symbol: str
     shape: str
-    parameter_places: str
+    parameter_places: tuple[str, ...]
     hoists: bool
     unpack_parameters: str
     hoisted: tuple[str, ...]
@@ -75,7 +75,7 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
         argument_names=python_tuple([f'"{name}"' for name in function.arguments]),
         symbol=WORDING[function.name].symbol,
         shape=str(function.shape),
-        parameter_places=str(kernel.parameters),
+        parameter_places=wrapped([str(index) for index in kernel.parameters]),
         hoists=bool(kernel.parameters),
         unpack_parameters=_unpack([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
         hoisted=kernel.hoisted,
@@ -141,7 +141,8 @@ def _documentation(function: Function) -> tuple[str, ...]:
         "    params: Numbers of the free parameters; see the module's docstring.",
         "",
         "Returns:",
-        f"    {wording.symbol}, (..., {shape}): {wording.result}.",
+        f"    {wording.symbol}, (..., {shape}):",
+        f"    {wording.result}.",
         "",
         *function_notes(function),
     )
