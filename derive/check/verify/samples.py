@@ -21,6 +21,12 @@ REGIONS = ((0.3, 1.7), (0.05, 0.4), (1.5, 4.0), (5.0, 20.0), (0.001, 0.01))
 ATTEMPTS = 30
 """Draws from each range in search of physical inertia tensors."""
 
+SPECIAL = 2
+"""The zero configuration, which finds divisions by zero, and a state at rest, which finds signs of zero."""
+
+GENERIC = 3
+"""Fewest other states of a set: at the special ones most wrong terms vanish."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SampleSet:
@@ -49,7 +55,7 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
         VerificationError: No numbers were found at which every cell has a value.
     """
     sets = 3 if free_symbols(robot) else 1
-    count = max(2, -(-samples // sets))
+    count = max(SPECIAL + GENERIC, -(-samples // sets))
     return tuple(_sample_set(robot, _draw_parameters(robot, k, rng), count, rng) for k in range(sets))
 
 
