@@ -161,16 +161,12 @@ class Tape:
 
     @cached_property
     def hoisted_results(self) -> tuple[int, ...]:
-        """Hoisted nodes (not bare parameters) that the body or an output uses, in order."""
-        used = {o.node for o in self.outputs}
+        """Parameters and hoisted values that the body or an output uses, in order."""
+        used = {output.node for output in self.outputs}
         for node in self.nodes:
             if node.layer is Layer.BODY:
                 used.update(node.operands)
-        return tuple(
-            i
-            for i, node in enumerate(self.nodes)
-            if i in used and node.layer is Layer.HOISTED and node.op not in LEAVES
-        )
+        return tuple(i for i in sorted(used) if self.nodes[i].layer is Layer.HOISTED)
 
     @cached_property
     def parameters(self) -> tuple[int, ...]:

@@ -61,11 +61,6 @@ ARGUMENTS = {
 }
 
 
-def shape_text(shape: tuple[int, ...]) -> str:
-    """``(6,)``, ``(6, 6)``."""
-    return str(shape)
-
-
 def cost_text(operations: Operations) -> str:
     """``301 mul, 240 add, 5 sin, 5 cos``; what does not occur is left out."""
     parts = [f"{count} {name}" for name, count in operations.as_dict().items() if count]

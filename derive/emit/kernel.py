@@ -51,7 +51,7 @@ def write_kernel(tape: Tape, printer: Printer, parameters: Sequence[str]) -> Ker
     """
     writer = _Writer(tape, printer, parameters)
     hoisted = writer.statements(Layer.HOISTED)
-    values = _constants(tape)
+    values = tape.hoisted_results
     constant_values = tuple(writer.pieces[i].text for i in values)
     names = tuple(writer.constant_name(i, k) for k, i in enumerate(values))
     for i, name in zip(values, names, strict=True):
@@ -69,22 +69,13 @@ def write_kernel(tape: Tape, printer: Printer, parameters: Sequence[str]) -> Ker
     )
 
 
-def _constants(tape: Tape) -> list[int]:
-    """Parameters and hoisted values that the body or an output uses."""
-    used = {output.node for output in tape.outputs}
-    for node in tape.nodes:
-        if node.layer is Layer.BODY:
-            used.update(node.operands)
-    return [i for i in sorted(used) if tape.nodes[i].layer is Layer.HOISTED]
-
-
 class _Writer:
     def __init__(self, tape: Tape, printer: Printer, parameters: Sequence[str]) -> None:
         self.tape = tape
         self.printer = printer
         self.parameters = parameters
         self.pieces: dict[int, Piece] = {}
-        self.crossing = set(_constants(tape))
+        self.crossing = set(tape.hoisted_results)
         self.count = 0
         for i, node in enumerate(tape.nodes):
             if node.op is Op.CONSTANT:
