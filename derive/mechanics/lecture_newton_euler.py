@@ -13,8 +13,8 @@ section 3.3): with all vectors in base coordinates, and with the vectors of link
     tau_i    = n_i . z_{i-1} + b_i qd_i
 
 with p*_i = o_i - o_{i-1}, s_i the centre of mass less o_i, and vd_0 = -g_0. For a prismatic joint omega and omegad
-stay, vd_i has z_{i-1} qdd_i + 2 omega_i x z_{i-1} qd_i more, and f_i takes the place of n_i in tau_i. Rotors are no part
-of it. For generated code there is the cheaper recursion of `derive.mechanics.newton_euler`; this one is for teaching and
+stay, vd_i has z_{i-1} qdd_i + 2 omega_i x z_{i-1} qd_i more, and f_i takes the place of n_i in tau_i. Rotors are no
+part of it. Generated code uses the cheaper recursion of `derive.mechanics.newton_euler`; this one is for teaching and
 for checking.
 """
 

@@ -188,8 +188,15 @@ class _Vocabulary:
     def _hint(self, name: str) -> str:
         tokens = [f"{letter}{label}" for letter in "cs" for label in self.revolute]
         known = [*tokens, *self.abbreviations, *sorted(self.own)]
-        close = difflib.get_close_matches(name[:80], known, n=3, cutoff=0.5)
+        close = _nearest(name[:80], known)
         return f"did you mean {listed(close)}?" if close else ""
+
+
+def _nearest(name: str, known: Iterable[str]) -> list[str]:
+    """Up to three names that look alike; of equally near ones those with the same first letter."""
+    ratios = {candidate: difflib.SequenceMatcher(None, name, candidate).ratio() for candidate in known}
+    close = [candidate for candidate, ratio in ratios.items() if ratio >= 0.5]
+    return sorted(close, key=lambda c: (-ratios[c], c[0] != name[0]))[:3]
 
 
 def _splits(digits: str, labels: Mapping[str, tuple[str, ...]], used: frozenset[str]) -> Iterator[tuple[str, ...]]:

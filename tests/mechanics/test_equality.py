@@ -1,0 +1,212 @@
+"""Equality of printed and derived formulas: exact where algebra decides, honest where it does not."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from derive.errors import CheckError, QuantityError
+from derive.mechanics.equality import (
+    Verdict,
+    compare,
+    difference,
+    equal,
+    expression_from_sympy,
+    scalar_quantity,
+    verdict,
+)
+from derive.mechanics.model import Model
+from derive.robot.expression import Call, Name, Number, Pi, Power, Product, Sum
+from derive.robot.notation import read_formula
+from derive.robot.robot import Robot
+
+SCARA = Model(Robot.load("scara-perugia"))
+PLANAR = Model(Robot.load("planar-2r-perugia"))
+ELBOW = Model(Robot.load("anthropomorphic-arm"))
+X = "a1*c1 + a2*c12"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        X,
+        "a2*(c1*c2 - s1*s2) + a1*c1",
+        "(a1*c1**2 + a2*c12*c1)/c1",
+        "a1*c1 + a2*c1*c2 - a2*tan(q1)*c1*s2",
+        "a1*(1 - 2*sin(q1/2)**2) + a2*c12",
+        "a1*(cos(q1/3)**3*4 - 3*cos(q1/3)) + a2*c12",
+        "(a1**2*c1**2 - a2**2*c12**2)/(a1*c1 - a2*c12)",
+        "a1*cos(q1 + 2*pi) - a2*cos(q1 + q2 + pi)",
+        "sqrt(2)*a1*sin(q1 + pi/4) - a1*s1 + a2*c12",
+        "a1*c1 + a2*c12*sqrt(a1**2)**2/a1**2",
+        "1/(1/(a1*c1 + a2*c12))",
+    ],
+)
+def test_the_same_formula_in_other_words_is_equal_identically(text: str) -> None:
+    found = verdict(SCARA, "T[1,4]", text)
+    assert found.equal
+    assert found.exact
+    assert found.counter_example is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a1*c1 + a2*c2",
+        "a1*c1 - a2*c12",
+        "a1*c1 + a2*c12 + 1/10**20",
+        "a1*c1 + a2*c12/(1 + l1 - l1*c1**2 - l1*s1**2 + 1/10**9)",
+        "a1*cos(q1/2) + a2*c12",
+    ],
+)
+def test_another_formula_is_wrong_identically(text: str) -> None:
+    found = verdict(SCARA, "T[1,4]", text)
+    assert not found.equal
+    assert found.exact
+
+
+def test_a_counter_example_shows_both_values() -> None:
+    found = verdict(SCARA, "T[1,4]", "a1*c1 + a2*c2").counter_example
+    assert found is not None
+    values = {sympy.Symbol(name): sympy.Rational(value) for name, value in found.values}
+    right = SCARA.T[0, 3].subs(values)
+    printed = sympy.sympify("a1*cos(q1) + a2*cos(q2)").subs(values)
+    assert abs(float(right) - found.right) < 1e-12
+    assert abs(float(printed) - found.printed) < 1e-12
+    assert abs(found.right - found.printed) > 1e-3
+
+
+def test_a_root_of_a_square_is_an_absolute_value() -> None:
+    assert not verdict(SCARA, "T[1,4]", "a1*c1 + sqrt(a2**2*c12**2)").equal
+    root = Call("sqrt", (read_formula("1 - c2**2", SCARA.robot),))
+    sine = read_formula("s2", SCARA.robot)
+    assert not compare(SCARA.robot, sine, root).equal
+    assert compare(SCARA.robot, Power(sine, 2), Power(root, 2)).exact
+
+
+def test_roots_that_algebra_cannot_compare_are_compared_at_points() -> None:
+    robot = SCARA.robot
+    left = read_formula("sqrt((a1*c1 + a2*c12)**2 + (a1*s1 + a2*s12)**2)", robot)
+    right = read_formula("sqrt(a1**2 + a2**2 + 2*a1*a2*c2)*sqrt(2)/sqrt(2)", robot)
+    found = compare(robot, left, right)
+    assert found.equal
+    wrong = compare(robot, left, read_formula("sqrt(a1**2 + a2**2 - 2*a1*a2*c2)", robot))
+    assert not wrong.equal
+    assert wrong.counter_example is not None
+
+
+def test_the_two_argument_arctangent_is_compared_at_points() -> None:
+    robot = SCARA.robot
+    angle = read_formula("atan2(s1, c1)", robot)
+    assert compare(robot, angle, read_formula("atan2(2*s1, 2*c1)", robot)) == Verdict(equal=True, exact=False)
+    assert compare(robot, angle, read_formula("atan2(sin(q1), cos(q1))", robot)).exact
+    assert not compare(robot, angle, read_formula("atan2(c1, s1)", robot)).equal
+
+
+def test_friction_with_a_sign_is_compared_exactly() -> None:
+    robot = Robot.from_text(
+        "name: a\nconvention: standard\njoints: [{type: revolute}]\n"
+        "links: [{mass: m, friction: {viscous: b, coulomb: f}}]\ngravity: [0, 0, -g]\n"
+    )
+    assert verdict(Model(robot), "tau[1]", "f*sign(qd1) + b*qd1").exact
+    assert not verdict(Model(robot), "tau[1]", "b*qd1 - f*sign(qd1)").equal
+
+
+@pytest.mark.parametrize("text", ["a1/(c1**2 + s1**2 - 1)", "a1/(a2 - a2)", "sqrt(a1/(s1 - s1))", "tan(pi/2)*a1"])
+def test_division_by_zero_is_refused(text: str) -> None:
+    with pytest.raises(CheckError, match="division by zero"):
+        verdict(SCARA, "T[1,4]", text)
+
+
+def test_a_formula_without_a_real_value_is_refused() -> None:
+    with pytest.raises(CheckError, match="without a real value"):
+        verdict(SCARA, "T[1,4]", "sqrt(-1 - a1**2)")
+
+
+def test_sums_of_many_angles_do_not_fill_the_memory() -> None:
+    body = Robot.load("human-body")
+    whole = read_formula("cos(" + " + ".join(f"q{i}" for i in range(1, 22)) + ")", body)
+    assert compare(body, whole, whole).equal
+    assert not compare(body, whole, read_formula("c1", body)).equal
+
+
+def test_an_entry_is_meant_where_a_scalar_is_compared() -> None:
+    assert equal(SCARA, "T[1,4]", X)
+    assert equal(SCARA, "T[][1,4]", X)
+    assert equal(SCARA, "T[2][1,4]", X)
+    assert equal(SCARA, "p[1]", X)
+    assert equal(PLANAR, "christoffel[1,1,2]", "-ml2*a1*l2*s2")
+    assert scalar_quantity(SCARA, "A[2][2,4]") == SCARA.A(2)[1, 3]
+
+
+@pytest.mark.parametrize("quantity", ["T", "B[1]", "T[9,9]", "X", "A", "J[7,1]", "christoffel[1,1]"])
+def test_what_is_no_scalar_is_refused(quantity: str) -> None:
+    with pytest.raises(QuantityError):
+        equal(SCARA, quantity, "0")
+
+
+def test_sympy_expressions_are_taken_as_they_are() -> None:
+    a1, a2, q1, q2 = sympy.symbols("a1 a2 q1 q2")
+    assert equal(SCARA, "T[1,4]", a1 * sympy.cos(q1) + a2 * sympy.cos(q1 + q2))
+    assert not equal(SCARA, "T[1,4]", a1 * sympy.cos(q1) + a2 * sympy.cos(q1) / 2)
+    assert SCARA.equal("T[1,4]", SCARA.T[0, 3])
+    assert equal(SCARA, "T[4,4]", 1)
+
+
+def test_a_sympy_tree_becomes_an_exact_tree() -> None:
+    a, b = sympy.symbols("a b")
+    assert expression_from_sympy(sympy.Rational(-3, 4)) == Number(Fraction(-3, 4))
+    assert expression_from_sympy(sympy.Float("0.1") * 10 * sympy.pi) == Pi()
+    assert expression_from_sympy(1 / sympy.sqrt(a)) == Power(Call("sqrt", (Name("a"),)), -1)
+    assert expression_from_sympy(sympy.sec(a)) == Power(Call("cos", (Name("a"),)), -1)
+    assert expression_from_sympy(a + b) == Sum((Name("a"), Name("b")))
+    assert expression_from_sympy(-a * b**2) == Product((Number(Fraction(-1)), Name("a"), Power(Name("b"), 2)))
+
+
+A, B = sympy.symbols("a b")
+FOREIGN = [sympy.exp(A), sympy.oo, A**B, A ** sympy.Rational(1, 3), A**99, sympy.I, sympy.eye(2)]
+
+
+@pytest.mark.parametrize("value", FOREIGN)
+def test_sympy_beyond_the_formulas_of_notes_is_refused(value: object) -> None:
+    with pytest.raises(CheckError):
+        expression_from_sympy(value)
+
+
+def test_text_is_never_taken_for_a_sympy_expression() -> None:
+    with pytest.raises((CheckError, sympy.SympifyError)):
+        expression_from_sympy("__import__('os')")
+    with pytest.raises(CheckError):
+        equal(SCARA, "T[1,4]", "__import__('os')")
+    with pytest.raises(CheckError):
+        equal(SCARA, "T[1,4]", object())
+
+
+def test_the_difference_is_a_polynomial() -> None:
+    robot = SCARA.robot
+    same = difference(robot, read_formula("c12", robot), read_formula("c1*c2 - s1*s2", robot))
+    assert not same
+    assert difference(robot, read_formula("c12", robot), read_formula("c1*c2 + s1*s2", robot))
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_formula_equals_itself_rewritten_and_not_itself_changed(seed: int) -> None:
+    """Random entries of random quantities, expanded by SymPy, and with one coefficient changed."""
+    rng = random.Random(seed)
+    model = rng.choice([SCARA, PLANAR, ELBOW])
+    quantities = ["T", "J", "B", "C", "g", "tau"] if model.robot.has_dynamics else ["T", "J"]
+    value = model.quantity(rng.choice(quantities))
+    entry = value[rng.randrange(value.shape[0]), rng.randrange(value.shape[1])]
+    ours, robot = expression_from_sympy(entry), model.robot
+    rewritten = expression_from_sympy(sympy.expand(sympy.expand_trig(entry)))
+    assert compare(robot, ours, rewritten) == compare(robot, ours, ours)
+    changed = compare(robot, ours, expression_from_sympy(sympy.expand(entry) + rng.choice([1, -1]) * model.q[0]))
+    assert not changed.equal
+    assert changed.exact
+    assert changed.counter_example is not None

@@ -1,0 +1,150 @@
+"""Tokens of lecture notes: what they stand for, and which are refused."""
+
+from __future__ import annotations
+
+import random
+from contextlib import nullcontext
+
+import pytest
+
+from derive.errors import CheckError, Location
+from derive.robot.expression import Call, Expression, Name
+from derive.robot.notation import read_formula, resolve_tokens
+from derive.robot.parser import parse_expression
+from derive.robot.printer import to_text
+from derive.robot.robot import Robot
+
+
+def robot(*rows: str, tail: str = "") -> Robot:
+    joints = "\n".join(f"  - {{{row}}}" for row in rows)
+    return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{joints}\n{tail}")
+
+
+def revolute(*names: str, tail: str = "") -> Robot:
+    return robot(*(f"type: revolute, q: {name}" for name in names), tail=tail)
+
+
+WRIST = revolute("q4", "q5", "q6")
+SCARA = Robot.load("scara-perugia")
+
+
+@pytest.mark.parametrize(
+    ("text", "meaning"),
+    [
+        ("c1", "cos(q1)"),
+        ("s12", "sin(q1 + q2)"),
+        ("c124", "cos(q1 + q2 + q4)"),
+        ("c42", "cos(q4 + q2)"),
+        ("-2*a1*s1**2", "-2*a1*sin(q1)**2"),
+        ("q3*qd1 + qdd2", "q3*qd1 + qdd2"),
+        ("atan2(s1, c1)", "atan2(sin(q1), cos(q1))"),
+        ("sin(q1/2)", "sin(q1/2)"),
+        ("sign(qd1)", "sign(qd1)"),
+        ("ml1*l1", "ml1*l1"),
+    ],
+)
+def test_a_formula_of_the_scara_means(text: str, meaning: str) -> None:
+    assert to_text(read_formula(text, SCARA)) == meaning
+
+
+def test_labels_are_the_digits_of_the_variables_and_not_positions() -> None:
+    assert read_formula("c4", WRIST) == Call("cos", (Name("q4"),))
+    with pytest.raises(CheckError, match="c1: its digits are no labels"):
+        read_formula("c1", WRIST)
+
+
+def test_a_label_as_a_whole_wins_over_a_split() -> None:
+    arm = revolute("q1", "q2", "q12")
+    assert to_text(read_formula("c12", arm)) == "cos(q12)"
+
+
+def test_two_digit_labels_stand_side_by_side() -> None:
+    thumb = Robot.load("thumb")
+    assert to_text(read_formula("c5051", thumb)) == "cos(q50 + q51)"
+
+
+def test_two_ways_to_read_a_token_are_both_named() -> None:
+    arm = revolute("q1", "q2", "q3", "q12", "q23")
+    with pytest.raises(CheckError, match=r"c123 can be read in two ways, cos\(.*\) or cos\(.*\)"):
+        read_formula("c123", arm)
+
+
+def test_two_joints_with_the_same_label_are_two_readings() -> None:
+    arm = revolute("a1", "b1")
+    with pytest.raises(CheckError, match=r"cos\(a1\) or cos\(b1\)"):
+        read_formula("c1", arm)
+    with pytest.raises(CheckError, match="qd1 can be read in two ways, ad1 or bd1"):
+        read_formula("qd1", arm)
+
+
+def test_a_name_of_the_robot_wins_over_a_token() -> None:
+    arm = robot("type: revolute, q: q1, a: c1", "type: revolute, q: q2, a: s12")
+    assert read_formula("c1", arm) == Name("c1")
+    assert read_formula("s12", arm) == Name("s12")
+    assert to_text(read_formula("c12", arm)) == "cos(q1 + q2)"
+
+
+def test_a_prismatic_joint_has_no_cosine() -> None:
+    with pytest.raises(CheckError, match="c3: joint 3 is prismatic; its variable is q3"):
+        read_formula("c3", SCARA)
+
+
+def test_rates_of_any_joint_are_known_by_label_and_by_name() -> None:
+    arm = revolute("theta1", "theta2")
+    for text in ("qd1", "thetad1"):
+        assert read_formula(text, arm) == Name("thetad1")
+    for text in ("qdd2", "thetadd2"):
+        assert read_formula(text, arm) == Name("thetadd2")
+
+
+def test_a_repeated_label_is_no_angle_sum() -> None:
+    with pytest.raises(CheckError):
+        read_formula("c11", SCARA)
+
+
+def test_abbreviations_stand_for_their_formulas() -> None:
+    h = read_formula("-ml2*a1*l2*s2", SCARA)
+    assert to_text(read_formula("h*qd2", SCARA, abbreviations={"h": h})) == "-ml2*a1*l2*sin(q2)*qd2"
+    with pytest.raises(CheckError, match="abbreviation 'a1' is also a name of the robot"):
+        read_formula("a1", SCARA, abbreviations={"a1": h})
+
+
+def test_abbreviations_cannot_make_a_formula_explode() -> None:
+    short: dict[str, Expression] = {"h": read_formula("a1 + a2 + l1 + l2 + c1 + c2", SCARA)}
+    for name in ("u", "v"):
+        short[name] = read_formula("h**12", SCARA, abbreviations=short)
+    with pytest.raises(CheckError, match="too many terms"):
+        read_formula("u*v", SCARA, abbreviations=short)
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "hint"),
+    [
+        ("a1*c1 + a2*c13", 12, "did you mean c1"),
+        ("a1*cl", 4, "did you mean c1"),
+        ("ml1 + m12", 7, "ml"),
+        ("a1**", 5, "ends too early"),
+        ("__import__", 1, "unexpected character"),
+        ("foo(1)", 1, "foo"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_at_its_column(text: str, column: int, hint: str) -> None:
+    with pytest.raises(CheckError, match=hint) as caught:
+        read_formula(text, SCARA, Location("notes.yaml", 7, 11))
+    assert caught.value.location == Location("notes.yaml", 7, 10 + column)
+
+
+def test_an_expression_tree_is_resolved_too() -> None:
+    tree = parse_expression("a1*c1 + a2*c12", Location("cell"))
+    assert to_text(resolve_tokens(tree, SCARA)) == "a1*cos(q1) + a2*cos(q1 + q2)"
+    with pytest.raises(CheckError, match="unknown name 'zz'"):
+        resolve_tokens(Name("zz"), SCARA)
+
+
+def test_tokens_of_many_overlapping_labels_are_decided_quickly() -> None:
+    arm = revolute(*(f"q{'1' * k}" for k in range(1, 11)))
+    rng = random.Random(3)
+    for length in range(1, 40):
+        token = "c" + "1" * length + ("2" if length > 10 and rng.random() < 0.5 else "")
+        with pytest.raises(CheckError) if length > 10 else nullcontext():
+            read_formula(token, arm)
