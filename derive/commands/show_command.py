@@ -42,12 +42,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print(robot: Robot, quantities: list[str], form: str) -> int:
     from derive.commands.terminal import print_json
+    from derive.emit.text_printer import PlainPrinter
     from derive.mechanics.model import Model
 
     model = Model(robot)
     values = {name: model.quantity(name) for name in quantities}
     if form == "json":
-        print_json({"robot": robot.name, "quantities": {name: plain(value, str) for name, value in values.items()}})
+        printer = PlainPrinter().doprint
+        print_json({"robot": robot.name, "quantities": {name: plain(value, printer) for name, value in values.items()}})
         return 0
     layout = _layout(robot, form)
     print("\n\n".join("\n".join(layout(name, value)) for name, value in values.items()))
@@ -73,7 +75,10 @@ def _usage(name: str, indices: int) -> str:
 
 def _layout(robot: Robot, form: str) -> Callable[[str, Any], list[str]]:
     if form == "python":
-        return lambda name, value: python_lines(name, value, str)
+        from derive.emit.text_printer import PlainPrinter
+
+        python = PlainPrinter().doprint
+        return lambda name, value: python_lines(name, value, python)
     if form == "latex":
         from derive.emit.latex_notation import Notation
         from derive.emit.latex_printer import LatexPrinter

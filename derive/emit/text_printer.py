@@ -11,6 +11,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from sympy import Basic
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
@@ -22,7 +23,23 @@ from derive.robot.robot import Robot
 _TOKEN = re.compile(r"[cs][0-9]+")
 
 
-class TextPrinter(StrPrinter):  # type: ignore[misc]
+class PlainPrinter(StrPrinter):  # type: ignore[misc]
+    """SymPy's own text, with every subexpression printed once: those of long chains recur thousands of times."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._printed: dict[Any, str] = {}
+
+    def _print(self, expression: Any, **options: Any) -> str:
+        if options or not isinstance(expression, Basic):
+            return str(super()._print(expression, **options))
+        found = self._printed.get(expression)
+        if found is None:
+            found = self._printed[expression] = str(super()._print(expression))
+        return found
+
+
+class TextPrinter(PlainPrinter):
     """Prints the expressions of one robot.
 
     Args:
