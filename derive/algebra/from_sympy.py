@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from derive.errors import CheckError
+from derive.errors import ExpressionError
 from derive.robot.arithmetic import add, multiply, number, power
 from derive.robot.expression import ZERO, Call, Expression, Name, Pi
 from derive.robot.limits import CELL_LIMITS
@@ -25,9 +25,14 @@ def expression_from_sympy(expression: Any) -> Expression:
             atan2 and sign of symbols, rationals, floats and pi.
 
     Raises:
-        CheckError: Anything else, or a division by zero.
+        ExpressionError: Anything else, or a division by zero.
     """
-    return _Walker().walk(sympy.sympify(expression, strict=True))
+    try:
+        tree = sympy.sympify(expression, strict=True)
+    except sympy.SympifyError:
+        kind = type(expression).__name__
+        raise ExpressionError(f"an expression of type {kind}", allowed="numbers and SymPy expressions") from None
+    return _Walker().walk(tree)
 
 
 class _Walker:
@@ -64,7 +69,7 @@ class _Walker:
         if exponent.q == 2:
             inner = Call("sqrt", (inner,))
         if inner == ZERO and exponent < 0:
-            raise CheckError(f"division by zero in {quoted(str(e), 80)}")
+            raise ExpressionError(f"division by zero in {quoted(str(e), 80)}")
         return power(inner, int(exponent.p))
 
     def _function(self, e: Any) -> Expression:
@@ -84,5 +89,5 @@ def _number(e: Any) -> Expression:
     raise _refused(e, "finite numbers")
 
 
-def _refused(e: Any, allowed: str) -> CheckError:
-    return CheckError(f"SymPy expression {quoted(str(e), 80)}", allowed=allowed)
+def _refused(e: Any, allowed: str) -> ExpressionError:
+    return ExpressionError(f"SymPy expression {quoted(str(e), 80)}", allowed=allowed)

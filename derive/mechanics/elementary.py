@@ -100,7 +100,7 @@ def _scalar(value: Scalar) -> Scalar:
         found = sympy.sympify(value, strict=True)
     except sympy.SympifyError:
         found = None
-    if not isinstance(found, sympy.Expr):
+    if not isinstance(found, sympy.Expr) or found.is_Matrix:
         raise ExpressionError(f"value of type {type(value).__name__}", allowed="a number or a SymPy expression")
     return expression_to_sympy(expression_from_sympy(found))
 

@@ -109,10 +109,8 @@ def _read(robot: Robot, expression: object) -> Expression:
         return read_formula(expression, robot)
     try:
         return expression_from_sympy(expression)
-    except (TypeError, ValueError, AttributeError):
-        raise CheckError(
-            f"an expression of type {type(expression).__name__}", allowed="text or a scalar SymPy expression"
-        ) from None
+    except ExpressionError as error:
+        raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy) from None
 
 
 def scalar_quantity(model: Model, text: str) -> Expr:

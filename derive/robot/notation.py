@@ -51,7 +51,10 @@ def read_formula(
         CheckError: Outside the grammar, an unknown name, or a token that can be read in two ways; placed at the token.
     """
     start = location or Location("<expression>")
-    vocabulary = _vocabulary(robot, abbreviations)
+    try:
+        vocabulary = _vocabulary(robot, abbreviations)
+    except CheckError as error:
+        raise error.at(start) from None
     functions = FORMULA_FUNCTIONS | ({"sign"} - vocabulary.own)
     try:
         expression = parse_expression(text, start, functions, FORMULA_LIMITS)
