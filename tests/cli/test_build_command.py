@@ -1,0 +1,155 @@
+"""``derive build`` as scripts and people use it: reports, silence, staleness, several robots."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import PENDULUM, ROOT, derive, is_one_message
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a robot file and its models."""
+    folder = tmp_path_factory.mktemp("built")
+    (folder / "arm.yaml").write_text(PENDULUM)
+    outcome = derive("build", "arm.yaml", folder=folder)
+    assert outcome.status == 0, outcome.stderr
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def test_models_go_to_a_package_named_after_the_robot(built: Path) -> None:
+    files = {path.name for path in (built / "generated" / "pendulum").iterdir()}
+    assert {"__init__.py", "MANIFEST.json", "README.md", "model_numpy.py", "model_casadi.py", "sheet.tex"} <= files
+
+
+def test_check_of_current_models_succeeds_and_writes_nothing(built: Path) -> None:
+    before = contents(built)
+    assert derive("build", "arm.yaml", "--check", folder=built).status == 0
+    assert contents(built) == before
+
+
+def test_check_names_what_is_stale_or_missing_and_exits_with_1(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM)
+    assert derive("build", "arm.yaml", folder=tmp_path).status == 0
+    folder = tmp_path / "generated" / "pendulum"
+    with (folder / "model_numpy.py").open("a") as file:
+        file.write("# mine\n")
+    (folder / "sheet.tex").unlink()
+    before = contents(tmp_path)
+    outcome = derive("build", "arm.yaml", "--check", folder=tmp_path)
+    assert outcome.status == 1
+    assert "stale model_numpy.py" in outcome.stdout
+    assert "missing sheet.tex" in outcome.stdout
+    assert contents(tmp_path) == before
+
+
+def test_check_of_what_was_never_built_exits_with_1_and_writes_nothing(tmp_path: Path) -> None:
+    assert derive("build", "planar-3r", "--check", folder=tmp_path).status == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_quiet_build_prints_nothing(tmp_path: Path) -> None:
+    outcome = derive("build", "planar-3r", "--quiet", folder=tmp_path)
+    assert (outcome.status, outcome.stdout, outcome.stderr) == (0, "", "")
+
+
+def test_no_progress_without_a_terminal(tmp_path: Path) -> None:
+    assert derive("build", "planar-3r", folder=tmp_path).stderr == ""
+
+
+def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> None:
+    """Standard error is a terminal, standard output a file."""
+    process, terminal = pty.fork()
+    if process == 0:  # pragma: no cover -- the child
+        os.chdir(tmp_path)
+        os.dup2(os.open("out.txt", os.O_WRONLY | os.O_CREAT), 1)
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm"}
+        os.execve(sys.executable, [sys.executable, "-m", "derive", "build", "planar-3r"], environment)
+    shown = b""
+    while chunk := _read(terminal):
+        shown += chunk
+    assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
+    assert b"planar-3r" in shown
+    assert "\x1b" not in (tmp_path / "out.txt").read_text()
+
+
+def _read(terminal: int) -> bytes:
+    try:
+        return os.read(terminal, 4096)
+    except OSError:  # the other end is closed
+        return b""
+
+
+def test_several_robots_keep_their_order_whatever_finishes_first(tmp_path: Path) -> None:
+    outcome = derive("build", "scara-sankyo", "planar-3r", "skeleton", "--jobs", "2", "--json", folder=tmp_path)
+    assert [row["robot"] for row in json.loads(outcome.stdout)] == ["scara-sankyo", "planar-3r", "skeleton"]
+    assert outcome.status == 0
+
+
+def test_one_failure_does_not_stop_the_rest(tmp_path: Path) -> None:
+    (tmp_path / "generated" / "skeleton").mkdir(parents=True)
+    (tmp_path / "generated" / "skeleton" / "thesis.txt").write_text("not ours")
+    outcome = derive("build", "skeleton", "planar-3r", folder=tmp_path)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+    assert "skeleton" in outcome.stderr
+    assert (tmp_path / "generated" / "planar_3r" / "model_numpy.py").exists()
+    assert [path.name for path in (tmp_path / "generated" / "skeleton").iterdir()] == ["thesis.txt"]
+
+
+def test_two_robots_of_one_name_are_refused(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.yaml").write_text(PENDULUM)
+    outcome = derive("build", "one.yaml", "two.yaml", "--jobs", "2", folder=tmp_path)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+
+
+@pytest.mark.parametrize("choice", [["--target", "numpy,latex"], ["--target", "latex", "--target", "numpy"]])
+def test_only_chosen_targets_are_written(choice: list[str], tmp_path: Path) -> None:
+    assert derive("build", "planar-3r", *choice, folder=tmp_path).status == 0
+    files = {path.name for path in (tmp_path / "generated" / "planar_3r").iterdir()}
+    assert {"model_numpy.py", "sheet.tex"} <= files
+    assert "model_casadi.py" not in files
+
+
+def test_verify_finds_a_changed_model_and_exits_with_1(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM)
+    assert derive("build", "arm.yaml", folder=tmp_path).status == 0
+    assert derive("verify", "arm.yaml", folder=tmp_path).status == 0
+    changed = PENDULUM.replace("com: [l1 - a1", "com: [2*l1 - a1")
+    (tmp_path / "arm.yaml").write_text(changed)
+    outcome = derive("verify", "arm.yaml", folder=tmp_path)
+    assert outcome.status == 1
+    assert is_one_message(outcome.stderr), outcome.stderr
+
+
+def test_verify_without_models_says_what_to_run(tmp_path: Path) -> None:
+    outcome = derive("verify", "planar-3r", folder=tmp_path)
+    assert outcome.status == 2
+    assert "derive build planar-3r" in outcome.stderr
+
+
+def test_report_on_a_full_disk_is_an_error_of_one_line(tmp_path: Path) -> None:
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("this system has no /dev/full")
+    command = f"{sys.executable} -m derive schema > /dev/full"
+
+
+    done = subprocess.run(
+        ["bash", "-c", command], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 2
+    assert is_one_message(done.stderr), done.stderr

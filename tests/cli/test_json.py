@@ -1,0 +1,75 @@
+"""``--json`` is one JSON value on standard output, whatever the command found."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from derive.robot.catalogue import catalogue_names
+from tests.cli.command import PENDULUM, derive
+
+WRONG_FORMULA = """\
+robot:
+  name: pendulum
+  convention: standard
+  joints:
+    - {type: revolute, a: a1}
+expected:
+  - quantity: p
+    entries: {"1": "a1*c1", "2": "-a1*s1"}
+    status: ok
+"""
+
+
+def test_list_names_the_whole_catalogue(tmp_path: Path) -> None:
+    rows = json.loads(derive("list", "--json", folder=tmp_path).stdout)
+    assert tuple(row["name"] for row in rows) == catalogue_names()
+    assert {row["convention"] for row in rows} == {"standard", "modified"}
+
+
+def test_show_gives_rows_of_matrices_and_text_of_scalars(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM)
+    found = json.loads(derive("show", "arm.yaml", "T", "potential", "--format", "json", folder=tmp_path).stdout)
+    assert found["robot"] == "pendulum"
+    assert found["quantities"]["T"][3] == ["0", "0", "0", "1"]
+    assert isinstance(found["quantities"]["potential"], str)
+
+
+def test_list_of_quantities_leaves_out_what_a_robot_without_links_lacks(tmp_path: Path) -> None:
+    found = json.loads(derive("show", "thumb", "--format", "json", folder=tmp_path).stdout)
+    assert "T" in found["quantities"]
+    assert "B" not in found["quantities"]
+
+
+def test_build_and_verify_report_the_worst_errors(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM)
+    (built,) = json.loads(derive("build", "arm.yaml", "--json", folder=tmp_path).stdout)
+    assert built["status"] == "built"
+    assert built["verification"]["worst"] < 1e-9
+    assert built["operations"]["inverse_dynamics"]["sin"] >= 0
+    verified = json.loads(derive("verify", "arm.yaml", "--json", folder=tmp_path).stdout)
+    assert {row["target"] for row in verified["rows"]} == {"numpy", "casadi"}
+    (checked,) = json.loads(derive("build", "arm.yaml", "--check", "--json", folder=tmp_path).stdout)
+    assert checked["status"] == "current"
+
+
+@pytest.mark.parametrize("option", [(), ("--json",)])
+def test_wrong_formula_is_status_1_with_and_without_json(option: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "notes.yaml").write_text(WRONG_FORMULA)
+    outcome = derive("check", "notes.yaml", *option, folder=tmp_path)
+    assert outcome.status == 1
+    assert outcome.stderr == ""
+    if option:
+        (report,) = json.loads(outcome.stdout)
+        assert [entry["equal"] for entry in report["entries"]] == [True, False]
+
+
+def test_schema_is_a_json_schema_that_accepts_a_robot_file(tmp_path: Path) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads(derive("schema", folder=tmp_path).stdout)
+    robot = {"name": "arm", "convention": "standard", "joints": [{"type": "revolute", "a": 0.5}]}
+    jsonschema.validate(robot, schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({**robot, "convention": "sideways"}, schema)
