@@ -109,8 +109,8 @@ def test_one_failure_does_not_stop_the_rest(tmp_path: Path) -> None:
 
 
 def test_two_robots_of_one_name_are_refused(tmp_path: Path) -> None:
-    for name in ("one", "two"):
-        (tmp_path / f"{name}.yaml").write_text(PENDULUM)
+    (tmp_path / "one.yaml").write_text(PENDULUM)
+    (tmp_path / "two.yaml").write_text(PENDULUM.replace("a: a1", "a: b1").replace("l1 - a1", "l1 - b1"))
     outcome = derive("build", "one.yaml", "two.yaml", "--jobs", "2", folder=tmp_path)
     assert outcome.status == 2
     assert is_one_message(outcome.stderr), outcome.stderr
