@@ -23,8 +23,8 @@ def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> 
         files: Names of the files that will be written.
 
     Raises:
-        OutputError: A symbolic link, a file, a folder without a manifest of ours, another robot's folder, or a file of the
-            user's under the name of one to be written.
+        OutputError: A symbolic link, a file, a folder without a manifest of ours, another robot's folder, or a file of
+            the user's under the name of one to be written.
     """
     if target.is_symlink():
         raise _refusal(target, "is a symbolic link", "remove the link, or choose another --out")

@@ -1,7 +1,8 @@
 """Writes a folder as a whole or not at all.
 
-The new folder is written and checked beside the target and then takes its name in one step, so that a kill at any moment, a
-full disk or two builds at once leave the complete old folder or the complete new one. Files of the user's in it are kept.
+The new folder is written and checked beside the target and then takes its name in one step, so that a kill at any
+moment, a full disk or two builds at once leave the complete old folder or the complete new one. Files of the user's
+in it are kept.
 """
 
 from __future__ import annotations
@@ -65,7 +66,8 @@ def _system_errors(target: Path) -> Iterator[None]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise OutputError(
-            f"cannot write {target}: {reason}", remedy="what was there before is unchanged; free the disk or choose --out"
+            f"cannot write {target}: {reason}",
+            remedy="what was there before is unchanged; make room, or choose another --out",
         ) from error
 
 

@@ -8,10 +8,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import sympy
+
 from derive.algebra.ring import Polynomial
+from derive.build.term_count import TermCount, nested_term_counts
 from derive.emit.quantity import Quantity
 from derive.mechanics.long_chain import LongChain
 from derive.mechanics.model import Model
+from derive.mechanics.nested import NestedKinematics
 from derive.mechanics.vectors import Frame
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
@@ -122,7 +126,7 @@ class ModelQuantities(Mapping[str, Quantity]):
 
     def _end_effector(self) -> Quantity:
         if self._long.is_long(0, self.robot.n):
-            return Written((4, 4), lambda: self.model.T)
+            return self._long_frame()
         return self._frame(self.model.kinematics.end)
 
     def _frame(self, frame: Frame[Polynomial]) -> Quantity:
@@ -133,10 +137,38 @@ class ModelQuantities(Mapping[str, Quantity]):
     def _jacobian(self) -> Quantity:
         n, kinematics = self.robot.n, self.model.kinematics
         if self._long.is_long(0, n):
-            return Written((6, n), lambda: self.model.J)
+            return self._long_jacobian()
         halves = zip(kinematics.linear_columns(kinematics.end.position), kinematics.angular_columns(n), strict=True)
         columns = [[*linear, *angular] for linear, angular in halves]
         return self._polynomials([[column[row] for column in columns] for row in range(6)], self.model.form.kinematic)
+
+    @cached_property
+    def _long_counts(self) -> NestedKinematics[TermCount]:
+        return nested_term_counts(self.robot)
+
+    def _long_frame(self) -> Quantity:
+        """T of a long arm; only entries short enough to print make it worth to be written."""
+        end = self._long_counts.end
+        rows = [[*end.rotation[i], end.position[i]] for i in range(3)]
+        counts = [*([x.value for x in row] for row in rows), [0, 0, 0, 1]]
+        bottom = (sympy.S.Zero, sympy.S.Zero, sympy.S.Zero, sympy.S.One)
+        return Counted(
+            (4, 4),
+            lambda i, j: counts[i - 1][j - 1],
+            lambda i, j: bottom[j - 1] if i == 4 else self.model.T[i - 1, j - 1],
+        )
+
+    def _long_jacobian(self) -> Quantity:
+        """J of a long arm; the axes of the first joints, in its lower rows, are short."""
+        counts, n = self._long_counts, self.robot.n
+        columns = [[x.value for x in (*v, *w)] for v, w in zip(counts.linear, counts.angular, strict=True)]
+
+        def write(i: int, j: int) -> Any:
+            if i > 3:
+                return self.model.form.kinematic(self.model.kinematics.axis(j)[i - 4])
+            return self.model.J[i - 1, j - 1]
+
+        return Counted((6, n), lambda i, j: columns[j - 1][i - 1], write)
 
     def _polynomials(self, rows: Sequence[Sequence[Polynomial]], write: Callable[[Polynomial], Any]) -> Quantity:
         """Entries that are counted as they are, and written one by one."""

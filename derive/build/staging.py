@@ -1,8 +1,8 @@
 """The temporary folders of builds, beside their target: made, found again after a crash, and cleared away.
 
-``.derive-NAME-XXXXXXXX`` is a folder being written, or the old one after an exchange; its maker holds a lock on it, so that
-one without a lock belongs to nobody. ``.derive-NAME.old`` is the old folder in the instant between two renames, on systems that
-cannot exchange folders.
+``.derive-NAME-XXXXXXXX`` is a folder being written, or the old one after an exchange; its maker holds a lock on it,
+so that one without a lock belongs to nobody. ``.derive-NAME.old`` is the old folder in the instant between two
+renames, on systems that cannot exchange folders.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def backup_of(target: Path) -> Path:
 def recover(parent: Path, locks_work: bool) -> None:
     """Puts back what a killed build left half-way, and removes the temporary folders of the dead.
 
-    The caller holds the lock on ``parent``. Without working locks nobody can tell the dead from the living, and temporary
-    folders stay.
+    The caller holds the lock on ``parent``. Without working locks nobody can tell the dead from the living, and
+    temporary folders stay.
     """
     for path in sorted(parent.iterdir()):
         if path.is_symlink() or not path.is_dir():

@@ -20,7 +20,7 @@ from derive.emit.latex_names import Glyph
 from derive.emit.latex_pieces import Break, Piece, binary
 from derive.emit.latex_printer import MINUS, LatexPrinter
 from derive.emit.latex_quantity import Block, Item, Layouter
-from derive.emit.latex_symbols import Symbols
+from derive.emit.latex_symbols import EntryNamer, Symbols
 from derive.emit.quantity import Quantities
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
@@ -80,7 +80,9 @@ class DynamicsLayout:
         """All parts."""
         triples = list(self._nonzero_triples())
         limit = self.layouter.policy.grouped_terms
-        inertia = self.layouter.block(self._matrix("B"), self._entry("b"), self.quantities["B"], group=2, symmetric=True, limit=limit)
+        inertia = self.layouter.block(
+            self._matrix("B"), self._entry("b"), self.quantities["B"], group=2, symmetric=True, limit=limit
+        )
         coriolis_named = not self._is_compact("C")
         skew_named = coriolis_named or not self._is_compact("N")
         torque_named = coriolis_named or not self._is_compact("tau")
@@ -118,7 +120,10 @@ class DynamicsLayout:
         return True
 
     def _closed(self, name: str, group: int) -> Block:
-        return self.layouter.block(self._matrix(name), self._entry(name), self.quantities[name], group=group, limit=self.layouter.policy.grouped_terms)
+        limit = self.layouter.policy.grouped_terms
+        return self.layouter.block(
+            self._matrix(name), self._entry(name), self.quantities[name], group=group, limit=limit
+        )
 
     def _vector(self, name: str) -> Block:
         symbols = self.symbols
@@ -127,13 +132,16 @@ class DynamicsLayout:
             return symbols.torque(row) if name == "tau" else symbols.component(name, row)
 
         symbol = Box("\\boldsymbol{\\tau}", 8.0) if name == "tau" else self._matrix(name)
-        return self.layouter.block(symbol, component, self.quantities[name], group=6, limit=self.layouter.policy.grouped_terms)
+        limit = self.layouter.policy.grouped_terms
+        return self.layouter.block(symbol, component, self.quantities[name], group=6, limit=limit)
 
     def _potential(self) -> Block:
         letter = Box("\\mathcal{U}", 8.0)
         quantity, limit = self.quantities["potential"], self.layouter.policy.grouped_terms
-        block = self.layouter.entries([Item(letter, quantity.terms(1, 1), lambda: quantity.entry(1, 1))], group=7, limit=limit)
-        return block if quantity.terms(1, 1) else Block(tuple(displays([letter.tex + " = 0"])))
+        item = Item(letter, quantity.terms(1, 1), lambda: quantity.entry(1, 1))
+        if not item.terms:
+            return Block(tuple(displays([letter.tex + " = 0"])))
+        return self.layouter.entries([item], group=7, limit=limit)
 
     # -- Christoffel symbols
 
@@ -157,7 +165,8 @@ class DynamicsLayout:
             symbols[alias.name] = Glyph(box)
             items.append(Item(box, self._terms(triple), self._christoffel_writer(triple, alias, known)))
         notation = self.layouter.printer.notation.with_terms(symbols)
-        block = replace(self.layouter, printer=LatexPrinter(notation)).entries(items, group=3, limit=self.layouter.policy.grouped_terms)
+        layouter = replace(self.layouter, printer=LatexPrinter(notation))
+        block = layouter.entries(items, group=3, limit=layouter.policy.grouped_terms)
         return replace(block, has_zeros=True)
 
     def _christoffel_writer(self, triple: Triple, alias: Any, known: dict[Any, Any]) -> Callable[[], Any]:
@@ -255,17 +264,6 @@ class DynamicsLayout:
         variable = self.robot.joints[k - 1].variable
         name = velocity_name(variable) if order == 1 else acceleration_name(variable)
         return self.layouter.printer.notation.glyph(name).power(italic("2") if square else EMPTY)
-
-
-@dataclass(frozen=True, slots=True)
-class EntryNamer:
-    """(row, column) -> name of an entry of a matrix."""
-
-    symbols: Symbols
-    letter: str
-
-    def __call__(self, row: int, column: int) -> Box:
-        return self.symbols.entry(self.letter, row, column)
 
 
 def _key(triple: Triple) -> str:

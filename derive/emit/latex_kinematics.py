@@ -9,7 +9,7 @@ from derive.emit.latex_layout import EQUALS, Equation, displays, equation_lines,
 from derive.emit.latex_metrics import Box, concatenate, italic, script
 from derive.emit.latex_pieces import Break, Piece, joined
 from derive.emit.latex_quantity import Block, Layouter, places
-from derive.emit.latex_symbols import Symbols, bold
+from derive.emit.latex_symbols import EntryNamer, Symbols, bold
 from derive.emit.latex_tables import DataPrinter
 from derive.emit.quantity import Quantities, Quantity
 from derive.robot.robot import IDENTITY, Matrix, Robot
@@ -46,10 +46,10 @@ class KinematicsLayout:
 
     def _whole(self, symbol: Box, quantity: Quantity) -> Box | None:
         printer = self.layouter.printer
-        rows, columns = quantity.shape
-        cells = [[joined(printer.pieces(quantity.entry(i, j))) for j in range(1, columns + 1)] for i in range(1, rows + 1)]
+        rows, columns = (range(1, size + 1) for size in quantity.shape)
+        cells = [[joined(printer.pieces(quantity.entry(i, j))) for j in columns] for i in rows]
         box = concatenate(symbol, EQUALS, matrix(cells))
-        return box if fits(box, rows) else None
+        return box if fits(box, len(rows)) else None
 
     def end_effector(self) -> Block:
         """T."""
@@ -105,21 +105,12 @@ class KinematicsLayout:
 
         return self.layouter.block(symbol, entry, self.quantities[key], group=7)
 
-    def _entry(self, letter: str) -> _Namer:
-        return _Namer(self.symbols, letter)
+    def _entry(self, letter: str) -> EntryNamer:
+        return EntryNamer(self.symbols, letter)
 
     @staticmethod
     def _frame_symbol(letter: str, frame: int, reference: int) -> Box:
         return script(bold(letter), italic(str(frame)), italic(str(reference)))
-
-
-@dataclass(frozen=True, slots=True)
-class _Namer:
-    symbols: Symbols
-    letter: str
-
-    def __call__(self, row: int, column: int) -> Box:
-        return self.symbols.entry(self.letter, row, column)
 
 
 def _packed(boxes: list[Box]) -> Iterator[Block]:

@@ -1,7 +1,7 @@
 """Breaks a row of pieces into lines of a given width.
 
-A line is broken before a plus or minus, outermost brackets first, and between two factors only where nothing else fits; the
-lines of one expression continue at an indentation that shows how deep in brackets they start.
+A line is broken before a plus or minus, outermost brackets first, and between two factors only where nothing else
+fits; the lines of one expression continue at an indentation that shows how deep in brackets they start.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -
     Returns:
         LaTeX of each line, without alignment marks.
     """
-    lines, start, lead = [], 0, head
+    lines: list[str] = []
+    start, lead = 0, head
     while True:
         end = _line_end(pieces, start, width - lead.width)
         lines.append(_line(lead, pieces[start:end], first=not lines))
@@ -56,7 +57,7 @@ def _line_end(pieces: Sequence[Piece], start: int, room: float) -> int:
         piece = pieces[index]
         if piece.before is not Break.NEVER:
             cost = _cost(piece, used / room)
-            if used <= room and cost <= best_cost or not best:
+            if (used <= room and cost <= best_cost) or not best:
                 best, best_cost = index, cost
         used += piece.box.width
         if used > room and best:

@@ -1,7 +1,7 @@
 r"""How a name is written: ``ml1`` is m_{l1}, ``Ixx3`` is I_{xx3}, ``alpha1`` is \alpha_{1}.
 
-A name becomes a glyph: a head, a subscript and an accent. What no rule covers, and what would look like another symbol of the
-same robot, is set in monospace letters as the user typed it: no two names of a robot look the same.
+A name becomes a glyph: a head, a subscript and an accent. What no rule covers, and what would look like another
+symbol of the same robot, is set in monospace letters as the user typed it: no two names of a robot look the same.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ _ABBREVIATION = re.compile(r"[cs]_\{[0-9,]+\}")
 
 @dataclass(frozen=True, slots=True)
 class Glyph:
-    """A symbol.
+    r"""A symbol.
 
     Attributes:
         head: The letter or word.
         sub: The subscript, empty if there is none.
-        accent: ``\\dot``, ``\\ddot`` or empty.
+        accent: ``\dot``, ``\ddot`` or empty.
     """
 
     head: Box

@@ -1,7 +1,7 @@
 r"""The notation of one robot: how each of its symbols is written, and which angles are abbreviated.
 
-c_{12} stands for cos(q1 + q2), labels being the digits at the end of the joint variables' names. As soon as one label has two
-digits every sum is written with commas, c_{1,2}, so that c_{12} can only be the cosine of joint 12.
+c_{12} stands for cos(q1 + q2), labels being the digits at the end of the joint variables' names. As soon as one label
+has two digits every sum is written with commas, c_{1,2}, so that c_{12} can only be the cosine of joint 12.
 """
 
 from __future__ import annotations
@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from derive.emit.latex_metrics import Box, italic, script
-from derive.emit.latex_numbers import DIGITS
 from derive.emit.latex_names import Glyph, distinct, natural
+from derive.emit.latex_numbers import DIGITS
 from derive.robot.expression import Number, Sum, names
 from derive.robot.names import acceleration_name, expressions, joint_label, robot_symbols, velocity_name
 from derive.robot.robot import Robot
-
 
 DATA_DIGITS = 15
 """Significant digits of the numbers in tables, which are the user's."""

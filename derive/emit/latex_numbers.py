@@ -1,7 +1,7 @@
 r"""Rationals in print: ``\tfrac{1}{2}``, ``0.4318``, ``1.2 \cdot 10^{-7}``.
 
-A robot given by decimals is printed in decimals, any other in fractions. A number with more than `DIGITS` significant digits
-is rounded in print; the sheet states the rule.
+A robot given by decimals is printed in decimals, any other in fractions. A number with more than `DIGITS` significant
+digits is rounded in print; the sheet states the rule.
 """
 
 from __future__ import annotations

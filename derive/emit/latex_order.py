@@ -1,8 +1,9 @@
 """The order of terms and factors that textbooks use.
 
-Factors: number, ratios, masses and inertias, other parameters, prismatic variables, cosines and sines by joint, brackets, velocities, accelerations.
-Terms: accelerations before velocities before the rest, then by inertial parameter, terms without cosines and sines before
-those with, by joint from the base outwards, cosine before sine, then by parameter; multiples of pi last. Equal keys keep the order of the expression.
+Factors: number, ratios, masses and inertias, other parameters, prismatic variables, cosines and sines by joint,
+brackets, velocities, accelerations. Terms: accelerations before velocities before the rest, then by inertial
+parameter, terms without cosines and sines before those with, by joint from the base outwards, cosine before sine,
+then by parameter; multiples of pi last. Equal keys keep the order of the expression.
 """
 
 from __future__ import annotations
@@ -14,9 +15,11 @@ from sympy import pi
 from derive.emit.latex_notation import Notation
 
 FactorKey = tuple[int, tuple[int, ...], str, float]
-TermKey = tuple[int, tuple[FactorKey, ...], tuple[int, ...], tuple[FactorKey, ...], tuple[FactorKey, ...], tuple[FactorKey, ...]]
+FactorKeys = tuple[FactorKey, ...]
+TermKey = tuple[int, FactorKeys, tuple[int, ...], FactorKeys, FactorKeys, FactorKeys]
 
-_NUMBER, _UNKNOWN, _INERTIAL, _PARAMETER, _OFFSET, _TRIGONOMETRIC, _OTHER, _BRACKET, _VELOCITY, _ACCELERATION = range(10)
+_NUMBER, _UNKNOWN, _INERTIAL, _PARAMETER, _OFFSET = range(5)
+_TRIGONOMETRIC, _OTHER, _BRACKET, _VELOCITY, _ACCELERATION = range(5, 10)
 _CLASS_OF_POSITION = (_PARAMETER, _OFFSET, _VELOCITY, _ACCELERATION)
 
 
@@ -84,7 +87,8 @@ class Order:
         trigonometric = tuple(key for key in keys if key[0] == _TRIGONOMETRIC)
         plain = tuple(key for key in keys if key[0] < _TRIGONOMETRIC)
         brackets = tuple(key for key in keys if key[0] in (_OTHER, _BRACKET))
-        return (-keys[-1][0] if motion else int(rest.has(pi)), motion, self._inertial(factors), trigonometric, plain, brackets)
+        rank = -keys[-1][0] if motion else int(rest.has(pi))
+        return (rank, motion, self._inertial(factors), trigonometric, plain, brackets)
 
     def _inertial(self, factors: tuple[Any, ...]) -> tuple[int, ...]:
         inertial = self._notation.inertial

@@ -1,4 +1,4 @@
-"""How much of a closed form the sheet prints; what is beyond is listed with its number of terms, never dropped silently."""
+"""How much of a closed form the sheet prints; what is beyond is listed with its number of terms, never dropped."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class SheetPolicy:
         matrix_terms: Longest quantity that can be a matrix: no page is wide enough for more.
         compact_terms: Longest quantity that is printed multiplied out where a form in named terms exists.
         factor_terms: Longest entry of a partial product of transforms, where T itself is too long.
-        closed_form_joints: Most joints for which the closed form of the dynamics is derived for the sheet. Its size grows
+        closed_form_joints: Most joints for which the closed form of the dynamics is derived for the sheet. It grows
             about fivefold with each joint, and of eight joints hardly an entry would be printed.
         named_products: Most velocity products per equation of motion written out in named terms.
     """

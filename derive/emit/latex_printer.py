@@ -153,7 +153,7 @@ class LatexPrinter:
         if base.is_Function:
             return self._function(base, exponent, depth)
         if not (base.is_Add or base.is_Mul or base.is_Pow or base.is_Rational):
-            raise TargetError(f"no LaTeX for {base}", allowed="exact numbers, pi, symbols and the functions of the grammar")
+            raise TargetError(f"no LaTeX for {base}", allowed="exact numbers, pi, symbols and functions of the grammar")
         return self._bracket(self._expression(base, depth + 1), exponent, depth)
 
     def _bracket(self, inner: Pieces, exponent: Box, depth: int) -> Pieces:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from derive.emit.latex_layout import EQUALS, Equation, displays, equation_lines, fits, matrix, pack
 from derive.emit.latex_metrics import Box, concatenate, italic
 from derive.emit.latex_names import Glyph
+from derive.emit.latex_numbers import magnitude
 from derive.emit.latex_pieces import joined
 from derive.emit.latex_policy import SheetPolicy
 from derive.emit.latex_printer import LatexPrinter
@@ -19,6 +21,9 @@ Place = tuple[int, int]
 Namer = Callable[[int, int], Box]
 
 ZERO = italic("0")
+
+MANY = 10**9
+"""Numbers of terms from which on two digits say enough."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +76,16 @@ class Layouter:
     policy: SheetPolicy
     term_symbol: Callable[[int, int], Box]
 
-    def block(self, symbol: Box, name: Namer, quantity: Quantity, *, group: int = 0, symmetric: bool = False, limit: int = 0) -> Block:
+    def block(
+        self,
+        symbol: Box,
+        name: Namer,
+        quantity: Quantity,
+        *,
+        group: int = 0,
+        symmetric: bool = False,
+        limit: int = 0,
+    ) -> Block:
         """One matrix.
 
         Args:
@@ -147,8 +161,9 @@ def _upto(quantity: Quantity, axis: int) -> range:
 
 def omitted(item: Item) -> Box:
     """An entry that is left to the code."""
-    text = f"{item.terms} terms"
-    return Box(f"{item.name.tex} \\colon\\ \\text{{{text}}}", item.name.width + 12.0 + 5.0 * len(text))
+    count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2)
+    unit = Box("\\text{ terms}", 30.0)
+    return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, unit)
 
 
 def within(sizes: Sequence[int], longest: int, total: int) -> list[int]:

@@ -1,12 +1,12 @@
 r"""What the entries of matrices are called on the sheet, so that none looks like a symbol of the user's.
 
-b_{12}, C_{12}, N_{12}, g_1, t_{11} and J_{11}; Christoffel symbols are c_{1,23}: with the comma they differ from c_{123}, the
-cosine of a sum. Where a name is taken, an entry is written (B)_{12}.
+b_{12}, C_{12}, N_{12}, g_1, t_{11} and J_{11}; Christoffel symbols are c_{1,23}: with the comma they differ from
+c_{123}, the cosine of a sum. Where a name is taken, an entry is written (B)_{12}.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from dataclasses import dataclass
 
 from derive.emit.latex_metrics import Box, concatenate, greek, italic, script, upright
 from derive.emit.latex_notation import Notation
@@ -75,10 +75,13 @@ class Symbols:
         return script(matrix, italic(indices))
 
 
-def listed(boxes: Iterable[Box]) -> Box:
-    """Boxes with commas between them."""
-    tex, width = [], 0.0
-    for box in boxes:
-        tex.append(box.tex)
-        width += box.width + 6.0
-    return Box(",\\; ".join(tex), width)
+@dataclass(frozen=True, slots=True)
+class EntryNamer:
+    """(row, column) -> name of an entry of a matrix."""
+
+    symbols: Symbols
+    letter: str
+
+    def __call__(self, row: int, column: int) -> Box:
+        """The name of one entry."""
+        return self.symbols.entry(self.letter, row, column)

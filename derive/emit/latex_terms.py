@@ -92,4 +92,6 @@ def _substituted(expression: Any, names: dict[Any, Any]) -> Any:
     arguments = tuple(_substituted(argument, names) for argument in expression.args)
     if all(new is old for new, old in zip(arguments, expression.args, strict=True)):
         return expression
-    return expression.func(*arguments, evaluate=False) if expression.is_Add or expression.is_Mul else expression.func(*arguments)
+    if expression.is_Add or expression.is_Mul:
+        return expression.func(*arguments, evaluate=False)
+    return expression.func(*arguments)

@@ -24,4 +24,4 @@ class Quantity(Protocol):
 
 
 Quantities = Mapping[str, Quantity]
-"""By name, as in ``derive show``: ``A[1]``, ``T``, ``T[0,3]``, ``J``, ``B``, ``christoffel[1,2,3]``, ``C``, ``g``, ``tau``."""
+"""By name, as in ``derive show``: ``A[1]``, ``T``, ``T[0,3]``, ``J``, ``B``, ``christoffel[1,2,3]``, ``C``, ``tau``."""
