@@ -11,15 +11,18 @@ from dataclasses import dataclass
 
 from derive.algebra.atoms import Atoms, canonical, collect
 from derive.algebra.domain import Kind, PolynomialDomain
-from derive.algebra.ring import Polynomial
+from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError
 from derive.robot.arithmetic import substitute
-from derive.robot.expression import Call, Expression, Name, Power, Product, Sum
+from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children
 from derive.robot.printer import to_text
 from derive.robot.robot import Robot
 
 MAX_TERMS = 50_000
 """Budget of one product; beyond it formulas are compared at points."""
+
+MAX_DENOMINATORS = 64
+"""Different denominators are all multiplied together; with more of them formulas are compared at points."""
 
 NOT_ALGEBRAIC = frozenset({"atan2", "sign"})
 
@@ -60,6 +63,8 @@ class QuotientRing:
 
     def __init__(self, robot: Robot, formulas: Iterable[Expression]) -> None:
         given = list(formulas)
+        if sum(map(_denominators, given)) > MAX_DENOMINATORS:
+            raise TooManyTerms(MAX_TERMS)
         self._renamed = _split_angles(robot, given)
         renamed = [substitute(e, self._renamed) for e in given]
         algebraic = [_opaque(e) for e in renamed]
@@ -164,6 +169,12 @@ def _without_division(e: Expression) -> Expression:
             return Call("cos", (argument,))
         case _:
             return e
+
+
+def _denominators(e: Expression) -> int:
+    divides = isinstance(e, Power) and e.exponent < 0
+    own = divides or (isinstance(e, Call) and e.function == "tan")
+    return int(own) + sum(map(_denominators, children(e)))
 
 
 def _split_angles(robot: Robot, formulas: Iterable[Expression]) -> dict[str, Expression]:

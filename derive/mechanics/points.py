@@ -25,11 +25,18 @@ CLOSE = mpmath.mpf(10) ** -30
 VISIBLE = mpmath.mpf(10) ** -3
 """Relative difference that a reader sees in a few digits; a counter-example should show one."""
 
+
+def _root(value: Real) -> Real:
+    if value < 0:
+        raise ValueError("root of a negative number")
+    return mpmath.sqrt(value)
+
+
 _FUNCTIONS: Mapping[str, Callable[..., Real]] = {
     "sin": mpmath.sin,
     "cos": mpmath.cos,
     "tan": mpmath.tan,
-    "sqrt": mpmath.sqrt,
+    "sqrt": _root,
     "atan2": mpmath.atan2,
     "sign": mpmath.sign,
 }
@@ -88,10 +95,9 @@ def evaluate(expression: Expression, values: Values) -> Real | None:
     """Value with the working precision of mpmath; None where it is not a finite real number."""
     try:
         value = _value(expression, values)
-    except (ArithmeticError, ValueError, TypeError):
+    except (ArithmeticError, ValueError):
         return None
-    real = isinstance(value, mpmath.mpf) and mpmath.isfinite(value)
-    return value if real else None
+    return value if mpmath.isfinite(value) else None
 
 
 def _value(e: Expression, values: Values) -> Real:
