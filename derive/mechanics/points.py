@@ -22,6 +22,9 @@ TRIALS = 240
 CLOSE = mpmath.mpf(10) ** -30
 """Relative difference below which two values with fifty digits are the same number."""
 
+LARGEST = mpmath.mpf(10) ** 300
+"""Values beyond it do not fit into a float and count as none."""
+
 VISIBLE = mpmath.mpf(10) ** -3
 """Relative difference that a reader sees in a few digits; a counter-example should show one."""
 
@@ -92,12 +95,12 @@ def compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> Com
 
 
 def evaluate(expression: Expression, values: Values) -> Real | None:
-    """Value with the working precision of mpmath; None where it is not a finite real number."""
+    """Value with the working precision of mpmath; None where it is no real number or does not fit into a float."""
     try:
         value = _value(expression, values)
     except (ArithmeticError, ValueError):
         return None
-    return value if mpmath.isfinite(value) else None
+    return value if abs(value) < LARGEST else None
 
 
 def _value(e: Expression, values: Values) -> Real:
