@@ -1,7 +1,7 @@
 """How many terms nested kinematics has when multiplied out, without multiplying out.
 
-The recursion of `derive.mechanics.nested` runs on numbers of terms instead of expressions: a sum has the terms of its parts
-together, a product the product of theirs.
+The recursion of `derive.mechanics.nested` runs on numbers of terms instead of expressions: a sum has the terms of its
+parts together, a product the product of theirs.
 """
 
 from __future__ import annotations

@@ -282,5 +282,5 @@ def signed_sum(terms: Iterable[Signed]) -> tuple[Piece, ...]:
             row.append(binary("+" if sign > 0 else "-", 0))
         elif sign < 0:
             row.append(MINUS)
-        row += [Piece(factor, Break.NEVER) for factor in factors]
+        row += [Piece(factor, Break.FACTOR if k else Break.NEVER) for k, factor in enumerate(factors)]
     return tuple(row) or (Piece(italic("0")),)

@@ -54,6 +54,8 @@ def _decimal(value: Fraction, digits: int) -> Box:
         return _plain(f"{rounded:f}")
     mantissa = _plain(f"{rounded.scaleb(-exponent).normalize():f}")
     power = italic(str(exponent))
+    if mantissa.tex == "1":
+        return Box(f"10^{{{exponent}}}", 10.5 + power.width * SCRIPT)
     width = mantissa.width + DOT_WIDTH + 10.5 + power.width * SCRIPT
     return Box(f"{mantissa.tex} \\cdot 10^{{{exponent}}}", width)
 
