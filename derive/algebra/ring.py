@@ -51,6 +51,9 @@ class Ring:
         names: Generator names, highest in the lexicographic order first. A generator that a relation eliminates must
             come before those that replace it.
         max_terms: A product with more terms raises `TooManyTerms`.
+
+    Attributes:
+        opening: Bits of the relations that put generators of other relations in place of their own.
     """
 
     def __init__(self, names: Sequence[str], max_terms: int = 10**9) -> None:
@@ -59,6 +62,7 @@ class Ring:
         self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)
         self.index = {name: i for i, name in enumerate(self.names)}
         self.relations: list[Relation] = []
+        self.opening = 0
         self._raw = self.context.gens()
         self.zero = Polynomial(self, self.context.constant(0), 0)
         self.one = Polynomial(self, self.context.constant(1), 0)
@@ -66,6 +70,9 @@ class Ring:
     def relate(self, relation: Relation) -> None:
         """Add a relation; only while the ring is being set up."""
         self.relations.append(relation)
+        own = 1 << (len(self.relations) - 1)
+        if self.mask(relation.polynomial) & ~own:
+            self.opening |= own
 
     def generator(self, name: str) -> Polynomial:
         """A generator as a polynomial."""
@@ -81,7 +88,15 @@ class Ring:
     def wrap(self, raw: fmpq_mpoly) -> Polynomial:
         """A raw polynomial of this ring, reduced to normal form."""
         mask = self.mask(raw)
+        if mask & self.opening:
+            return self.settle(raw)
         return Polynomial(self, self.reduce(raw, mask), mask)
+
+    def settle(self, raw: fmpq_mpoly) -> Polynomial:
+        """Reduce by every relation until nothing changes: a radicand may bring back what was reduced before."""
+        while (reduced := self.reduce(raw, self.mask(raw))) != raw:
+            raw = reduced
+        return Polynomial(self, raw, self.mask(raw))
 
     def project(self, p: Polynomial) -> Polynomial:
         """A polynomial of another ring whose generators all exist here under the same names."""
@@ -173,6 +188,8 @@ class Polynomial:
         if both:
             bits = self._mask & o._mask | both & self.ring.always_bits()
             raw = self.ring.reduce(raw, bits)
+            if bits & self.ring.opening:
+                return self.ring.settle(raw)
         return Polynomial(self.ring, raw, both)
 
     __rmul__ = __mul__
