@@ -15,6 +15,10 @@ from derive.emit.quantity import Quantities, Quantity
 from derive.robot.robot import IDENTITY, Matrix, Robot
 
 
+FIRST_FRAME_GROUP = 8
+"""Groups of intermediate terms from here on belong to transforms, by the frame that they start from."""
+
+
 @dataclass(frozen=True)
 class KinematicsLayout:
     """Lays out the kinematics of one robot.
@@ -103,7 +107,7 @@ class KinematicsLayout:
         def entry(row: int, column: int) -> Box:
             return script(concatenate(Box("(", 5.0), symbol, Box(")", 5.0)), italic(f"{row}{column}"))
 
-        return self.layouter.block(symbol, entry, self.quantities[key], group=7)
+        return self.layouter.block(symbol, entry, self.quantities[key], group=FIRST_FRAME_GROUP + lower)
 
     def _entry(self, letter: str) -> EntryNamer:
         return EntryNamer(self.symbols, letter)

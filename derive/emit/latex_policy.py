@@ -30,7 +30,7 @@ class SheetPolicy:
     quantity_lines: int = 190
     matrix_terms: int = 300
     compact_terms: int = 60
-    factor_terms: int = 24
+    factor_terms: int = 8
     closed_form_joints: int = 7
     named_products: int = 60
 
