@@ -53,7 +53,7 @@ def test_blocks_that_are_not_compared_are_named() -> None:
         ("expected:\n  - {quantity: p, matrix: [[1, 2], [3]]}\n", 8, "rows differ in length"),
         ("expected:\n  - {quantity: p, matrix: []}\n", 8, "rows differ in length or are empty"),
         ("expected:\n  - {quantity: p, matrix: [1]}\n", 8, "is not a list"),
-        ('expected:\n  - {quantity: p, matrix: [[1]], statsu: ok}\n', 8, "did you mean 'status'"),
+        ("expected:\n  - {quantity: p, matrix: [[1]], statsu: ok}\n", 8, "did you mean 'status'"),
         ("expected:\n  - {quantity: p, matrix: [[1]], status: fine}\n", 8, "allowed: ok, erratum"),
         ("expected:\n  - {matrix: [[1]]}\n", 8, "without 'quantity'"),
         ("expected: 5\n", 7, "expected is not a list"),
