@@ -219,3 +219,21 @@ def jacobian(q, params=None):
     robot = write_stand_in(tmp_path, ROUNDED, in_world_axes.format(more=""))
     assert 1e-12 < verify(robot, tmp_path, samples=6).worst <= TOLERANCE
     assert "jacobian" in failure(tmp_path, in_world_axes.format(more=" * (1 + 2e-5)"), ROUNDED)
+
+
+def test_rounding_in_the_oracle_is_not_taken_for_inertia(tmp_path: Path) -> None:
+    """The last link is a point on its own axis, on which the oracle's levers are rounding and not zero."""
+    text = """
+name: point-on-axis
+convention: standard
+joints:
+  - {type: revolute, a: 0.371752901208, alpha: pi/3}
+  - {type: revolute, d: -0.290053837538}
+gravity: [0, 0, -9.81]
+links:
+  - {mass: 0.1, com: [0, 0.1, 0.2], inertia: {yy: 0.02, zz: 0.01}}
+  - {mass: 0.5}
+"""
+    robot = write_stand_in(tmp_path, text, altered("forward_dynamics", "value = value + np.inf"))
+    (row,) = (row for row in verify(robot, tmp_path).rows if row.function == "forward_dynamics")
+    assert row.samples == 0

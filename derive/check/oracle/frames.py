@@ -76,16 +76,16 @@ def angular_jacobian(arm: Arm, frames: Array, carriers: Array) -> Array:
     return _only_moving(arm, np.broadcast_to(columns, shape), carriers)
 
 
-def rotor_places(arm: Arm, frames: Array, q: Array) -> Array:
-    """Where the rotors sit, in frame 0: (..., n, 3), rotor i on link i-1.
+def rotor_places(arm: Arm, frames: Array) -> Array:
+    """Where the rotors sit, in frame 0: (..., n, 3), rotor i fixed on link i-1.
 
-    o_{i-1} (standard), o_i (modified), for a prismatic joint of a modified table o_i at q_i = 0.
+    o_{i-1} (standard); o_i at q_i = 0 (modified), where a revolute joint leaves o_i anyway.
     """
-    axis, origin = joint_axes(arm, frames)
+    carriers = frames[..., :-1, :, :]
     if arm.standard:
-        return origin
-    travel = arm.sign * q * ~arm.revolute
-    places: Array = origin - axis * travel[..., None]
+        return carriers[..., :3, 3]
+    at_rest = np.stack([row_transform(arm, i, np.zeros(()))[:, 3] for i in range(arm.n)])
+    places: Array = np.einsum("...kab,kb->...ka", carriers, at_rest)[..., :3]
     return places
 
 

@@ -21,7 +21,7 @@ CHUNK = 500_000
 def inertia_matrix(arm: Arm, q: Array) -> Array:
     """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures; (..., n, n)."""
     frames = chain_frames(arm, q)
-    total: Array = _links_inertia(arm, frames) + _rotors_inertia(arm, frames, q) + np.diag(arm.armature)
+    total: Array = _links_inertia(arm, frames) + _rotors_inertia(arm, frames) + np.diag(arm.armature)
     return total
 
 
@@ -53,7 +53,7 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
     """The gradient dU/dq with U = -sum m g0' p over links and rotors, (..., n)."""
     frames = chain_frames(arm, q)
     links = point_jacobian(arm, frames, _mass_centres(arm, frames), _link_carriers(arm))
-    rotors = point_jacobian(arm, frames, rotor_places(arm, frames, q), _rotor_carriers(arm))
+    rotors = point_jacobian(arm, frames, rotor_places(arm, frames), _rotor_carriers(arm))
     g0 = arm.gravity_in_frame_0
     down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
     down_rotors = np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0)
@@ -66,7 +66,7 @@ def potential_energy(arm: Arm, q: Array) -> Array:
     frames = chain_frames(arm, q)
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
     links = _mass_centres(arm, frames) @ turn.T + origin
-    rotors = rotor_places(arm, frames, q) @ turn.T + origin
+    rotors = rotor_places(arm, frames) @ turn.T + origin
     energy: Array = -(links @ arm.gravity) @ arm.mass - (rotors @ arm.gravity) @ arm.rotor_mass
     return energy
 
@@ -89,7 +89,7 @@ def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
     """Linear and angular Jacobians of the rotors in world axes, (..., n, 3, n) both."""
     frames = chain_frames(arm, q)
     carriers, turn = _rotor_carriers(arm), arm.base[:3, :3]
-    linear = point_jacobian(arm, frames, rotor_places(arm, frames, q), carriers)
+    linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
     axis, _ = joint_axes(arm, frames)
     angular = angular_jacobian(arm, frames, carriers) + _spin_columns(arm, axis)
     return turn @ linear, turn @ angular
@@ -106,10 +106,10 @@ def _links_inertia(arm: Arm, frames: Array) -> Array:
     return total
 
 
-def _rotors_inertia(arm: Arm, frames: Array, q: Array) -> Array:
+def _rotors_inertia(arm: Arm, frames: Array) -> Array:
     """Rotor i moves with link i-1 and spins about z by ratio*qd_i more; only its axial inertia counts."""
     carriers = _rotor_carriers(arm)
-    linear = point_jacobian(arm, frames, rotor_places(arm, frames, q), carriers)
+    linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
     axis, _ = joint_axes(arm, frames)
     angular = angular_jacobian(arm, frames, carriers) + _spin_columns(arm, axis)
     spin = np.einsum("...ka,...kaj->...kj", axis, angular)

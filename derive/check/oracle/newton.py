@@ -52,7 +52,7 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
     """
     frames = chain_frames(arm, q)
     axis, on_axis = joint_axes(arm, frames)
-    places = rotor_places(arm, frames, q)
+    places = rotor_places(arm, frames)
     motions = _link_motions(arm, frames, axis, qd, qdd)
     zero = np.zeros_like(q[..., :1] + axis[..., 0, :])
     wrench = Wrench(zero, zero)

@@ -10,10 +10,13 @@ from derive.check.oracle import Oracle
 from derive.check.oracle.arm import Array
 from derive.check.verify.report import TOLERANCE
 from derive.check.verify.samples import SampleSet
-from derive.check.verify.scales import FLOOR, bounds
+from derive.check.verify.scales import FLOOR, Bounds, bounds
 
 SINGULAR = 1e-13
 """Smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined."""
+
+MASSLESS = 1e-22
+"""Share of its natural size below which a diagonal entry of B is the square of rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +72,7 @@ class AccelerationExpectation(Expectation):
     Attributes:
         regular: (...) where B is not singular.
         bias: (..., n) C qd + g + friction.
-        root: (..., n) square roots of the diagonal of B.
+        root: (..., n) square roots of the diagonal of B, where that vanishes of its natural size.
     """
 
     regular: Array
@@ -104,7 +107,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     oracle = sample_set.oracle
     limits = bounds(oracle, arguments[0])
     if function == "forward_dynamics":
-        return _accelerations(oracle, arguments, limits.torque(_largest(arguments[1]), 0.0 * _largest(arguments[1])))
+        return _accelerations(oracle, arguments, limits)
     value = oracle.evaluate(function, *arguments)
     natural = limits.entry_scale(function, arguments)
     batch = tuple(range(arguments[0].ndim - 1))
@@ -114,15 +117,18 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=batch), yardstick))
 
 
-def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], torque: Array) -> AccelerationExpectation:
+def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
     q, qd, tau = arguments
     matrix = oracle.evaluate("inertia_matrix", q)
-    regular = _is_regular(matrix)
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    regular = _is_regular(matrix) & (diagonal > MASSLESS * limits.inertia).all(axis=-1)
     solvable = np.where(regular[..., None, None], matrix, np.eye(q.shape[-1]))
     bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
     value = np.linalg.solve(solvable, (tau - bias)[..., None])[..., 0]
-    root = np.sqrt(np.abs(np.diagonal(matrix, axis1=-2, axis2=-1)))
-    return AccelerationExpectation(oracle, arguments, value, FLOOR * torque, regular, bias, root)
+    root = np.sqrt(np.maximum(diagonal, FLOOR * limits.inertia))
+    rate = _largest(qd)
+    scale = FLOOR * limits.torque(rate, np.zeros_like(rate))
+    return AccelerationExpectation(oracle, arguments, value, scale, regular, bias, root)
 
 
 def _is_regular(matrix: Array) -> Array:
