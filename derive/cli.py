@@ -5,23 +5,14 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import traceback
 from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
 from derive import __version__
-from derive.commands.terminal import one_line, print_error
-from derive.errors import DeriveError
+from derive.commands.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error
 
 COMMANDS = ("list", "show", "build", "check", "verify", "new", "schema")
-
-DONE = 0
-FAILED = 1
-WRONG_INPUT = 2
-INTERNAL_FAULT = 70
-INTERRUPTED = 130
-BROKEN_PIPE = 141
 
 _DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
 _EPILOG = """\
@@ -53,16 +44,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         status = int(arguments.run(arguments))
         sys.stdout.flush()
         return status
-    except DeriveError as error:
-        return _refuse(error, error.exit_status)
-    except KeyboardInterrupt:
-        return _refuse("interrupted", INTERRUPTED)
     except BrokenPipeError:
         return _stop_writing()
-    except OSError as error:
-        return _refuse(_system_message(error), WRONG_INPUT)
-    except Exception as error:
-        return _internal_fault(error)
+    except (Exception, KeyboardInterrupt) as error:
+        reason, status = explain(error)
+        print_error(reason)
+        return status
 
 
 class _Parser(argparse.ArgumentParser):
@@ -102,26 +89,6 @@ def _escape_what_cannot_be_encoded() -> None:
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(errors="backslashreplace")
-
-
-def _refuse(reason: object, status: int) -> int:
-    print_error(reason)
-    return status
-
-
-def _system_message(error: OSError) -> str:
-    reason = error.strerror or str(error)
-    return f"{error.filename}: {reason}" if error.filename else reason
-
-
-def _internal_fault(error: Exception) -> int:
-    """A fault of ours, not of the input: say so in one line, and more on request."""
-    if os.environ.get("DERIVE_TRACEBACK"):
-        traceback.print_exc()
-    name = type(error).__name__
-    return _refuse(
-        f"internal fault, {name}: {error}; please report it with what DERIVE_TRACEBACK=1 prints", INTERNAL_FAULT
-    )
 
 
 def _stop_writing() -> int:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.commands.arguments import positive
-from derive.errors import DeriveError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,10 +21,6 @@ function with an independent recursion before the folder is put in place. Withou
 
 A folder is replaced as a whole or not at all. What has not changed is not built again.
 """
-
-WRONG_INPUT = 2
-CHECK_FAILED = 1
-INTERNAL_FAULT = 70
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -108,19 +103,14 @@ def _check_lines(result: CheckResult) -> list[str]:
 def _status(robots: Sequence[Robot], results: Sequence[BuildResult | CheckResult | BuildFailure]) -> int:
     """The gravest status; failures are told on standard error, each with the file that it belongs to."""
     from derive.build import BuildFailure, CheckResult
-    from derive.commands.terminal import print_error
+    from derive.commands.terminal import FAILED, explain, print_error
 
     status = 0
     for robot, result in zip(robots, results, strict=True):
         if isinstance(result, BuildFailure):
-            print_error(f"{robot.source}: {result.error}")
-            status = max(status, _status_of(result.error))
+            reason, grave = explain(result.error)
+            print_error(f"{robot.source}: {reason}")
+            status = max(status, grave)
         elif isinstance(result, CheckResult) and not result.is_current:
-            status = max(status, CHECK_FAILED)
+            status = max(status, FAILED)
     return status
-
-
-def _status_of(error: Exception) -> int:
-    if isinstance(error, DeriveError):
-        return error.exit_status
-    return WRONG_INPUT if isinstance(error, OSError) else INTERNAL_FAULT

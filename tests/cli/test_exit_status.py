@@ -11,6 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from derive.cli import main
+from derive.commands import schema_command
+from derive.errors import VerificationError
 from tests.cli.command import PENDULUM, ROOT, derive, is_one_message
 
 WRONG = {
@@ -118,3 +121,25 @@ def test_interrupt_from_the_terminal_ends_every_process_with_one_line(jobs: str,
     _, errors = process.communicate(timeout=60)
     assert process.returncode in (130, -signal.SIGINT)
     assert errors == "derive: error: interrupted\n"
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [
+        (RuntimeError("two\nlines"), 70),
+        (RecursionError("too deep"), 70),
+        (MemoryError(), 70),
+        (KeyboardInterrupt(), 130),
+        (PermissionError(13, "Permission denied", "out"), 2),
+        (VerificationError("off by 1"), 1),
+    ],
+)
+def test_every_error_ends_in_one_line_and_its_status(
+    error: BaseException, status: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(arguments: object) -> int:
+        raise error
+
+    monkeypatch.setattr(schema_command, "run", fail)
+    assert main(["schema"]) == status
+    assert is_one_message(capsys.readouterr().err)
