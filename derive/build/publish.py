@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -98,7 +98,8 @@ def _finish(staging: Path, target: Path, robot_name: str, files: Mapping[str, by
             staging.rename(target)
         elif not exchange(staging, target):
             _replace_in_two_steps(staging, target)
-        flush_folder(target.parent)
+        with suppress(OSError):  # the new folder is in place; what fails now is how long it outlives a power cut
+            flush_folder(target.parent)
 
 
 def _replace_in_two_steps(staging: Path, target: Path) -> None:
@@ -110,5 +111,8 @@ def _replace_in_two_steps(staging: Path, target: Path) -> None:
     except OSError:
         backup.rename(target)
         raise
-    flush_folder(target.parent)
+    try:
+        flush_folder(target.parent)
+    except OSError:  # keep both until a build finds the disk in order
+        return
     remove(backup)

@@ -1,0 +1,249 @@
+"""Publishing: what is replaced, what is kept, what is refused, and what is left behind when something fails."""
+
+from __future__ import annotations
+
+import errno
+import json
+import multiprocessing
+import os
+from contextlib import nullcontext, suppress
+from pathlib import Path
+
+import pytest
+
+from derive.build import publish as publishing
+from derive.build.locks import exclusively, hold, release
+from derive.build.publish import heal, publish
+from derive.errors import DeriveError, OutputError
+
+
+def files(mark: str, *extra: str) -> dict[str, bytes]:
+    """The contents of a folder, recognisable by a mark."""
+    names = ("a.py", *extra)
+    manifest = {"generator": "derive", "robot": "arm", "files": dict.fromkeys(names, "")}
+    return {**{name: mark.encode() for name in names}, "MANIFEST.json": json.dumps(manifest).encode()}
+
+
+def put(target: Path, mark: str, *extra: str) -> None:
+    """Publishes without a check."""
+    publish(files(mark, *extra), target, "arm", lambda folder: None)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file of a folder."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+@pytest.fixture
+def target(tmp_path: Path) -> Path:
+    """Where to publish."""
+    return tmp_path / "generated" / "arm"
+
+
+@pytest.fixture(params=["exchange", "two renames"], autouse=True)
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Every test with and without an atomic exchange of folders."""
+    if request.param == "two renames":
+        monkeypatch.setattr(publishing, "exchange", lambda one, other: False)
+    return str(request.param)
+
+
+def alone(target: Path) -> bool:
+    """Whether nothing lies beside the folder."""
+    return os.listdir(target.parent) == [target.name]
+
+
+def test_a_new_folder_holds_exactly_the_files(target: Path) -> None:
+    """Parents are made on the way."""
+    put(target, "1")
+    assert contents(target) == files("1")
+    assert alone(target)
+
+
+def test_files_of_the_old_build_go(target: Path) -> None:
+    """A file that the manifest lists and the new build does not write is removed."""
+    put(target, "1", "b.py")
+    put(target, "2")
+    assert contents(target) == files("2")
+    assert alone(target)
+
+
+def test_files_of_the_user_stay(target: Path) -> None:
+    """What no build has written is carried over: files, folders and links."""
+    put(target, "1")
+    (target / "sheet.pdf").write_bytes(b"mine")
+    (target / "plots" / "deep").mkdir(parents=True)
+    (target / "plots" / "deep" / "p.svg").write_text("mine")
+    (target / "link").symlink_to("nowhere")
+    put(target, "2")
+    assert (target / "a.py").read_bytes() == b"2"
+    assert (target / "sheet.pdf").read_bytes() == b"mine"
+    assert (target / "plots" / "deep" / "p.svg").read_text() == "mine"
+    assert os.readlink(target / "link") == "nowhere"
+    assert alone(target)
+
+
+def test_python_caches_of_the_old_modules_go(target: Path) -> None:
+    """A cache could outlive the module it was made from."""
+    put(target, "1")
+    (target / "__pycache__").mkdir()
+    (target / "__pycache__" / "a.pyc").write_bytes(b"")
+    put(target, "2")
+    assert contents(target) == files("2")
+    assert not (target / "__pycache__").exists()
+
+
+def test_the_check_sees_the_finished_folder_and_may_stop_the_build(target: Path) -> None:
+    """Then the old folder stays as it was."""
+    put(target, "1")
+
+    def check(folder: Path) -> None:
+        assert contents(folder) == files("2")
+        raise DeriveError("wrong")
+
+    with pytest.raises(DeriveError, match="wrong"):
+        publish(files("2"), target, "arm", check)
+    assert contents(target) == files("1")
+    assert alone(target)
+
+
+@pytest.mark.parametrize("error", [errno.ENOSPC, errno.EIO, errno.EDQUOT])
+@pytest.mark.parametrize("nth", range(6))
+def test_a_full_disk_leaves_the_old_folder(
+    target: Path, monkeypatch: pytest.MonkeyPatch, error: int, nth: int
+) -> None:
+    """Whichever flush to the disk fails; with the last ones the new folder is in place already."""
+    put(target, "1")
+    real, count = os.fsync, iter(range(1000))
+
+    def full(descriptor: int) -> None:
+        if next(count) == nth:
+            raise OSError(error, os.strerror(error))
+        real(descriptor)
+
+    monkeypatch.setattr(os, "fsync", full)
+    with suppress(OutputError):
+        put(target, "2")
+    monkeypatch.undo()
+    assert contents(target) in (files("1"), files("2"))
+    heal(target.parent)
+    assert alone(target)
+
+
+def test_a_write_that_fails_leaves_the_old_folder(target: Path) -> None:
+    """A name that the system does not take stands for any refusal to write."""
+    put(target, "1")
+    with pytest.raises(OutputError, match="cannot write"):
+        publish({**files("2"), "x" * 300: b""}, target, "arm", lambda folder: None)
+    assert contents(target) == files("1")
+    assert alone(target)
+
+
+def test_folders_of_others_are_refused(target: Path) -> None:
+    """No manifest, a manifest of something else, another robot's manifest."""
+    target.mkdir(parents=True)
+    (target / "thesis.txt").write_text("two years of work")
+    for manifest in (None, "[]", "{", '{"files": {}}', '{"generator": "derive", "files": {}, "robot": "leg"}'):
+        if manifest is not None:
+            (target / "MANIFEST.json").write_text(manifest)
+        with pytest.raises(OutputError):
+            put(target, "1")
+        assert (target / "thesis.txt").read_text() == "two years of work"
+    assert alone(target)
+
+
+def test_links_and_files_in_the_place_of_the_folder_are_refused(target: Path, tmp_path: Path) -> None:
+    """Nothing is written through a link."""
+    elsewhere = tmp_path / "elsewhere"
+    put(elsewhere, "1")
+    target.parent.mkdir()
+    target.symlink_to(elsewhere)
+    with pytest.raises(OutputError, match="symbolic link"):
+        put(target, "2")
+    assert contents(elsewhere) == files("1")
+    target.unlink()
+    target.write_text("a file")
+    with pytest.raises(OutputError, match="not a folder"):
+        put(target, "2")
+    assert target.read_text() == "a file"
+
+
+def test_a_file_of_the_user_under_a_name_to_be_written_is_refused(target: Path) -> None:
+    """It would be overwritten otherwise."""
+    put(target, "1")
+    (target / "b.py").write_text("mine")
+    with pytest.raises(OutputError, match=r"b\.py"):
+        put(target, "2", "b.py")
+    assert (target / "b.py").read_text() == "mine"
+    assert alone(target)
+
+
+def test_an_empty_folder_is_taken(target: Path) -> None:
+    """There is nothing in it to lose."""
+    target.mkdir(parents=True)
+    put(target, "1")
+    assert contents(target) == files("1")
+    assert alone(target)
+
+
+def test_a_file_as_parent_is_refused(tmp_path: Path) -> None:
+    """One message instead of a traceback."""
+    (tmp_path / "out").write_text("")
+    with pytest.raises(OutputError):
+        put(tmp_path / "out" / "arm", "1")
+
+
+def test_temporary_folders_of_the_dead_are_removed_and_those_of_the_living_stay(target: Path) -> None:
+    """A lock tells them apart; only our own kind of name is touched."""
+    put(target, "1")
+    dead, living, other = (
+        target.parent / name for name in (".derive-arm-00000000", ".derive-arm-11111111", ".derived-arm-00000000")
+    )
+    for folder in (dead, living, other):
+        folder.mkdir()
+        (folder / "a.py").write_text("")
+    link = target.parent / ".derive-arm-22222222"
+    link.symlink_to(other)
+    lock = hold(living)
+    put(target, "2")
+    release(lock)
+    assert not dead.exists()
+    assert living.exists()
+    assert other.exists()
+    assert link.is_symlink()
+    assert (other / "a.py").exists()
+
+
+def test_a_folder_left_between_two_renames_is_put_back(target: Path) -> None:
+    """By the next build of anything in the same place."""
+    put(target, "1")
+    backup = target.with_name(".derive-arm.old")
+    target.rename(backup)
+    heal(target.parent)
+    assert contents(target) == files("1")
+    put(backup, "0")
+    heal(target.parent)
+    assert contents(target) == files("1")
+    assert alone(target)
+
+
+def _publish_often(target: Path, mark: str) -> None:
+    for _ in range(20):
+        put(target, mark, f"{mark}.py")
+
+
+def test_builds_at_once_leave_one_whole_folder(target: Path) -> None:
+    """Whoever comes last wins; readers never see a mixture."""
+    context = multiprocessing.get_context("spawn")
+    processes = [context.Process(target=_publish_often, args=(target, mark)) for mark in "123"]
+    whole = [files(mark, f"{mark}.py") for mark in "123"]
+    for process in processes:
+        process.start()
+    while any(process.is_alive() for process in processes):
+        with exclusively(target.parent) if target.parent.exists() else nullcontext():
+            assert not target.exists() or contents(target) in whole
+    for process in processes:
+        process.join()
+        assert process.exitcode == 0
+    assert contents(target) in whole
+    assert alone(target)
