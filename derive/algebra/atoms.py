@@ -52,7 +52,12 @@ def split_pi(multiple: Fraction) -> tuple[int, Fraction]:
     return quarter % 4, rest
 
 
-SPECIAL = {Fraction(0): (), Fraction(1, 4): (2,), Fraction(1, 6): (3,)}
+SPECIAL: dict[Fraction, tuple[int, ...]] = {
+    Fraction(0): (),
+    Fraction(1, 4): (2,),
+    Fraction(1, 6): (3,),
+    Fraction(1, 12): (2, 3),
+}
 """Angles (multiples of pi, up to sign and right angles) whose cosine and sine are square roots of these primes."""
 
 

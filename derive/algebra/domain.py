@@ -10,7 +10,7 @@ from functools import cached_property
 
 from derive.algebra.angles import decompose
 from derive.algebra.atoms import MAX_MULTIPLE, SPECIAL, Atoms, canonical, collect, split_pi, square_free
-from derive.algebra.groups import aligned_groups
+from derive.algebra.groups import contracted_groups
 from derive.algebra.ring import Polynomial, Relation, Ring
 from derive.errors import ExpressionError
 from derive.robot.expression import (
@@ -25,6 +25,7 @@ from derive.robot.expression import (
 )
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Joint, Robot
+from derive.robot.style import Contraction
 
 
 class Kind(Enum):
@@ -93,11 +94,13 @@ class PolynomialDomain:
             robot does not know become parameters.
         sums: For which groups of aligned joints the sums of the angles are the generators; for the others each angle
             by itself. Any choice is exact; it decides how many terms a polynomial has.
+        contraction: Which parallel axes form a group.
         rates: Whether velocities and accelerations are generators too.
         max_terms: A product with more terms raises `TooManyTerms`.
 
     Attributes:
-        groups: Revolute joints with aligned axes, see `derive.algebra.groups`.
+        groups: Revolute joints with parallel axes, see `derive.algebra.groups`.
+        directions: For each joint +1, or -1 where its angle is subtracted in the sums of its group.
         angles: For each joint the joints whose variables its generator sums, empty for a prismatic joint.
     """
 
@@ -107,11 +110,13 @@ class PolynomialDomain:
         extra: Iterable[Expression] = (),
         *,
         sums: Callable[[tuple[int, ...]], bool] = lambda group: True,
+        contraction: Contraction = Contraction.ALIGNED,
         rates: bool = True,
         max_terms: int = 10**9,
     ) -> None:
         self.robot = robot
-        self.groups = aligned_groups(robot)
+        self.contraction = contraction
+        self.groups, self.directions = contracted_groups(robot, contraction)
         self.angles = tuple(_basis_angles(self.groups, sums, robot.n))
         self._joint = {joint.variable: i for i, joint in enumerate(robot.joints)}
         self._with_rates = rates
@@ -128,7 +133,7 @@ class PolynomialDomain:
         for kind, word in ((Kind.SINE, "sin"), (Kind.COSINE, "cos")):
             for i, members in enumerate(self.angles):
                 if members:
-                    yield Generator(kind, f"{word} {self._key(i)}", self._angle(members), i)
+                    yield Generator(kind, f"{word} {self._key(i)}", self.angle_sum(members), i)
         units = self._constant_units(atoms)
         yield from (Generator(Kind.CONSTANT_SINE, f"sin {e!r}", e) for e in units)
         yield from (Generator(Kind.CONSTANT_COSINE, f"cos {e!r}", e) for e in units)
@@ -140,9 +145,11 @@ class PolynomialDomain:
         if atoms.has_pi:
             yield Generator(Kind.PI, "pi", Pi())
 
-    def _angle(self, members: tuple[int, ...]) -> Expression:
-        names = tuple(Name(self.robot.joints[m].variable) for m in members)
-        return names[0] if len(names) == 1 else Sum(names)
+    def angle_sum(self, members: tuple[int, ...]) -> Expression:
+        """The sum of some angles of a group, the first of them positive."""
+        first = self.directions[members[0]]
+        terms = [_scaled(Name(self.robot.joints[m].variable), Fraction(first * self.directions[m])) for m in members]
+        return terms[0] if len(terms) == 1 else Sum(tuple(terms))
 
     def _key(self, index: int) -> str:
         return "+".join(self.robot.joints[m].variable for m in self.angles[index])
@@ -209,7 +216,8 @@ class PolynomialDomain:
         if len(self.angles[index]) == 1:
             return pair
         cosine, sine = self._generators_of(self.angles[index][-2])
-        return _add_angles(pair, (cosine, -sine))
+        turned = _add_angles(pair, (cosine, -sine))
+        return turned if self.directions[index] > 0 else (turned[0], -turned[1])
 
     def _generators_of(self, index: int) -> tuple[Polynomial, Polynomial]:
         key = self._key(index)
@@ -302,8 +310,13 @@ class PolynomialDomain:
             key = repr(_scaled(Pi(), rest))
             return ring.generator(f"cos {key}"), ring.generator(f"sin {key}")
         half = Fraction(1, 2)
-        root = half * ring.generator(f"sqrt {SPECIAL[rest][0]}")
-        return (root, root) if rest == Fraction(1, 4) else (root, ring.number(half))
+        first = half * ring.generator(f"sqrt {SPECIAL[rest][0]}")
+        if rest == Fraction(1, 4):
+            return first, first
+        if rest == Fraction(1, 6):
+            return first, ring.number(half)
+        second = half * ring.generator("sqrt 3")
+        return first * (second + half), first * (second - half)
 
     def _unit_multiple(self, unit: Expression, k: Fraction) -> tuple[Polynomial, Polynomial]:
         sign = 1 if k > 0 else -1
@@ -346,8 +359,13 @@ class PolynomialDomain:
         for i, members in enumerate(self.angles):
             if joint in members:
                 cosine, sine = self._generators_of(i)
-                total = total + p.partial(indices[Kind.SINE, i]) * cosine - p.partial(indices[Kind.COSINE, i]) * sine
+                by_angle = p.partial(indices[Kind.SINE, i]) * cosine - p.partial(indices[Kind.COSINE, i]) * sine
+                total = total + self._direction_in(members, joint) * by_angle
         return total
+
+    def _direction_in(self, members: tuple[int, ...], joint: int) -> int:
+        """The factor of a joint's angle in the sum that a generator stands for."""
+        return self.directions[members[0]] * self.directions[joint]
 
     def time_derivative(self, p: Polynomial) -> Polynomial:
         """The derivative along the motion, sum of dp/dq_k qd_k, of a polynomial without rates."""

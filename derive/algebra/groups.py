@@ -10,6 +10,7 @@ import math
 from derive.algebra.angles import decompose
 from derive.robot.expression import Expression, Number
 from derive.robot.robot import Convention, Robot
+from derive.robot.style import Contraction
 
 Row = tuple[float, float, float]
 Rotation = tuple[Row, Row, Row]
@@ -25,7 +26,20 @@ def aligned_groups(robot: Robot) -> tuple[tuple[int, ...], ...]:
     The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta:
     q`` on one that points up. Prismatic joints may stand between the joints of a group.
     """
+    return _groups(robot, Contraction.ALIGNED)[0]
+
+
+def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[tuple[tuple[int, ...], ...], tuple[int, ...]]:
+    """The groups whose angles are summed, and for every joint its direction (+1 or -1) within its group.
+
+    With `Contraction.OPPOSED` axes that point opposite ways belong to one group, and their angles are subtracted.
+    """
+    return _groups(robot, contraction)
+
+
+def _groups(robot: Robot, contraction: Contraction) -> tuple[tuple[tuple[int, ...], ...], tuple[int, ...]]:
     groups: list[list[int]] = []
+    directions = [1] * robot.n
     relative = IDENTITY
     units: dict[Expression, float] = {}
     standard = robot.convention is Convention.STANDARD
@@ -34,10 +48,11 @@ def aligned_groups(robot: Robot) -> tuple[tuple[int, ...], ...]:
         if not standard:
             relative = _product(relative, twist)
         if joint.is_revolute:
-            last = groups[-1][-1] if groups else i
-            same = robot.joints[last].sign * joint.sign
-            if groups and abs(relative[2][2] - same) < 1e-12:
+            last = groups[-1][-1] if groups else -1
+            turn = _direction(relative) * joint.sign * robot.joints[last].sign if groups else 0
+            if turn == 1 or (turn == -1 and contraction is Contraction.OPPOSED):
                 groups[-1].append(i)
+                directions[i] = turn * directions[last]
             else:
                 groups.append([i])
             relative = IDENTITY
@@ -45,7 +60,13 @@ def aligned_groups(robot: Robot) -> tuple[tuple[int, ...], ...]:
             relative = _product(relative, _about_z(_value(joint.theta, units)))
         if standard:
             relative = _product(relative, twist)
-    return tuple(tuple(group) for group in groups)
+    return tuple(tuple(group) for group in groups), tuple(directions)
+
+
+def _direction(relative: Rotation) -> int:
+    """+1 where the z axes are aligned, -1 where they are opposed, else 0."""
+    cosine = relative[2][2]
+    return round(cosine) if abs(abs(cosine) - 1) < 1e-12 else 0
 
 
 def _value(angle: Expression, units: dict[Expression, float]) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -19,8 +20,8 @@ from derive.algebra.factoring import product_form
 from derive.algebra.plan import Level, Plan, Plus, Term, Times, factored, flat, grouped, nested
 from derive.algebra.products import ProductBuilder
 from derive.algebra.ring import Polynomial
-from derive.algebra.style import Style
-from derive.algebra.terms import Factor, FactorTable, Terms
+from derive.algebra.terms import Factor, FactorTable, Monomial, Terms
+from derive.robot.style import Style
 
 Expr = Any
 
@@ -170,6 +171,14 @@ class LectureForm:
                 return sympy.Mul(self._products.term(coefficient, monomial), *sums)
             case Plus(parts):
                 return sympy.Add(*(self.sympy(part) for part in parts))
+
+    def monomial(self, factors: Monomial) -> Expr:
+        """A product of powers."""
+        return self._products.term(Fraction(1), factors)
+
+    def write_dynamic(self, terms: Terms) -> Expr:
+        """Contracted terms as `dynamic` would write them."""
+        return self.sympy(self.dynamic_plan(terms))
 
     def terms(self, p: Polynomial) -> Terms:
         """The contracted terms, for other ways of writing them."""

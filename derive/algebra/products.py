@@ -56,7 +56,7 @@ class ProductBuilder:
     def _power(self, pair: tuple[int, int]) -> Expr:
         if pair not in self._powers:
             factor, exponent = pair
-            value = factor_to_sympy(self._table.domain.robot, self._table.factors[factor]) ** exponent
+            value = factor_to_sympy(self._table.domain, self._table.factors[factor]) ** exponent
             self._powers[pair] = value
             insort(self._sorted, (_order(value), pair), key=lambda item: item[0])
             self._rank = {p: i for i, (_, p) in enumerate(self._sorted)}

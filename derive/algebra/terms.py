@@ -130,6 +130,7 @@ class FactorTable:
                 continue
             rest = {i: e for i, e in row.items() if i not in group.own}
             exponents = tuple(row.get(i, 0) for i in group.places)
+            coefficient *= self._own_sign(group, exponents)
             key = (tuple(rest.items()), trig)
             parts.setdefault(key, ((rest, trig, coefficient), []))[1].append((exponents, coefficient))
         return self._with_constants(result, parts, group)
@@ -153,8 +154,22 @@ class FactorTable:
             numbers = tuple(sorted((e, c.numerator, c.denominator) for e, c in items))
             for term in contract(len(group.joints), group.sums, numbers):
                 factors = trig + self._trig(group.joints, term)
-                result.append((rest, factors, Fraction(term.numerator, term.denominator)))
+                sign = self._run_sign(group.joints, term)
+                result.append((rest, factors, Fraction(sign * term.numerator, term.denominator)))
         return result
+
+    def _own_sign(self, group: GroupPlaces, exponents: tuple[int, ...]) -> int:
+        """The sign that turns sines of single angles into sines of angles counted in the sense of the group."""
+        if group.sums:
+            return 1
+        directions = self.domain.directions
+        odd = sum(e for j, e in zip(group.joints, exponents, strict=False) if directions[j] < 0)
+        return -1 if odd % 2 else 1
+
+    def _run_sign(self, group: tuple[int, ...], term: Contracted) -> int:
+        """The sign that makes the first angle of every sum in a sine positive."""
+        odd = sum(f.exponent for f in term.factors if f.is_sine and self.domain.directions[group[f.edge[0]]] < 0)
+        return -1 if odd % 2 else 1
 
     def _trig(self, group: tuple[int, ...], term: Contracted) -> Monomial:
         return tuple(

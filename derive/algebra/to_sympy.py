@@ -7,10 +7,9 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.domain import Kind
+from derive.algebra.domain import Kind, PolynomialDomain
 from derive.algebra.terms import Factor
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
-from derive.robot.robot import Robot
 
 Expr = Any
 
@@ -37,18 +36,19 @@ def expression_to_sympy(e: Expression) -> Expr:
             return _FUNCTIONS[function](*(expression_to_sympy(a) for a in arguments))
 
 
-def factor_to_sympy(robot: Robot, factor: Factor) -> Expr:
+def factor_to_sympy(domain: PolynomialDomain, factor: Factor) -> Expr:
     """One printed factor as a SymPy expression."""
     if factor.kind in (Kind.SINE, Kind.COSINE):
-        angle = sympy.Add(*(sympy.Symbol(robot.joints[j].variable) for j in factor.joints))
+        angle = expression_to_sympy(domain.angle_sum(factor.joints))
         return sympy.sin(angle) if factor.kind is Kind.SINE else sympy.cos(angle)
     assert factor.argument is not None
     argument = expression_to_sympy(factor.argument)
     match factor.kind:
         case Kind.CONSTANT_SINE:
-            return sympy.sin(argument)
+            return sympy.sin(argument, evaluate=not argument.has(sympy.pi))
         case Kind.CONSTANT_COSINE:
-            return sympy.cos(argument)
+            # SymPy would turn the sine of 36 degrees into nested roots
+            return sympy.cos(argument, evaluate=not argument.has(sympy.pi))
         case Kind.ROOT | Kind.PRIME_ROOT:
             return sympy.sqrt(argument)
         case Kind.INVERSE:

@@ -51,7 +51,7 @@ class DynamicForm:
         self.dynamics = dynamics
         self.form = form
         self.budget = budget or Budget()
-        self._lumped_form = LectureForm(dynamics.lumped)
+        self._lumped_form = LectureForm(dynamics.lumped, style=form.style)
         self._coefficients: dict[object, Expr] = {}
         self._cache: dict[object, Expr] = {}
 

@@ -51,7 +51,7 @@ class Dynamics:
         self.domain = domain
         bare = replace(robot, links=tuple(_without_body(link) for link in robot.links))
         names = [Name(f"{part} of {i}") for i in range(robot.n) for part in PARTS]
-        self.lumped = PolynomialDomain(bare, names, rates=False, max_terms=max_terms)
+        self.lumped = PolynomialDomain(bare, names, contraction=domain.contraction, rates=False, max_terms=max_terms)
         self.lumps: list[Lump] = []
         self.chain = self._chain(bare)
         self._derivatives: dict[tuple[int, int, int], Polynomial] = {}
@@ -104,19 +104,21 @@ class Dynamics:
 
     def split(self, p: Polynomial) -> tuple[list[tuple[Lump, Polynomial]], Polynomial]:
         """p as sum of lump * coefficient, and the rest that has no lump in it (rotors, armatures, numbers)."""
+        parts = self._coefficients(p)
+        ring = self.lumped.ring
+        if sum(len(coefficient) for _, coefficient in parts) == len(p):
+            return parts, ring.zero
+        names = {ring.names[lump.generator]: 0 for lump, _ in parts}
+        return parts, ring.wrap(p.raw.subs(names)) if names else p
+
+    def _coefficients(self, p: Polynomial) -> list[tuple[Lump, Polynomial]]:
+        """What every lump that occurs is multiplied by; p is linear in all of them together."""
         degrees = p.degrees()
-        parts, rest = [], p
-        for lump in self.lumps:
-            if degrees[lump.generator]:
-                coefficient = p.partial(lump.generator)
-                parts.append((lump, coefficient))
-                rest = rest - coefficient * self.lumped.ring.generator(self.lumped.ring.names[lump.generator])
-        return parts, rest
+        return [(lump, p.partial(lump.generator)) for lump in self.lumps if degrees[lump.generator]]
 
     def expanded_size(self, p: Polynomial) -> int:
         """Number of terms once the user's symbols are put in (before terms meet)."""
-        parts, rest = self.split(p)
-        return len(rest) + sum(len(lump.value) * len(coefficient) for lump, coefficient in parts)
+        return len(p) + sum((len(lump.value) - 1) * len(c) for lump, c in self._coefficients(p))
 
     def expand(self, p: Polynomial) -> Polynomial:
         """p in the ring of the user's symbols."""

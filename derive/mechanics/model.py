@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -10,22 +10,13 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.domain import PolynomialDomain
-from derive.algebra.lecture_form import LectureForm, SymbolRoles
 from derive.algebra.ring import Polynomial
-from derive.algebra.style import Style
 from derive.errors import QuantityError
-from derive.mechanics.angles import analytic_jacobian, euler_zyz, rpy
-from derive.mechanics.determinant import determinant
 from derive.mechanics.dynamic_form import DynamicForm
 from derive.mechanics.dynamics import Dynamics
-from derive.mechanics.kinematics import Kinematics
-from derive.mechanics.long_chain import LongChain
-from derive.mechanics.parts import gravity_symbols, inertial_symbols, only_link
-from derive.mechanics.vectors import Vector, multiply, transpose
-from derive.mechanics.writing import columns_matrix, frame_matrix, symmetric_matrix
-from derive.robot.names import acceleration_name, velocity_name
-from derive.robot.robot import Robot
+from derive.mechanics.kinematic_model import KinematicModel
+from derive.mechanics.parts import only_link
+from derive.mechanics.writing import columns_matrix, symmetric_matrix
 
 Expr = Any
 Matrix = Any
@@ -47,7 +38,7 @@ class Energy:
     potential: Expr
 
 
-class Model:
+class Model(KinematicModel):
     """Closed forms of one robot.
 
     Every quantity is an immutable SymPy matrix or an expression in the robot's own symbols, which are plain
@@ -55,40 +46,17 @@ class Model:
 
     Args:
         robot: The robot.
-        style: How expressions are grouped: ``compact``, ``by-geometry`` or ``expanded``.
+        style: How expressions are grouped: ``compact``, ``by-geometry`` or ``expanded``; default as the file says.
+        contraction: Which sums of angles are contracted: ``aligned`` or ``opposed``; default as the file says.
 
     Attributes:
         robot: The robot.
         style: How expressions are grouped.
+        contraction: Which sums of angles are contracted.
         q: Joint variables.
         qd: Their velocities.
         qdd: Their accelerations.
     """
-
-    def __init__(self, robot: Robot, style: Style | str = Style.COMPACT) -> None:
-        self.robot = robot
-        self.style = Style.named(style)
-        variables = [joint.variable for joint in robot.joints]
-        self.q = tuple(sympy.Symbol(v) for v in variables)
-        self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
-        self.qdd = tuple(sympy.Symbol(acceleration_name(v)) for v in variables)
-
-    @property
-    def n(self) -> int:
-        """Number of joints."""
-        return self.robot.n
-
-    # -- exact layer
-
-    @cached_property
-    def domain(self) -> PolynomialDomain:
-        """The polynomial ring of kinematics, with the user's symbols."""
-        return PolynomialDomain(self.robot, rates=False)
-
-    @cached_property
-    def kinematics(self) -> Kinematics:
-        """Exact frames and Jacobians."""
-        return Kinematics(self.robot, self.domain)
 
     @cached_property
     def dynamics(self) -> Dynamics:
@@ -99,12 +67,6 @@ class Model:
         """
         self._require_links("dynamics")
         return Dynamics(self.robot, self.domain, MAX_DYNAMIC_TERMS)
-
-    @cached_property
-    def form(self) -> LectureForm:
-        """How expressions are written."""
-        roles = SymbolRoles(inertial_symbols(self.robot), gravity_symbols(self.robot))
-        return LectureForm(self.domain, roles, self.style)
 
     @cached_property
     def dynamic_form(self) -> DynamicForm:
@@ -119,117 +81,7 @@ class Model:
                 remedy="add `links:` with mass, com and inertia of each link",
             )
 
-    # -- frames
-
-    def A(self, i: int) -> Matrix:
-        """A_i, 4x4: DH frame i in DH frame i-1, row i of the table (from 1)."""
-        self._require_index(i, 1)
-        return frame_matrix(self.kinematics.row(i), self.form.kinematic)
-
-    def transform(self, i: int, j: int) -> Matrix:
-        """T_j^i, 4x4: DH frame j in DH frame i, without base and tool; i and j from 0 to n, in either order."""
-        self._require_index(i, 0)
-        self._require_index(j, 0)
-        if self._long.is_long(i, j):
-            return self._long.transform(i, j)
-        return frame_matrix(self.kinematics.transform(i, j), self.form.kinematic)
-
-    def frame(self, i: int) -> Matrix:
-        """T_i, 4x4: DH frame i in the world, base A_1 ... A_i."""
-        self._require_index(i, 0)
-        if self._long.is_long(0, i):
-            return self._long.frame(i)
-        return frame_matrix(self.kinematics.frame(i), self.form.kinematic)
-
-    @cached_property
-    def T(self) -> Matrix:
-        """T, 4x4: the end effector in the world, base A_1 ... A_n tool."""
-        if self._long.is_long(0, self.n):
-            return self._long.end
-        return frame_matrix(self.kinematics.end, self.form.kinematic)
-
-    @property
-    def p(self) -> Matrix:
-        """Position of the end effector in the world, 3x1 [m]."""
-        return self.T[:3, 3]
-
-    @property
-    def R(self) -> Matrix:
-        """Orientation of the end effector in the world, 3x3."""
-        return self.T[:3, :3]
-
-    @cached_property
-    def rpy(self) -> Matrix:
-        """Roll, pitch, yaw [rad]: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), pitch in (-pi/2, pi/2).
-
-        Singular at pitch = +-pi/2, where only the sum or difference of roll and yaw is determined.
-        """
-        return rpy(self.R)
-
-    @cached_property
-    def euler_zyz(self) -> Matrix:
-        """Euler angles phi, theta, psi [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi).
-
-        Singular at theta = 0 and pi, where only the sum or difference of phi and psi is determined.
-        """
-        return euler_zyz(self.R)
-
-    # -- Jacobians
-
-    @cached_property
-    def J(self) -> Matrix:
-        """Geometric Jacobian of the end effector, 6xn, linear rows first, world frame."""
-        if self._long.is_long(0, self.n):
-            return self._long.jacobian
-        return columns_matrix(*self._jacobian_columns, write=self.form.kinematic)
-
-    @cached_property
-    def J_end(self) -> Matrix:
-        """Geometric Jacobian of the end effector, 6xn, linear rows first, in the axes of the end effector."""
-        if self._long.is_long(0, self.n):
-            turned = sympy.Matrix(self.R).T
-            return sympy.ImmutableMatrix(sympy.Matrix.vstack(turned * self.J[:3, :], turned * self.J[3:, :]))
-        turned_back = transpose(self.kinematics.end.rotation)
-        linear, angular = ([multiply(turned_back, v) for v in columns] for columns in self._jacobian_columns)
-        return columns_matrix(linear, angular, self.form.kinematic)
-
-    @cached_property
-    def _jacobian_columns(self) -> tuple[list[Vector[Polynomial]], list[Vector[Polynomial]]]:
-        k = self.kinematics
-        return k.linear_columns(k.end.position), k.angular_columns(self.n)
-
-    def det_J(self, rows: Sequence[int] | None = None, columns: Sequence[int] | None = None) -> Expr:
-        """Determinant of a square block of J.
-
-        Args:
-            rows: Rows of J from 1; default 1 to 3 for three joints, all six for six.
-            columns: Columns of J from 1; default all.
-
-        Raises:
-            QuantityError: The block is not square, or the arm is too long for a closed form.
-        """
-        columns = tuple(range(1, self.n + 1)) if columns is None else tuple(columns)
-        rows = tuple(range(1, min(len(columns), 6) + 1)) if rows is None else tuple(rows)
-        inside = all(1 <= r <= 6 for r in rows) and all(1 <= c <= self.n for c in columns)
-        if len(rows) != len(columns) or not inside:
-            raise QuantityError(
-                f"rows {list(rows)} and columns {list(columns)} of J",
-                allowed=f"as many rows (1 to 6) as columns (1 to {self.n})",
-                remedy="name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3",
-            )
-        linear, angular = self._jacobian_columns
-        block = [[(*linear[c - 1], *angular[c - 1])[r - 1] for c in columns] for r in rows]
-        return self.form.determinant(determinant(block))
-
-    def J_analytic(self, kind: str) -> Matrix:
-        """Analytic Jacobian, 6xn: derivative of position and of the angles ``rpy`` or ``zyz``.
-
-        Raises:
-            QuantityError: Another kind.
-        """
-        if kind not in ("rpy", "zyz"):
-            raise QuantityError(f"J_analytic of kind {kind!r}", allowed="rpy or zyz")
-        return analytic_jacobian(kind, self.R, self.J)
+    # -- Jacobians of bodies
 
     def Jv_com(self, i: int) -> Matrix:
         """3xn: velocity of the centre of mass of link i (from 1) per rate, world frame."""
@@ -288,7 +140,7 @@ class Model:
         for index in (i, j, k):
             self._require_index(index, 1)
         p = self.dynamics.christoffel(i - 1, j - 1, k - 1)
-        return self.dynamic_form.entry(p, self._christoffel_limit)
+        return self.dynamic_form.entry(p, self.christoffel_limit)
 
     def christoffel_table(self) -> Mapping[tuple[int, int, int], Expr]:
         """The Christoffel symbols that are not zero, for j <= k (c_ijk = c_ikj); indices from 1."""
@@ -349,6 +201,26 @@ class Model:
                 terms.append(self.christoffel(i + 1, j + 1, k + 1) * rates)
         return sympy.Add(*terms)
 
+    # -- with names for what repeats
+
+    def abbreviated(self, quantity: str, by: str | None = None) -> tuple[Expr, Mapping[Expr, Expr]]:
+        """A dynamic quantity with short names, and what the names mean.
+
+        Args:
+            quantity: ``B``, ``C``, ``N``, ``Bdot``, ``g`` or ``tau``.
+            by: ``christoffel`` (default for C, N, Bdot and tau) names the Christoffel symbols, ``h*(qd1 + qd2)``;
+                ``coefficients`` (default for B and g) names the linear combinations of constants, ``a1 + 2*a2*c2``.
+
+        Returns:
+            The matrix, and symbol to expression for every name in it.
+
+        Raises:
+            QuantityError: No such quantity or way.
+        """
+        from derive.mechanics.abbreviated import abbreviate
+
+        return abbreviate(self, quantity, by)
+
     # -- sizes, identities
 
     def terms(self, quantity: str, row: int, column: int = 1) -> int:
@@ -402,27 +274,20 @@ class Model:
     # -- writing
 
     @cached_property
-    def _long(self) -> LongChain:
-        return LongChain(self.robot)
-
-    @cached_property
-    def _christoffel_limit(self) -> int:
+    def christoffel_limit(self) -> int:
+        """Longest Christoffel symbol that is written in the user's symbols, see `DynamicForm`."""
         n = range(self.n)
         return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
 
     def _rate_matrix(self, coefficient: Callable[[int, int, int], Polynomial]) -> Matrix:
         n = range(self.n)
-        limit = self._christoffel_limit
+        limit = self.christoffel_limit
         form = self.dynamic_form
         return sympy.ImmutableMatrix(
             [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], limit) for j in n] for i in n]
         )
 
     # -- arguments
-
-    def _require_index(self, i: int, first: int) -> None:
-        if not first <= i <= self.n:
-            raise QuantityError(f"index {i}", allowed=f"{first} to {self.n} for {self.robot.name}")
 
     def _require_body(self, i: int) -> None:
         self._require_links("link and rotor Jacobians")

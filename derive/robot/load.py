@@ -16,6 +16,7 @@ from derive.robot.links import read_gravity, read_links
 from derive.robot.robot import Convention, Robot
 from derive.robot.source import read_document
 from derive.robot.structure import check_structure
+from derive.robot.style import Contraction, Style
 from derive.robot.symbols import check_symbol
 from derive.robot.units import Units
 from derive.robot.validate import validate
@@ -96,6 +97,8 @@ def _read(document: Document, cells: Cells) -> Robot:
         links=links,
         parameters=_parameters(document),
         runtime=_runtime(document),
+        style=Style(_text(document, "style") or Style.COMPACT),
+        contraction=Contraction(_text(document, "contraction") or Contraction.ALIGNED),
         digest=document.digest,
         source=document.source,
     )

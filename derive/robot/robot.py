@@ -7,6 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from derive.robot.expression import ONE, ZERO, Expression
+from derive.robot.style import Contraction, Style
 
 Vector = tuple[Expression, Expression, Expression]
 Matrix = tuple[tuple[Expression, ...], ...]
@@ -130,6 +131,8 @@ class Robot:
         links: One per joint, or empty when the file has no dynamics.
         parameters: Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
         runtime: Names that stay free in generated code though they have a number.
+        style: How expressions are grouped in print, see `derive.robot.style`.
+        contraction: Which sums of angles are contracted in print.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages only; never written to an output.
     """
@@ -144,6 +147,8 @@ class Robot:
     links: tuple[Link, ...] = ()
     parameters: tuple[tuple[str, Expression], ...] = ()
     runtime: tuple[str, ...] = ()
+    style: Style = Style.COMPACT
+    contraction: Contraction = Contraction.ALIGNED
     digest: str = ""
     source: str = ""
 

@@ -111,6 +111,12 @@ class RobotFile(Strict):
     links: list[LinkRow] | None = Field(default=None, description="One row per joint: dynamics.")
     parameters: dict[str, Cell] = Field(default={}, description="Numbers of symbols, in SI units and radians.")
     runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
+    style: Literal["compact", "by-geometry", "expanded"] = Field(
+        default="compact", description="How printed expressions are grouped."
+    )
+    contraction: Literal["aligned", "opposed"] = Field(
+        default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
+    )
 
 
 def json_schema() -> dict[str, Any]:

@@ -46,3 +46,16 @@ class Contraction(StrEnum):
 
     ALIGNED = "aligned"
     OPPOSED = "opposed"
+
+    @classmethod
+    def named(cls, name: str) -> Contraction:
+        """The contraction of that name.
+
+        Raises:
+            QuantityError: No such contraction.
+        """
+        try:
+            return cls(name)
+        except ValueError:
+            allowed = ", ".join(contraction.value for contraction in cls)
+            raise QuantityError(f"contraction {name!r}", allowed=allowed) from None
