@@ -10,17 +10,18 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.ring import Polynomial
+from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.build.term_count import TermCount, nested_term_counts
 from derive.emit.quantity import Quantity
 from derive.mechanics.long_chain import LongChain
-from derive.mechanics.model import Model
+from derive.mechanics.model import MAX_DYNAMIC_TERMS, Model
 from derive.mechanics.nested import NestedKinematics
 from derive.mechanics.vectors import Frame
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
 _INDEXED = re.compile(r"(A|T|christoffel)\[([0-9,]+)\]")
+_BY_INERTIA = ("B", "C", "N", "tau", "christoffel")
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,25 @@ class Counted:
         return self.write(row, column)
 
 
+@dataclass(frozen=True)
+class TooLong:
+    """A quantity that is not even derived: it has more terms than the budget of the model."""
+
+    shape: tuple[int, int]
+
+    def terms(self, row: int, column: int) -> int:
+        """The budget, which the true number exceeds."""
+        return MAX_DYNAMIC_TERMS
+
+    def entry(self, row: int, column: int) -> Any:
+        """Nothing can be written.
+
+        Raises:
+            TooManyTerms: Always.
+        """
+        raise TooManyTerms(MAX_DYNAMIC_TERMS)
+
+
 class ModelQuantities(Mapping[str, Quantity]):
     """All quantities of a model by name.
 
@@ -88,6 +108,8 @@ class ModelQuantities(Mapping[str, Quantity]):
 
     def _make(self, name: str) -> Quantity:
         match = _INDEXED.fullmatch(name)
+        if name.startswith(_BY_INERTIA) and not self._inertia_is_affordable:
+            return TooLong((1, 1) if match else (self.robot.n, 1 if name == "tau" else self.robot.n))
         if match:
             return self._indexed(match.group(1), tuple(int(index) for index in match.group(2).split(",")))
         model, n = self.model, self.robot.n
@@ -103,12 +125,23 @@ class ModelQuantities(Mapping[str, Quantity]):
             case "N":
                 return Counted((n, n), lambda i, j: model.terms(name, i, j), self._entry_of(name))
             case "g":
-                return self._polynomials([[p] for p in model.kinematics.gravity_vector], model.form.dynamic)
+                return self._polynomials([[p] for p in model.kinematics.gravity_vector], model.form.gravity)
             case "tau":
                 return Counted((n, 1), self._torque_terms, self._entry_of(name))
             case "potential":
                 return self._polynomials([[model.kinematics.potential]], model.form.dynamic)
         raise KeyError(name)
+
+    @cached_property
+    def _inertia_is_affordable(self) -> bool:
+        n = range(self.robot.n)
+        dynamics = self.model.dynamics
+        try:
+            for i, j, k in ((i, j, k) for i in n for j in n for k in n if j <= k):
+                dynamics.christoffel(i, j, k)
+        except TooManyTerms:
+            return False
+        return True
 
     def _indexed(self, letter: str, indices: tuple[int, ...]) -> Quantity:
         model = self.model
