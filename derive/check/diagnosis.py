@@ -134,7 +134,9 @@ class _Search:
         places = self.places(self.question.printed)
         for kind in PAIRED:
             firsts = [edit for place in places for edit in edits(place, self.words, frozenset({kind}))]
-            pairs = [(first, second) for first in firsts for second in self.hits(self.places(_changed(first)), kind)]
+            pairs: list[tuple[Edit, ...]] = [
+                (first, second) for first in firsts for second in self.hits(self.places(_changed(first)), kind)
+            ]
             if found := self.right(pairs):
                 return found
         return None

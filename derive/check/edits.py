@@ -127,9 +127,7 @@ def _exponents(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
         others = {1, 2, 3, node.exponent + 1, node.exponent - 1} if node.exponent > 0 else {-1, -2}
         for exponent in sorted(others - {0, node.exponent}):
             yield _replaced(Kind.EXPONENT, spot, power(node.base, exponent))
-    elif isinstance(node, Name | Call | Sum) and spot.parent is not None and not isinstance(spot.parent, Power):
-        yield _replaced(Kind.EXPONENT, spot, power(node, 2))
-    elif isinstance(node, Name | Call) and spot.parent is None:
+    elif isinstance(node, Name | Call | Sum) and not isinstance(spot.parent, Power):
         yield _replaced(Kind.EXPONENT, spot, power(node, 2))
 
 

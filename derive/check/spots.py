@@ -17,7 +17,12 @@ from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, P
 
 T = TypeVar("T")
 
-FUNCTIONS: Mapping[str, Callable[..., float]] = {**REAL_FUNCTIONS, "sign": lambda x: math.copysign(1.0, x) if x else 0.0}
+
+def _sign(x: float) -> float:
+    return math.copysign(1.0, x) if x else 0.0
+
+
+FUNCTIONS: Mapping[str, Callable[..., float]] = {**REAL_FUNCTIONS, "sign": _sign}
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,133 @@
+r"""Names as LaTeX prints them, found among the names of a robot: ``m_{\ell_1}`` is ml1, ``\vartheta_2`` joint 2."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from derive.errors import CheckError
+from derive.robot.expression import Call, Expression, Name, Pi
+from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
+from derive.robot.notation import resolve_tokens
+from derive.robot.robot import Robot
+
+FLAT = {"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon"}
+"""Macros that are another way to draw a letter."""
+
+_JOINT = re.compile(r"(theta|q|d)([0-9]+)")
+_CIRCULAR = re.compile(r"([csCS])((?:(?:theta|q)?[0-9]+)+)")
+_ANGLE = {"c": "cos", "s": "sin"}
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A printed name.
+
+    Attributes:
+        text: Its letters and digits, scripts set on the line.
+        offset: Where it begins.
+        dots: Derivatives with respect to time.
+    """
+
+    text: str
+    offset: int
+    dots: int = 0
+
+
+class LatexNames:
+    """What printed names stand for.
+
+    An exact name of the robot comes first, then joint variables and tokens such as c_{12}; then names that differ only
+    in underscores, in the place of the digits, or in case, if there is exactly one.
+
+    Args:
+        robot: Its symbols and joints.
+        abbreviations: Further names and what they stand for.
+    """
+
+    def __init__(self, robot: Robot, abbreviations: Mapping[str, Expression] | None = None) -> None:
+        self.robot = robot
+        self.abbreviations = dict(abbreviations or {})
+        variables = [joint.variable for joint in robot.joints]
+        self.own = frozenset((*robot_symbols(robot), *variables, *self.abbreviations))
+
+    def meaning(self, symbol: Symbol) -> Expression:
+        """The expression that a printed name stands for.
+
+        Raises:
+            CheckError: An unknown name, or one that can be read in two ways.
+        """
+        if symbol.text == "pi":
+            return Pi()
+        if symbol.dots:
+            return self._rate(symbol)
+        return resolve_tokens(Name(self._name(symbol.text)), self.robot, self.abbreviations)
+
+    def circular(self, symbol: Symbol) -> str:
+        r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty."""
+        plain = symbol.text.lower() in _ANGLE and not symbol.dots and symbol.text not in self.own
+        return _ANGLE[symbol.text.lower()] if plain else ""
+
+    def _name(self, text: str) -> str:
+        if text in self.own:
+            return text
+        if match := _JOINT.fullmatch(text):
+            found = self._joint(match[1], match[2])
+            if found:
+                return found
+        if match := _CIRCULAR.fullmatch(text):
+            return match[1].lower() + re.sub("[a-z]", "", match[2])
+        return self._relaxed(text) or text
+
+    def _joint(self, stem: str, label: str) -> str:
+        for joint in self.robot.joints:
+            if joint_label(joint.variable) != label:
+                continue
+            if stem == "q" or (stem == "theta") is joint.is_revolute:
+                return joint.variable
+            if stem == "theta":
+                raise CheckError(
+                    f"theta_{label}: joint {label} is prismatic", remedy=f"its variable is d_{label} or q_{label}"
+                )
+        return ""
+
+    def _relaxed(self, text: str) -> str:
+        for key in (_joined, _digits_last, _caseless):
+            found = sorted(name for name in self.own if key(name) == key(text))
+            if len(found) > 1:
+                raise CheckError(f"{text} can be read in two ways, {' or '.join(found[:2])}", remedy="write the name out")
+            if found:
+                return found[0]
+        return ""
+
+    def _rate(self, symbol: Symbol) -> Expression:
+        variables = {joint.variable for joint in self.robot.joints}
+        name = self._name(symbol.text)
+        if name not in variables:
+            raise CheckError(
+                f"derivative of {symbol.text}, which is no joint variable", allowed=f"allowed: {', '.join(variables)}"
+            )
+        if symbol.dots > 2:
+            raise CheckError(f"{symbol.dots} dots", allowed="one for a velocity, two for an acceleration")
+        return Name(_RENAME[symbol.dots](name))
+
+
+def circular_call(function: str, angle: Expression) -> Expression:
+    """The function of an angle."""
+    return Call(function, (angle,))
+
+
+def _joined(name: str) -> str:
+    return name.replace("_", "")
+
+
+def _digits_last(name: str) -> str:
+    return "".join(sorted(_joined(name), key=str.isdigit))
+
+
+def _caseless(name: str) -> str:
+    return _digits_last(name).casefold()
+
+
+_RENAME: Mapping[int, Callable[[str], str]] = {1: velocity_name, 2: acceleration_name}
