@@ -87,9 +87,13 @@ def python_comment(text: str) -> str:
     return one_line(text)
 
 
+_RISKY_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
+"""First letters of the pairs that end or open a C comment or begin a trigraph."""
+
+
 def c_comment(text: str) -> str:
     """Text for a C comment of either kind; no end of comment, no trigraph, no continued line."""
-    return one_line(text).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").replace("\\", "/")
+    return _RISKY_PAIR.sub(lambda match: match[0] + " ", one_line(text).replace("\\", "/"))
 
 
 def latex_text(text: str) -> str:
