@@ -14,7 +14,6 @@ from derive.emit.latex_tables import DataPrinter
 from derive.emit.quantity import Quantities, Quantity
 from derive.robot.robot import IDENTITY, Matrix, Robot
 
-
 FIRST_FRAME_GROUP = 8
 """Groups of intermediate terms from here on belong to transforms, by the frame that they start from."""
 
@@ -76,13 +75,18 @@ class KinematicsLayout:
         return concatenate(self.end_symbol, EQUALS, *factors).tex
 
     def partial_products(self) -> tuple[tuple[Block, ...], tuple[str, ...]]:
-        """The arm as a product of a few transforms that can be printed, and the display of that product."""
+        """The arm as a product of a few transforms that can be printed, and the display of that product.
+
+        Both are empty where the arm is too short to be taken apart.
+        """
         blocks, factors, start = [], [], 0
         while start < self.robot.n:
             end = self._last_short(start)
             blocks.append(self._block("T", end, start, f"T[{start},{end}]"))
             factors.append(Piece(self._frame_symbol("T", end, start), Break.COMMA))
             start = end
+        if len(blocks) == 1:
+            return (), ()
         whole = Equation(self._frame_symbol("T", self.robot.n, 0), tuple(factors))
         return tuple(blocks), tuple(displays(equation_lines([whole])))
 

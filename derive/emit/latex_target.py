@@ -38,6 +38,10 @@ TARGET = Target(
 )
 
 
+LONGEST_WORD = 16
+"""Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
+
+
 @dataclass(frozen=True)
 class _Parts:
     """What the sections of one sheet share."""
@@ -62,7 +66,7 @@ def sheet_context(
     """Everything that the template prints, as finished LaTeX."""
     parts = _Parts(robot, quantities, policy, Notation.of(robot))
     return {
-        "title": latex_text(robot.title),
+        "title": breakable_text(robot.title),
         "name": latex_text(robot.name),
         "digest": robot.digest,
         "short_digest": robot.digest[:16],
@@ -72,6 +76,12 @@ def sheet_context(
         **_kinematics(parts),
         **_dynamics(parts),
     }
+
+
+def breakable_text(text: str) -> str:
+    """Escaped text in which even a word without end can be broken."""
+    words = ([word[k : k + LONGEST_WORD] for k in range(0, len(word), LONGEST_WORD)] for word in text.split())
+    return " ".join("\\allowbreak{}".join(latex_text(part) for part in parts) for parts in words)
 
 
 def _data(parts: _Parts) -> dict[str, Any]:

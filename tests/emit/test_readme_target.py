@@ -1,0 +1,57 @@
+"""The page of a generated folder: its example runs, and no text of the user's becomes markup."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from derive.build import build_robot
+from derive.build.render import render_robot
+from derive.emit.registry import targets_named
+from derive.robot.robot import Robot
+
+
+def page(robot: Robot) -> str:
+    """The page's text."""
+    return render_robot(robot, targets_named()).files["README.md"].decode()
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "thumb", "kuka-kr5", "puma560-corke"])
+def test_the_example_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As it is printed, with the parent folder on the path."""
+    build_robot(Robot.load(name), tmp_path, verified=False)
+    text = (tmp_path / name.replace("-", "_") / "README.md").read_text()
+    match = re.search(r"```python\n(.*?)```", text, re.DOTALL)
+    assert match is not None
+    monkeypatch.syspath_prepend(tmp_path)
+    scope: dict[str, object] = {}
+    exec(match.group(1), scope)
+    assert getattr(scope["T"], "shape", None) == (4, 4)
+
+
+def test_every_file_and_function_is_listed() -> None:
+    """With shapes and costs."""
+    rendered = render_robot(Robot.load("scara-perugia"), targets_named())
+    text = rendered.files["README.md"].decode()
+    for name in rendered.files:
+        assert f"`{name}`" in text or name == "README.md"
+    for name in rendered.operations:
+        assert f"`{name}(" in text
+
+
+def test_titles_are_text() -> None:
+    """No heading, link, HTML or template comes out of a title."""
+    title = "# x [a](http://b) <script>1</script> `c` {{ 7*7 }} | **d**"
+    robot = Robot.from_text(f"name: arm\ntitle: '{title}'\nconvention: standard\njoints: [{{type: revolute}}]\n")
+    first = page(robot).splitlines()[0]
+    assert first.startswith("# ")
+    assert "<script>" not in first
+    assert "[a]" not in first
+    assert "49" not in first
+
+
+def test_no_tag_is_left() -> None:
+    """Everything was filled in."""
+    assert not re.search(r"\{\{|\{%|%\}|\}\}", page(Robot.load("puma560-corke")))

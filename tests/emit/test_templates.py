@@ -1,0 +1,52 @@
+"""Templates hold text, loops and flags; every file on disk is used, and every one used is on disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from jinja2 import nodes
+
+from derive.emit.registry import TARGETS, targets_named
+from derive.emit.templating import environment, template_folder
+from derive.errors import TargetError
+
+FOLDER = Path(str(template_folder()))
+TEMPLATES = sorted(path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*") if path.is_file())
+
+FORBIDDEN = (
+    nodes.BinExpr,
+    nodes.UnaryExpr,
+    nodes.Filter,
+    nodes.Test,
+    nodes.Slice,
+    nodes.Assign,
+    nodes.AssignBlock,
+    nodes.NSRef,
+)
+ALLOWED_OPERATORS = (nodes.And, nodes.Or, nodes.Not)
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_templates_compute_nothing(name: str) -> None:
+    """No arithmetic, comparison, filter, test or assignment: values come finished."""
+    source = (FOLDER / name).read_text(encoding="utf-8")
+    tree = environment().parse(source)
+    for kind in (*FORBIDDEN, nodes.Compare):
+        found = [node for node in tree.find_all(kind) if not isinstance(node, ALLOWED_OPERATORS)]
+        assert not found, f"{name}:{found[0].lineno}: {type(found[0]).__name__}"
+
+
+def test_the_registry_and_the_templates_agree() -> None:
+    """One folder for every target, and one for the package file."""
+    assert {name.split("/")[0] for name in TEMPLATES} == {*TARGETS, "package"}
+    files = [file for target in TARGETS.values() for file in target.files]
+    assert len(set(files)) == len(files)
+
+
+def test_targets_are_chosen_by_name() -> None:
+    """In the registry's order, each once; all of them without a choice."""
+    assert [target.name for target in targets_named()] == list(TARGETS)
+    assert [target.name for target in targets_named(["latex", "numpy", "latex"])] == ["numpy", "latex"]
+    with pytest.raises(TargetError, match="numpy, casadi, latex, readme"):
+        targets_named(["matlab"])
