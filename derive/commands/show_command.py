@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from derive.commands.quantity_text import latex_lines, plain, python_lines, text_lines
 
 if TYPE_CHECKING:
+    from derive.mechanics.model import Model
     from derive.robot.robot import Robot
 
 SUMMARY = "print quantities of a robot: T, J, B, C, g, A[1], ..."
@@ -21,6 +23,11 @@ Indices count from 1; further indices pick an entry: 'B[1,2]', 'T[][1,4]'. A mat
 fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed.
 """
 FORMATS = ("text", "latex", "python", "json")
+STYLES = ("compact", "by-geometry", "expanded")
+CONTRACTIONS = ("aligned", "opposed")
+STYLES = ("compact", "by-geometry", "expanded")
+CONTRACTIONS = ("aligned", "opposed")
+ABBREVIATIONS = ("christoffel", "coefficients")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +35,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="robot file or catalogue name")
     parser.add_argument("quantities", metavar="QUANTITY", nargs="*", help="such as T, 'A[2]', B (default: list them)")
     parser.add_argument("--format", choices=FORMATS, default="text", help="form of the output (default text)")
+    parser.add_argument("--style", choices=STYLES, help="how expressions are grouped (default: as the file says)")
+    parser.add_argument("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted")
+    parser.add_argument("--abbreviate", action="store_true", help="short names for what repeats in B, C, N, g, tau")
+    parser.add_argument("--style", choices=STYLES, help="how expressions are grouped (default: as the robot file says)")
+    parser.add_argument(
+        "--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)"
+    )
+    parser.add_argument(
+        "--abbreviate",
+        choices=ABBREVIATIONS,
+        help="short names for Christoffel symbols or for constants, with their definitions (B, C, N, Bdot, g, tau)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -37,22 +56,36 @@ def run(arguments: argparse.Namespace) -> int:
     robot = Robot.load(arguments.robot)
     if not arguments.quantities:
         return _list(robot, arguments.format)
-    return _print(robot, arguments.quantities, arguments.format)
+    shown = [derived for name in dict.fromkeys(arguments.quantities) for derived in _derived(robot, name, arguments)]
+    return _print(robot, shown, arguments.format)
 
 
-def _print(robot: Robot, quantities: list[str], form: str) -> int:
-    from derive.commands.terminal import print_json
-    from derive.emit.text_printer import PlainPrinter
+def _derived(robot: Robot, name: str, arguments: argparse.Namespace) -> list[tuple[str, Any]]:
+    """A quantity by its name, followed by the short names in it."""
+    model = _model(robot, arguments.style, arguments.contraction)
+    if not arguments.abbreviate:
+        return [(name, model.quantity(name))]
+    value, definitions = model.abbreviated(name)
+    return [(name, value), *((str(symbol), meaning) for symbol, meaning in definitions.items())]
+
+
+@cache
+def _model(robot: Robot, style: str | None, contraction: str | None) -> Model:
     from derive.mechanics.model import Model
 
-    model = Model(robot)
-    values = {name: model.quantity(name) for name in quantities}
+    return Model(robot, style=style, contraction=contraction)
+
+
+def _print(robot: Robot, shown: list[tuple[str, Any]], form: str) -> int:
     if form == "json":
+        from derive.commands.terminal import print_json
+        from derive.emit.text_printer import PlainPrinter
+
         printer = PlainPrinter().doprint
-        print_json({"robot": robot.name, "quantities": {name: plain(value, printer) for name, value in values.items()}})
+        print_json({"robot": robot.name, "quantities": {name: plain(value, printer) for name, value in shown}})
         return 0
     layout = _layout(robot, form)
-    print("\n\n".join("\n".join(layout(name, value)) for name, value in values.items()))
+    print("\n\n".join("\n".join(layout(name, value)) for name, value in shown))
     return 0
 
 
