@@ -25,8 +25,6 @@ fits, else entry by entry. Without QUANTITY, the quantities that the robot has a
 FORMATS = ("text", "latex", "python", "json")
 STYLES = ("compact", "by-geometry", "expanded")
 CONTRACTIONS = ("aligned", "opposed")
-STYLES = ("compact", "by-geometry", "expanded")
-CONTRACTIONS = ("aligned", "opposed")
 ABBREVIATIONS = ("christoffel", "coefficients")
 
 
@@ -35,9 +33,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="robot file or catalogue name")
     parser.add_argument("quantities", metavar="QUANTITY", nargs="*", help="such as T, 'A[2]', B (default: list them)")
     parser.add_argument("--format", choices=FORMATS, default="text", help="form of the output (default text)")
-    parser.add_argument("--style", choices=STYLES, help="how expressions are grouped (default: as the file says)")
-    parser.add_argument("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted")
-    parser.add_argument("--abbreviate", action="store_true", help="short names for what repeats in B, C, N, g, tau")
     parser.add_argument("--style", choices=STYLES, help="how expressions are grouped (default: as the robot file says)")
     parser.add_argument(
         "--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)"
@@ -63,9 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
 def _derived(robot: Robot, name: str, arguments: argparse.Namespace) -> list[tuple[str, Any]]:
     """A quantity by its name, followed by the short names in it."""
     model = _model(robot, arguments.style, arguments.contraction)
-    if not arguments.abbreviate:
+    if arguments.abbreviate is None:
         return [(name, model.quantity(name))]
-    value, definitions = model.abbreviated(name)
+    value, definitions = model.abbreviated(name, by=arguments.abbreviate)
     return [(name, value), *((str(symbol), meaning) for symbol, meaning in definitions.items())]
 
 
