@@ -3,95 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from enum import Enum
 from functools import reduce
 from itertools import pairwise
 from typing import Any
 
 import sympy
 
+from derive.check.diagnosis import Question
+from derive.check.findings import FileReport, Finding, Role
+from derive.check.latex_formula import read_latex
 from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.check.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location
 from derive.mechanics.equality import Verdict, compare, expression_from_sympy, scalar_quantity
 from derive.mechanics.model import Model
 from derive.robot.arithmetic import number
 from derive.robot.notation import read_formula
 
+__all__ = ["FileReport", "Finding", "Role", "check_expression", "check_file"]
+
 Expr = Any
 Matrix = Any
-
-
-class Role(Enum):
-    """What a compared formula is in its file."""
-
-    PRINTED = "printed"
-    ABBREVIATED = "abbreviated"
-    REST = "rest"
-    CORRECTION = "correction"
-    IDENTITY = "identity"
-    FACTORISATION = "factorisation"
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One comparison.
-
-    Attributes:
-        quantity: What the formula is printed for, without the place of the entry.
-        row: Row of the entry, from 1; 0 where the whole is one formula.
-        column: Column of the entry, from 1; 0 where the whole is a vector or one formula.
-        role: What the formula is in its file.
-        text: The formula as printed.
-        verdict: Whether it is right.
-        right: The derived formula.
-        location: Where it stands.
-        erratum: Whether the file marks it as wrong.
-    """
-
-    quantity: str
-    row: int
-    column: int
-    role: Role
-    text: str
-    verdict: Verdict
-    right: Expr
-    location: Location
-    erratum: bool = False
-
-    @property
-    def entry(self) -> str:
-        """The quantity with its place: ``B[1,2]``, ``A[1][2,4]``, ``g[3]``."""
-        indices = ",".join(str(i) for i in (self.row, self.column) if i)
-        bracket = "[]" if self.quantity == "T" else ""
-        return f"{self.quantity}{bracket}[{indices}]" if indices else self.quantity
-
-
-@dataclass(frozen=True, slots=True)
-class FileReport:
-    """Everything that was compared in one file.
-
-    Attributes:
-        source: Name of the file.
-        robot: Name of its robot.
-        findings: One for each comparison, in the order of the file.
-        unread: Blocks that were not compared.
-    """
-
-    source: str
-    robot: str
-    findings: tuple[Finding, ...]
-    unread: tuple[str, ...] = ()
-
-    @property
-    def wrong(self) -> tuple[Finding, ...]:
-        """The comparisons that found a difference."""
-        return tuple(finding for finding in self.findings if not finding.verdict.equal)
-
-    @property
-    def passed(self) -> bool:
-        """Whether everything is right as printed."""
-        return not self.wrong
 
 
 def check_file(file: CorpusFile) -> FileReport:
@@ -109,26 +41,29 @@ def check_file(file: CorpusFile) -> FileReport:
     findings += [_identity(model, identity) for identity in file.identities]
     if file.factorisation is not None:
         findings += _placed(_factorisation(model, file.factorisation), file.factorisation.location)
-    return FileReport(file.source, file.robot.name, tuple(findings), file.unread)
+    findings += solution_findings(model, file.solutions)
+    return FileReport(file.source, file.robot.name, tuple(findings), file.unread, file.document)
 
 
-def check_expression(model: Model, quantity: str, text: str) -> Finding:
+def check_expression(model: Model, quantity: str, text: str, latex: bool = False) -> Finding:
     """Compare one formula with a scalar quantity.
 
     Args:
         model: The robot's model.
         quantity: A scalar quantity such as ``T[1,4]`` (its entry) or ``christoffel[1,1,2]``.
         text: The formula, in the notation of lecture notes.
+        latex: Whether it is LaTeX.
 
     Raises:
         QuantityError: No such quantity, or a matrix.
         CheckError: The formula cannot be read.
     """
-    start = Location("--expression")
-    formula = read_formula(text, model.robot, start)
+    start = Location("--latex" if latex else "--expression")
+    formula = (read_latex if latex else read_formula)(text, model.robot, start)
     right = scalar_quantity(model, quantity)
-    verdict = compare(model.robot, expression_from_sympy(right), formula)
-    return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, right, start)
+    question = Question(model.robot, formula, expression_from_sympy(right))
+    verdict = compare(model.robot, question.right, formula)
+    return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, right, start, question=question)
 
 
 def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding]:
@@ -175,14 +110,18 @@ def _entry(
             location=entry.location,
         )
     derived = right[entry.row - 1, entry.column - 1]
-    verdict = _compared(model, derived, entry)
+    question = Question(model.robot, entry.formula, expression_from_sympy(derived))
+    verdict = _compared(question, entry)
     row, column = _shown_place(right, entry)
-    return Finding(item.quantity, row, column, role, entry.text, verdict, derived, entry.location, erratum)
+    where = entry.location
+    return Finding(
+        item.quantity, row, column, role, entry.text, verdict, derived, where, erratum, question, remark=item.remark
+    )
 
 
-def _compared(model: Model, derived: Expr, entry: Printed) -> Verdict:
+def _compared(question: Question, entry: Printed) -> Verdict:
     try:
-        return compare(model.robot, expression_from_sympy(derived), entry.formula)
+        return compare(question.robot, question.right, question.printed)
     except DeriveError as error:
         raise error.at(entry.location) from None
 
@@ -209,7 +148,8 @@ def _identity(model: Model, identity: Identity) -> Finding:
     except DeriveError as error:
         raise error.at(right.location) from None
     erratum = identity.status == "erratum"
-    return Finding(left.text, 0, 0, Role.IDENTITY, right.text, verdict, left.text, right.location, erratum)
+    question = Question(model.robot, right.formula, left.formula)
+    return Finding(left.text, 0, 0, Role.IDENTITY, right.text, verdict, left.text, right.location, erratum, question)
 
 
 def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 from derive.check import tree
 from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.check.remarks import printed_in, remark
+from derive.check.solution_reader import SolutionReader
 from derive.errors import CheckError, Location
 from derive.robot import document
 from derive.robot.document import Node, Scalar
@@ -21,10 +23,11 @@ from derive.robot.robot import Robot
 from derive.robot.source import read_tree
 from derive.robot.wording import quoted
 
-UNREAD = ("inverse_kinematics", "singularities", "trajectory")
+UNREAD = ("singularities", "trajectory")
 """Blocks with printed results of a kind that is not compared here."""
 
-_KEYS = ("source", "notes", "ocr", "figure_configuration", "expected", "identities", "factorisation", *UNREAD)
+_BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
+_KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
 _CONTENT = ("matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated")
 _REMARKS = ("printed_as", "note", "duplicate", "implied")
 _PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
@@ -76,6 +79,8 @@ class _Reader:
             identities=tuple(self.identity(item) for item in identities),
             factorisation=self.factorisation(product) if product else None,
             unread=tuple(name for name in UNREAD if name in root.entries),
+            solutions=SolutionReader(self.robot).solutions(tree.child(root, "inverse_kinematics")),
+            document=printed_in(root),
         )
 
     def quantity(self, node: Node) -> PrintedQuantity:
@@ -91,8 +96,7 @@ class _Reader:
             corrections=self.corrections(item, {(entry.row, entry.column) for entry in entries}),
             rest_zero=tree.word(item, "rest", ("zero",), "") == "zero",
             status=tree.word(item, "status", ("ok", "erratum"), "ok"),
-            kind=tree.word(item, "kind", ("error", "convention", "notation"), "error"),
-            duplicate=tree.flag(item, "duplicate"),
+            remark=remark(item),
             implied=tree.flag(item, "implied"),
         )
 

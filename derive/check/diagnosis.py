@@ -42,7 +42,7 @@ def _itself(e: Expression) -> Expression:
     return e
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Question:
     """A wrong formula and what it should be.
 
@@ -61,6 +61,11 @@ class Question:
     definitions: Mapping[str, Expression] = field(default_factory=dict)
     compared: Callable[[Expression], Expression] = _itself
     extra_terms: tuple[Expression, ...] = ()
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the printed tree itself is what must be equal."""
+        return self.compared is _itself
 
     def is_answer(self, formula: Expression) -> bool:
         """Whether a formula is right, decided exactly."""
@@ -172,7 +177,7 @@ class _Search:
 
 def _compared_value(question: Question, evaluate: Evaluator) -> Callable[[float], float]:
     """What is compared, as a function of the value of the printed formula."""
-    if question.compared is _itself:
+    if question.is_plain:
         return lambda value: value
     slot = "(printed)"
     outer = question.compared(Name(slot))
@@ -198,7 +203,7 @@ def _known_names(question: Question) -> list[str]:
     variables = [joint.variable for joint in robot.joints]
     rates = [rename(v) for rename in (velocity_name, acceleration_name) for v in variables]
     moving = set(rates).intersection((*names(question.printed), *names(question.right)))
-    defined = [n for meaning in question.definitions.values() for n in names(meaning)]
+    defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
     found = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
     return list(dict.fromkeys(found))
 

@@ -96,7 +96,8 @@ class LatexNames:
         for key in (_joined, _digits_last, _caseless):
             found = sorted(name for name in self.own if key(name) == key(text))
             if len(found) > 1:
-                raise CheckError(f"{text} can be read in two ways, {' or '.join(found[:2])}", remedy="write the name out")
+                ways = " or ".join(found[:2])
+                raise CheckError(f"{text} can be read in two ways, {ways}", remedy="write the name out")
             if found:
                 return found[0]
         return ""

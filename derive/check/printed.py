@@ -10,6 +10,40 @@ from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
+class Document:
+    """Where something is printed.
+
+    Attributes:
+        title: The document.
+        section: Its section, page or equation.
+    """
+
+    title: str = ""
+    section: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """What a file says about one printed item.
+
+    Attributes:
+        note: Why it is an erratum, how it was verified.
+        kind: What makes it one: ``error``, ``convention``, ``notation``.
+        duplicate: Whether another file counts it.
+        document: Where it is printed, if not where the rest of the file is.
+    """
+
+    note: str = ""
+    kind: str = "error"
+    duplicate: bool = False
+    document: Document = Document()
+
+
+NO_DOCUMENT = Document()
+NO_REMARK = Remark()
+
+
+@dataclass(frozen=True, slots=True)
 class Printed:
     """One printed formula.
 
@@ -41,8 +75,7 @@ class PrintedQuantity:
         corrections: Right formulas for wrong entries.
         rest_zero: Whether all other entries are printed as zero.
         status: ``ok``, or ``erratum`` where the notes are known to be wrong.
-        kind: ``error``, or what else makes it an erratum: ``convention``, ``notation``.
-        duplicate: Whether another file counts it.
+        remark: What the file says about it.
         implied: Whether it is only implied by the text.
     """
 
@@ -54,9 +87,18 @@ class PrintedQuantity:
     corrections: tuple[Printed, ...] = ()
     rest_zero: bool = False
     status: str = "ok"
-    kind: str = "error"
-    duplicate: bool = False
+    remark: Remark = NO_REMARK
     implied: bool = False
+
+    @property
+    def kind(self) -> str:
+        """``error``, or what else makes it an erratum: ``convention``, ``notation``."""
+        return self.remark.kind
+
+    @property
+    def duplicate(self) -> bool:
+        """Whether another file counts it."""
+        return self.remark.duplicate
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +132,29 @@ class Factorisation:
 
 
 @dataclass(frozen=True, slots=True)
+class Solution:
+    """A printed formula of inverse kinematics: an unknown from the entries of T.
+
+    Attributes:
+        unknown: Its name, for messages.
+        value: What it is, in the joint variables.
+        printed: The formula; its names ox, r11, ... are kept.
+        is_angle: Whether it is right up to full turns.
+        correction: The right formula, where the printed one is known to be wrong.
+        status: ``ok`` or ``erratum``.
+        remark: What the file says about it.
+    """
+
+    unknown: str
+    value: Expression
+    printed: Printed
+    is_angle: bool = False
+    correction: Printed | None = None
+    status: str = "ok"
+    remark: Remark = NO_REMARK
+
+
+@dataclass(frozen=True, slots=True)
 class CorpusFile:
     """A robot and what is printed about it.
 
@@ -100,6 +165,8 @@ class CorpusFile:
         identities: Printed identities.
         factorisation: A printed product, or None.
         unread: Blocks that hold printed results of other kinds.
+        solutions: Printed inverse kinematics.
+        document: Where all this is printed.
     """
 
     source: str
@@ -108,3 +175,5 @@ class CorpusFile:
     identities: tuple[Identity, ...] = ()
     factorisation: Factorisation | None = None
     unread: tuple[str, ...] = ()
+    solutions: tuple[Solution, ...] = ()
+    document: Document = Document()

@@ -22,7 +22,8 @@ def test_the_corpus_is_confirmed(file: str) -> None:
 
 @pytest.mark.parametrize("file", ROBOT_FILES)
 def test_equality_is_decided_by_algebra(file: str) -> None:
-    assert not [finding.entry for finding in report(file).findings if not finding.verdict.exact]
+    algebraic = [f for f in report(file).findings if f.question is None or f.question.is_plain]
+    assert not [finding.entry for finding in algebraic if not finding.verdict.exact]
 
 
 @pytest.mark.parametrize("file", ROBOT_FILES)
