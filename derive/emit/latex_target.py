@@ -67,7 +67,7 @@ def sheet_context(
     parts = _Parts(robot, quantities, policy, Notation.of(robot))
     return {
         "title": breakable_text(robot.title),
-        "name": latex_text(robot.name),
+        "name": robot.name,
         "digest": robot.digest,
         "short_digest": robot.digest[:16],
         "version": version,
