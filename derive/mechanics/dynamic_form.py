@@ -19,6 +19,7 @@ from derive.algebra.lecture_form import LectureForm
 from derive.algebra.plan import flat
 from derive.algebra.ring import Polynomial
 from derive.mechanics.dynamics import Dynamics
+from derive.robot.style import Style
 
 Expr = Any
 
@@ -99,7 +100,9 @@ class DynamicForm:
     # -- sums over rates
 
     def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], limit: int) -> Expr:
-        """sum p * rate, with equal coefficients collected: ``h*(qd1 + qd2)``."""
+        """sum p * rate, with equal coefficients collected: ``h*(qd1 + qd2)``; multiplied out in the expanded style."""
+        if self.form.style is Style.EXPANDED:
+            return sympy.Add(*(self.product(p, rate, limit) for p, rate in pairs))
         groups: dict[object, tuple[Polynomial, list[Expr]]] = {}
         for p, rate in pairs:
             if not p:
@@ -111,6 +114,17 @@ class DynamicForm:
                 groups.setdefault(key, (p, []))[1].append(rate)
         terms = [sympy.Mul(self.entry(p, limit), sympy.Add(*rates)) for p, rates in groups.values()]
         return sympy.Add(*terms)
+
+    def product(self, p: Polynomial, rate: Expr, limit: int) -> Expr:
+        """p * rate, multiplied out in the expanded style."""
+        return times_rate(self.entry(p, limit), rate, self.form.style)
+
+
+def times_rate(value: Expr, rate: Expr, style: Style) -> Expr:
+    """value * rate, multiplied out in the expanded style."""
+    if style is Style.EXPANDED and value.is_Add:
+        return sympy.Add(*(term * rate for term in value.args))
+    return value * rate
 
 
 def _rational(value: Fraction) -> Expr:

@@ -12,11 +12,12 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
-from derive.mechanics.dynamic_form import DynamicForm
+from derive.mechanics.dynamic_form import DynamicForm, times_rate
 from derive.mechanics.dynamics import Dynamics
 from derive.mechanics.kinematic_model import KinematicModel
 from derive.mechanics.parts import only_link
 from derive.mechanics.writing import columns_matrix, symmetric_matrix
+from derive.robot.style import Style
 
 Expr = Any
 Matrix = Any
@@ -190,16 +191,17 @@ class Model(KinematicModel):
         return sympy.ImmutableMatrix([r + self.g[i] + self.friction[i] for i, r in enumerate(rows)])
 
     def _inertial_torque(self, i: int) -> Expr:
-        return sympy.Add(*(self.B[i, j] * self.qdd[j] for j in range(self.n)))
+        return sympy.Add(*(times_rate(self.B[i, j], self.qdd[j], self.style) for j in range(self.n)))
 
     def _velocity_torque(self, i: int) -> Expr:
-        """sum_jk c_ijk qd_j qd_k, each pair once."""
-        terms = []
-        for j in range(self.n):
-            for k in range(j, self.n):
-                rates = (1 if j == k else 2) * self.qd[j] * self.qd[k]
-                terms.append(self.christoffel(i + 1, j + 1, k + 1) * rates)
-        return sympy.Add(*terms)
+        """sum_jk c_ijk qd_j qd_k, each pair once; the rates of a symbol are collected where geometry leads."""
+        n, qd = range(self.n), self.qd
+        pairs = [
+            (self.dynamics.christoffel(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k
+        ]
+        if self.style is Style.BY_GEOMETRY:
+            return self.dynamic_form.rate_sum(pairs, self.christoffel_limit)
+        return sympy.Add(*(self.dynamic_form.product(p, rates, self.christoffel_limit) for p, rates in pairs))
 
     # -- with names for what repeats
 
