@@ -27,6 +27,9 @@ Items = tuple[tuple[tuple[int, ...], int, int], ...]
 MAX_ENUMERATED = 3
 """Largest group whose spanning trees are all tried; 16 trees for 3 joints, 125 for 4."""
 
+MAX_STARS = 8
+"""Largest number of sums for which each of them is tried as the common reference."""
+
 MAX_TERMS = 60
 """Polynomials with more terms are written in the basis they come in."""
 
@@ -47,7 +50,6 @@ class Contracted(NamedTuple):
     factors: tuple[Trig, ...]
 
 
-@lru_cache(maxsize=100_000)
 def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
     """The shortest form of a polynomial in the angles of a group.
 
@@ -56,6 +58,23 @@ def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
         sums: Whether the generators are the sums q_1, q_1 + q_2, ... (else the angles themselves).
         items: The polynomial.
     """
+    if not sums or size == 1:
+        return _contract(size, sums, items)
+    used = [i for i in range(size) if any(e[i] or e[size + i] for e, _, _ in items)]
+    places = [*used, *(size + i for i in used)]
+    small = tuple((tuple(e[p] for p in places), n, d) for e, n, d in items)
+    nodes = (0, *(i + 1 for i in used))
+    return tuple(_renumbered(term, nodes) for term in _contract(len(used), True, small))
+
+
+def _renumbered(term: Contracted, nodes: tuple[int, ...]) -> Contracted:
+    """A term over the sums that occur, with the nodes of the whole group."""
+    factors = tuple(Trig(f.is_sine, (nodes[f.edge[0]], nodes[f.edge[1]]), f.exponent) for f in term.factors)
+    return Contracted(term.numerator, term.denominator, factors)
+
+
+@lru_cache(maxsize=100_000)
+def _contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
     own = _own_tree(size, sums)
     if len(items) == 1 or len(items) > MAX_TERMS:
         return _read(own, _polynomial(size, items))
@@ -84,13 +103,18 @@ def _own_tree(size: int, sums: bool) -> Tree:
 
 @cache
 def _trees(size: int, sums: bool) -> tuple[Tree, ...]:
-    """The bases to try; the ring's own first, so that ties leave a polynomial as it is."""
+    """The bases to try; the ring's own first, so that ties leave a polynomial as it is.
+
+    In a large group only those in which every generator is a sum of two angles at most: a longer sum has exponentially
+    many terms.
+    """
     own = _own_tree(size, sums)
     if size <= MAX_ENUMERATED:
         others = list(_spanning_trees(size))
+    elif sums and size <= MAX_STARS:
+        others = [tuple((min(r, i), max(r, i)) for i in range(size + 1) if i != r) for r in range(size + 1)]
     else:
-        stars = [tuple((min(r, i), max(r, i)) for i in range(size + 1) if i != r) for r in range(size + 1)]
-        others = [_own_tree(size, True), _own_tree(size, False), *stars]
+        others = []
     return tuple(dict.fromkeys([own, *others]))
 
 

@@ -116,3 +116,15 @@ def test_products_are_built_in_sympys_own_order() -> None:
 def test_groups_are_aligned_parallel_axes(rows: str, groups: tuple[tuple[int, ...], ...]) -> None:
     robot = Robot.from_text(f"name: r\nconvention: standard\njoints: {rows}\n")
     assert aligned_groups(robot) == groups
+
+
+@pytest.mark.parametrize("n", [6, 20, 64])
+def test_long_parallel_chains_stay_sums_of_angles(n: int) -> None:
+    """Every relative angle of a planar chain is one sine or cosine, however many joints lie between."""
+    rows = ", ".join(f"{{type: revolute, a: a{i}}}" for i in range(1, n + 1))
+    domain = PolynomialDomain(Robot.from_text(f"name: planar\nconvention: standard\njoints: [{rows}]\n"))
+    form = LectureForm(domain)
+    c1, s1 = domain.ring.generator("cos q1"), domain.ring.generator("sin q1")
+    whole = "+".join(f"q{i}" for i in range(1, n + 1))
+    relative = domain.ring.generator(f"cos {whole}") * c1 + domain.ring.generator(f"sin {whole}") * s1
+    assert form.kinematic(relative) == sympy.cos(sum(sympy.Symbol(f"q{i}") for i in range(2, n + 1)))
