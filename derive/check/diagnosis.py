@@ -21,8 +21,8 @@ from derive.robot.expression import Call, Expression, Name, Product, Sum, childr
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
-MAX_TRIES = 400_000
-"""Changes tried for one formula; beyond it none is named."""
+MAX_WORK = 8_000_000
+"""Float operations, about, spent on one formula; beyond them no change is named."""
 
 MAX_TERMS = 400
 """Terms of the right formula that a printed one may lack."""
@@ -30,6 +30,7 @@ MAX_TERMS = 400
 MAX_PROOFS = 20
 """Candidates of one kind that are decided exactly: what is right at one point to nine digits rarely fails."""
 
+WORK_OF_EDIT = 8
 CLOSE = 1e-9
 POINTS = 40
 PAIRED = (Kind.SIGN, Kind.FUNCTION, Kind.EXPONENT, Kind.INDEX)
@@ -111,7 +112,7 @@ class _Search:
         self.target = target
         self.whole = whole
         self.words = _vocabulary(question)
-        self.tries = 0
+        self.work = 0
 
     @classmethod
     def of(cls, question: Question) -> _Search | None:
@@ -148,7 +149,7 @@ class _Search:
 
     def right(self, candidates: list[tuple[Edit, ...]]) -> tuple[Edit, ...] | None:
         """The candidate that touches least, of those that are right."""
-        candidates.sort(key=lambda made: sum(_size(edit.old) for edit in made))
+        candidates.sort(key=lambda made: (sum(_size(edit.old) for edit in made), made[0].place.depth))
         return next((made for made in candidates[:MAX_PROOFS] if self.question.is_answer(_changed(made[-1]))), None)
 
     def places(self, formula: Expression) -> list[Spot]:
@@ -161,8 +162,8 @@ class _Search:
         """The changes that give the right value at the point."""
         for place in places:
             for edit in edits(place, self.words, frozenset({kind})):
-                self.tries += 1
-                if self.tries > MAX_TRIES:
+                self.work += place.cost + WORK_OF_EDIT
+                if self.work > MAX_WORK:
                     return
                 if self.is_close(edit):
                     yield edit
@@ -264,23 +265,23 @@ def _text(edit: Edit, robot: Robot) -> str:
     def shown(e: Expression) -> str:
         return notation_text(e, robot)
 
-    inside = edit.place.parent is not None
+    parent = edit.place.parent
     match edit:
-        case Edit(kind=Kind.SIGN, ordinal=0, new=None):
-            return "sign of the whole" if isinstance(edit.old, Sum) else f"sign of {shown(edit.old)}"
-        case Edit(kind=Kind.SIGN, new=None, ordinal=i):
-            place = f" of {shown(edit.place.node)}" if inside else ""
-            return f"sign of the {ordinal(i)} term{place}, {shown(edit.old)}"
-        case Edit(kind=Kind.EXTRA_TERM, ordinal=i):
+        case Edit(kind=Kind.SIGN, new=None) if parent is None:
+            whole = f"sign: {shown(edit.node)} instead of {shown(edit.old)}"
+            return "sign of the whole" if isinstance(edit.old, Sum) else whole
+        case Edit(kind=Kind.SIGN, new=None) if parent is not None:
+            place = f" of {shown(parent)}" if edit.place.depth > 1 else ""
+            return f"sign of the {ordinal(edit.place.index + 1)} term{place}, {shown(edit.old)}"
+        case Edit(kind=Kind.EXTRA_TERM):
             return f"extra term: {shown(edit.old)}"
         case Edit(kind=Kind.EXTRA_FACTOR):
             return f"extra factor: {shown(edit.old)} in {shown(edit.place.node)}"
         case Edit(kind=Kind.MISSING_FACTOR, new=new) if new is not None:
             return f"missing factor: {shown(new)} of {shown(edit.old)}"
         case Edit(kind=Kind.MISSING_TERM, new=new) if new is not None:
-            return f"missing term: {shown(new)}" + (f" beside {shown(edit.old)}" if inside else "")
+            return f"missing term: {shown(new)}" + (f" beside {shown(edit.old)}" if parent is not None else "")
         case Edit(new=new) if new is not None:
-            parent = edit.place.parent
             context = f" in {shown(parent)}" if isinstance(parent, Product) else ""
             return f"{edit.kind.words}: {shown(new)} instead of {shown(edit.old)}{context}"
     raise ValueError(edit.kind)

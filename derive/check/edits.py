@@ -60,8 +60,7 @@ class Edit:
         place: Where.
         node: What stands there then.
         old: The part that is replaced.
-        new: What replaces it; None where a part is only left out.
-        ordinal: Which term of a sum is meant, from 1; 0 where there is none.
+        new: What replaces it; None where a part is only negated or left out.
     """
 
     kind: Kind
@@ -69,7 +68,6 @@ class Edit:
     node: Expression
     old: Expression
     new: Expression | None = None
-    ordinal: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,20 +98,13 @@ def edits(spot: Spot, words: Vocabulary, kinds: frozenset[Kind]) -> Iterator[Edi
 
 
 def _signs(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
-    if spot.parent is None:
-        yield Edit(Kind.SIGN, spot, negate(spot.node), spot.node)
-    if isinstance(spot.node, Sum):
-        yield from _terms(Kind.SIGN, spot, spot.node, negate)
-    if is_token(spot.node) and isinstance(spot.node, Call) and isinstance(angle := spot.node.arguments[0], Sum):
-        for other in _terms(Kind.SIGN, spot, angle, negate):
-            call = Call(spot.node.function, (other.node,))
-            yield Edit(Kind.SIGN, spot, call, spot.node, call)
-
-
-def _terms(kind: Kind, spot: Spot, e: Sum, change: Callable[[Expression], Expression]) -> Iterator[Edit]:
-    for i, term in enumerate(e.terms):
-        node = add(*e.terms[:i], change(term), *e.terms[i + 1 :])
-        yield Edit(kind, spot, node, term, ordinal=i + 1)
+    node = spot.node
+    if spot.is_term:
+        yield Edit(Kind.SIGN, spot, negate(node), node)
+    if isinstance(node, Call) and is_token(node) and isinstance(angle := node.arguments[0], Sum):
+        for i, term in enumerate(angle.terms):
+            turned = add(*angle.terms[:i], negate(term), *angle.terms[i + 1 :])
+            yield _replaced(Kind.SIGN, spot, Call(node.function, (turned,)))
 
 
 def _functions(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
@@ -196,8 +187,8 @@ def _missing_terms(spot: Spot, words: Vocabulary) -> Iterator[Edit]:
 
 
 def _extra_terms(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
-    if isinstance(spot.node, Sum):
-        yield from _terms(Kind.EXTRA_TERM, spot, spot.node, lambda term: number(0))
+    if isinstance(spot.parent, Sum):
+        yield Edit(Kind.EXTRA_TERM, spot, number(0), spot.node)
 
 
 def _replaced(kind: Kind, spot: Spot, new: Expression) -> Edit:

@@ -34,12 +34,18 @@ class Spot:
         parent: The node above; None for the whole formula.
         value: Value of the whole for a value here.
         formula: The whole for another node here.
+        index: Which child of its parent it is, from 0.
+        depth: Nodes above it.
+        cost: Float operations of one value, about.
     """
 
     node: Expression
     parent: Expression | None
     value: Callable[[float], float]
     formula: Callable[[Expression], Expression]
+    index: int = 0
+    depth: int = 0
+    cost: int = 1
 
     @property
     def is_term(self) -> bool:
@@ -128,7 +134,8 @@ def _below(spot: Spot, evaluate: Evaluator) -> Iterator[Spot]:
     parts = children(spot.node)
     values = [evaluate(part) for part in parts]
     for i, part in enumerate(parts):
-        yield Spot(part, spot.node, _value_with(spot, values, i), _formula_with(spot, parts, i))
+        value, formula = _value_with(spot, values, i), _formula_with(spot, parts, i)
+        yield Spot(part, spot.node, value, formula, i, spot.depth + 1, spot.cost + len(parts))
 
 
 def _value_with(spot: Spot, values: list[float], i: int) -> Callable[[float], float]:
