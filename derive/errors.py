@@ -93,6 +93,10 @@ class CheckError(DeriveError):
     """A printed expression that cannot be read."""
 
 
+class UnknownNameError(CheckError):
+    """A name in a printed expression that the robot does not know: nothing can be decided."""
+
+
 class VerificationError(DeriveError):
     """Generated code disagrees with the independent recursion."""
 

@@ -16,6 +16,7 @@ from derive.algebra.to_sympy import expression_to_sympy
 from derive.check import tree
 from derive.check.diagnosis import Question
 from derive.check.findings import FileReport, Finding, Role
+from derive.check.printed import Remark
 from derive.check.remarks import printed_in, remark, text_of
 from derive.errors import CheckError, DeriveError, Location
 from derive.mechanics.elementary import compose, point, rotation, translation
@@ -136,6 +137,7 @@ def _compared(
     correct: Mapping[tuple[int, int], Scalar] | None = None,
 ) -> Iterator[Finding]:
     corrections = _corrections(item) if correct is None else correct
+    said = remark(item)
     rows = [tree.items(row, "a row") for row in tree.items(matrix, "matrix")]
     if (len(rows), *{len(row) for row in rows}) != right.shape:
         raise CheckError(f"{name}: printed in another shape", allowed=f"{right.shape}", location=item.location)
@@ -143,9 +145,9 @@ def _compared(
         for j, cell in enumerate(row):
             correction = corrections.get((i + 1, j + 1))
             printed = tree.scalar(cell, "an entry")
-            yield _finding(item, name, (i, j), printed, right[i, j], Role.PRODUCT, correction is not None)
+            yield _finding(said, name, (i, j), printed, right[i, j], Role.PRODUCT, correction is not None)
             if correction is not None:
-                yield _finding(item, name, (i, j), correction, right[i, j], Role.CORRECTION, False)
+                yield _finding(said, name, (i, j), correction, right[i, j], Role.CORRECTION, False)
 
 
 def _corrections(item: document.Mapping) -> dict[tuple[int, int], Scalar]:
@@ -160,7 +162,7 @@ def _corrections(item: document.Mapping) -> dict[tuple[int, int], Scalar]:
 
 
 def _finding(
-    item: document.Mapping, name: str, at: tuple[int, int], text: Scalar, right: Any, role: Role, erratum: bool
+    said: Remark, name: str, at: tuple[int, int], text: Scalar, right: Any, role: Role, erratum: bool
 ) -> Finding:
     question = Question(NO_ROBOT, _formula(text.text, text.inner), expression_from_sympy(right))
     try:
@@ -168,8 +170,7 @@ def _finding(
     except DeriveError as error:
         raise error.at(text.location) from None
     row, column = at[0] + 1, at[1] + 1
-    where, said = text.inner, remark(item)
-    return Finding(name, row, column, role, text.text, verdict, right, where, erratum, question, remark=said)
+    return Finding(name, row, column, role, text.text, verdict, right, text.inner, erratum, question, remark=said)
 
 
 def _arguments(text: str) -> list[str]:

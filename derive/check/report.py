@@ -1,11 +1,13 @@
-"""Comparisons as text and as plain data."""
+"""Verdicts as text and as plain data."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from derive.check.comparison import FileReport, Finding, Role
+from derive.check.findings import FileReport, Finding, Role
+from derive.check.shorthand import notation_text
+from derive.check.verdicts import Judgement, Outcome, judge
 from derive.mechanics.points import CounterExample
 
 Printer = Callable[[Any], str]
@@ -14,41 +16,63 @@ Printer = Callable[[Any], str]
 LONGEST = 400
 """Characters of a formula in a report; longer ones are cut."""
 
+MAX_TERMS = 6
+"""Terms of a difference that are shown; a longer one says little."""
+
 
 def report_lines(report: FileReport, printer: Printer) -> list[str]:
-    """The report of one file: what is wrong, each with the right formula and a counter-example, then the count.
+    """The report of one file: what is wrong, each with the right formula and what repairs it, then the count.
 
     Args:
         report: The comparisons.
         printer: Writes derived formulas.
     """
-    corrections = {f.entry: f for f in report.findings if f.role is Role.CORRECTION and f.verdict.equal}
+    corrections = right_corrections(report)
     lines: list[str] = []
     for finding in report.wrong:
         lines += finding_lines(finding, printer)
         if finding.erratum and finding.entry in corrections:
-            lines.append(f"  its correction is right: {_cut(corrections[finding.entry].text)}")
+            lines.append(f"  its correction is right: {cut(corrections[finding.entry].text)}")
     lines.append(f"{report.source}: {summary(report)}")
     return lines
 
 
+def right_corrections(report: FileReport) -> dict[str, Finding]:
+    """The corrections that a file gives and that are right, by entry."""
+    return {f.entry: f for f in report.findings if f.role is Role.CORRECTION and f.verdict.equal}
+
+
 def summary(report: FileReport) -> str:
-    """``173 formulas equal, 6 wrong``, with what was compared at points only or not at all."""
+    """``173 equal (120 in the same form), 6 wrong``, with what was compared at points only or not at all."""
     total, wrong = len(report.findings), len(report.wrong)
+    same = sum(judge(finding).outcome is Outcome.SAME_FORM for finding in report.findings)
     known = sum(finding.erratum for finding in report.wrong)
     numeric = sum(not finding.verdict.exact for finding in report.findings)
-    text = f"{total - wrong} equal, {wrong} wrong"
+    text = f"{total - wrong} equal" + (f" ({same} in the same form)" if same else "") + f", {wrong} wrong"
     text += f" ({known} marked as errata)" if known else ""
     text += f"; {numeric} compared at random points only" if numeric else ""
     return text + (f"; not compared: {', '.join(report.unread)}" if report.unread else "")
 
 
 def finding_lines(finding: Finding, printer: Printer) -> Iterator[str]:
-    """A wrong formula: where, what, the right one, and numbers that show it."""
-    yield f"{finding.location}: {_what(finding)} is wrong: {_cut(finding.text)}"
-    yield f"  right: {_cut(_right(finding, printer))}"
+    """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers."""
+    verdict = judge(finding)
+    match verdict.outcome:
+        case Outcome.SAME_FORM:
+            yield f"{what(finding)}: same form"
+            return
+        case Outcome.EQUAL:
+            yield f"{what(finding)}: equal" + ("" if finding.verdict.exact else ", at random points")
+            yield f"  ours: {cut(right_text(finding, printer))}"
+            return
+    yield f"{finding.location}: {what(finding)} is wrong: {cut(finding.text)}"
+    yield f"  right: {cut(right_text(finding, printer))}"
+    if verdict.repair is not None:
+        yield f"  change: {cut(verdict.repair.text)}"
+    if terms := difference_text(verdict, printer):
+        yield f"  printed - right: {cut(terms)}"
     if finding.verdict.counter_example is not None:
-        yield f"  {_numbers(finding.verdict.counter_example)}"
+        yield f"  {numbers(finding.verdict.counter_example)}"
 
 
 def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
@@ -64,20 +88,24 @@ def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
 
 
 def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
-    """One comparison as plain data; the derived formula and the numbers only where the printed one is wrong."""
+    """One verdict as plain data; the reasons only where the printed formula is wrong."""
+    verdict = judge(finding)
     entry: dict[str, Any] = {
         "quantity": finding.entry,
         "role": finding.role.value,
         "printed": finding.text,
+        "verdict": verdict.outcome.value,
         "equal": finding.verdict.equal,
         "exact": finding.verdict.exact,
         "erratum": finding.erratum,
         "line": finding.location.line,
         "column": finding.location.column,
     }
-    if finding.verdict.equal:
-        return entry
-    entry["right"] = _right(finding, printer)
+    if verdict.outcome is not Outcome.SAME_FORM:
+        entry["right"] = right_text(finding, printer)
+    if not finding.verdict.equal:
+        entry["difference"] = [printer(term) for term in verdict.difference]
+        entry["change"] = _change_dict(finding, verdict)
     example = finding.verdict.counter_example
     if example is not None:
         values = {name: float(value) for name, value in example.values}
@@ -85,29 +113,56 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
     return entry
 
 
-def _what(finding: Finding) -> str:
+def _change_dict(finding: Finding, verdict: Judgement) -> dict[str, Any] | None:
+    repair = verdict.repair
+    if repair is None:
+        return None
+    return {"kinds": [kind.words for kind in repair.kinds], "text": repair.text, "formula": repaired_text(finding)}
+
+
+def repaired_text(finding: Finding) -> str:
+    """The printed formula with the change made; empty where none was found."""
+    repair, question = judge(finding).repair, finding.question
+    if repair is None:
+        return ""
+    return notation_text(repair.formula, question.robot) if question else str(getattr(repair.formula, "name", ""))
+
+
+def difference_text(verdict: Judgement, printer: Printer) -> str:
+    """Printed minus right in one line; empty where it is not known or has many terms."""
+    if not 0 < len(verdict.difference) <= MAX_TERMS:
+        return ""
+    first, *rest = [printer(term) for term in verdict.difference]
+    return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in rest)
+
+
+def what(finding: Finding) -> str:
+    """What a formula is, in words."""
     match finding.role:
         case Role.CORRECTION:
             return f"correction of {finding.entry}"
         case Role.ABBREVIATED:
             return f"abbreviated {finding.entry}"
         case Role.IDENTITY:
-            return f"identity for {_cut(finding.quantity)}"
+            return f"identity for {cut(finding.quantity)}"
         case Role.REST:
             return f"{finding.entry} of the rest"
         case _:
             return finding.entry + (" (marked as an erratum)" if finding.erratum else "")
 
 
-def _right(finding: Finding, printer: Printer) -> str:
+def right_text(finding: Finding, printer: Printer) -> str:
+    """The derived formula."""
     return finding.right if isinstance(finding.right, str) else printer(finding.right)
 
 
-def _numbers(example: CounterExample) -> str:
+def numbers(example: CounterExample) -> str:
+    """Numbers that show a difference."""
     values = ", ".join(f"{name} = {float(value):g}" for name, value in example.values)
     compared = f"printed {example.printed:.6g}, right {example.right:.6g}"
     return f"at {values}: {compared}" if values else compared
 
 
-def _cut(text: str) -> str:
+def cut(text: str) -> str:
+    """A text of at most `LONGEST` characters."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

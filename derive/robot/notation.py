@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from derive.errors import CheckError, ExpressionError, Location
+from derive.errors import CheckError, ExpressionError, Location, UnknownNameError
 from derive.robot.arithmetic import add, substitute
 from derive.robot.expression import Call, Expression, Name, names
 from derive.robot.growth import expanded_terms
@@ -175,14 +175,14 @@ class _Vocabulary:
         if sliding:
             return CheckError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
         labels = ", ".join(self.revolute) or "none"
-        return CheckError(
+        return UnknownNameError(
             f"{token}: its digits are no labels of revolute joints",
             allowed=f"labels {labels}",
             remedy=self._hint(token) or "a symbol of that name must occur in the robot file",
         )
 
     def _unknown(self, name: str) -> CheckError:
-        return CheckError(
+        return UnknownNameError(
             f"unknown name {quoted(name)}",
             allowed="symbols of the robot file, joint variables, their velocities and tokens such as c1, s12, qd1",
             remedy=self._hint(name),

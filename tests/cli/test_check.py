@@ -24,16 +24,18 @@ def folder(tmp_path: Path) -> Path:
 
 def test_right_formulas_end_with_0(folder: Path) -> None:
     done = derive("check", "right.yaml", folder=folder)
-    assert (done.status, done.stdout, done.stderr) == (0, "right.yaml: 1 equal, 0 wrong\n", "")
+    assert (done.status, done.stdout, done.stderr) == (0, "right.yaml: 1 equal (1 in the same form), 0 wrong\n", "")
 
 
 def test_a_wrong_formula_ends_with_1_and_is_shown_with_the_right_one_and_numbers(folder: Path) -> None:
     done = derive("check", "right.yaml", "wrong.yaml", folder=folder)
     assert done.status == 1
-    first, place, right, numbers, count = done.stdout.splitlines()
-    assert first == "right.yaml: 1 equal, 0 wrong"
+    first, place, right, change, difference, numbers, count = done.stdout.splitlines()
+    assert first == "right.yaml: 1 equal (1 in the same form), 0 wrong"
     assert place == "wrong.yaml:8:35: p[1] is wrong: a1*c1 + a2*c2"
     assert right == "  right: a1*c1 + a2*c12"
+    assert change == "  change: index: c12 instead of c2 in a2*c2"
+    assert difference == "  printed - right: a2*c2 - a2*c12"
     assert numbers.startswith("  at a1 = ")
     assert count == "wrong.yaml: 0 equal, 1 wrong"
 
@@ -59,6 +61,10 @@ def test_the_report_as_json(folder: Path) -> None:
     (entry,) = report["entries"]
     assert (entry["quantity"], entry["equal"], entry["exact"], entry["line"]) == ("p[1]", False, True, 8)
     assert entry["right"] == "a1*c1 + a2*c12"
+    assert entry["verdict"] == "wrong"
+    assert entry["change"]["kinds"] == ["index"]
+    assert entry["change"]["formula"] == "a1*c1 + a2*c12"
+    assert entry["difference"] == ["a2*c2", "-a2*c12"]
     assert entry["counter_example"]["printed"] != entry["counter_example"]["right"]
     assert set(entry["counter_example"]["values"]) == {"a1", "a2", "q1", "q2"}
 
@@ -67,4 +73,51 @@ def test_the_report_as_json(folder: Path) -> None:
 def test_one_formula_without_a_file(folder: Path, formula: str, status: int) -> None:
     done = derive("check", "scara-perugia", "--quantity", "T[1,4]", "--expression", formula, folder=folder)
     assert done.status == status
-    assert (done.stdout == "T[1,4]: equal\n") is (status == 0)
+    assert (done.stdout == "T[1,4]: same form\n") is (status == 0)
+
+
+def test_one_formula_in_another_form_is_shown_with_ours(folder: Path) -> None:
+    text = "a1*c1 + a2*c1*c2 - a2*s1*s2"
+    done = derive("check", "scara-perugia", "--quantity", "T[1,4]", "--expression", text, folder=folder)
+    assert (done.status, done.stdout) == (0, "T[1,4]: equal\n  ours: a1*c1 + a2*c12\n")
+
+
+@pytest.mark.parametrize(
+    ("formula", "status", "place"),
+    [
+        (r"a_1 c_1 + a_2 c_{12}", 0, ""),
+        (r"a_1 \cos\theta_1 + a_2 \cos(\theta_1 + \theta_2)", 0, ""),
+        (r"a_1 c_1 - a_2 c_{12}", 1, ""),
+        (r"a_1 c_1 + \foo", 2, "--latex:1:11: unknown macro '\\foo'"),
+        (r"a_1 c_1 + b_2", 2, "--latex:1:11: unknown name 'b2'"),
+    ],
+)
+def test_one_formula_in_latex(folder: Path, formula: str, status: int, place: str) -> None:
+    done = derive("check", "scara-perugia", "--quantity", "T[1,4]", "--latex", formula, folder=folder)
+    assert done.status == status
+    assert place in done.stderr
+    assert bool(done.stderr) is (status == 2)
+
+
+def test_an_unknown_name_is_a_verdict_for_programs(folder: Path) -> None:
+    formula = ("--quantity", "T[1,4]", "--expression", "a1*c1 + a3*c12")
+    done = derive("check", "scara-perugia", *formula, "--json", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+    verdict = json.loads(done.stdout)
+    assert verdict["verdict"] == "undecidable name"
+    assert "did you mean" in verdict["reason"]
+
+
+def test_the_report_is_a_page_for_a_colleague(folder: Path) -> None:
+    done = derive("check", "right.yaml", "wrong.yaml", "--report", "errata.md", folder=folder)
+    page = (folder / "errata.md").read_text(encoding="utf-8")
+    assert done.status == 1
+    assert page.startswith("# Errata\n\n2 formulas compared; 1 are wrong, in 1 places.")
+    assert "- printed: `a1*c1 + a2*c2`\n- right: `a1*c1 + a2*c12`\n- change: index: c12 instead of c2" in page
+
+
+def test_a_report_that_cannot_be_written_ends_with_2(folder: Path) -> None:
+    done = derive("check", "right.yaml", "--report", "no/such/folder.md", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
