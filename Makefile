@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 
-.PHONY: all setup models test test-fast check generated-check wheel wheel-smoke clean
+.PHONY: all setup models test test-fast check errata generated-check wheel wheel-smoke clean
 
 all: models
 
@@ -19,7 +19,7 @@ $(READY): pyproject.toml constraints.txt
 	@touch $(READY)
 
 models: $(READY)
-	$(BIN)/derive build --jobs 2
+	$(BIN)/derive build --jobs 2 --force
 
 test: $(READY)
 	$(BIN)/python -m pytest -n 2
@@ -31,6 +31,9 @@ check: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+errata: $(READY)
+	$(BIN)/python -m tests.docs.errata
 
 generated-check: $(READY)
 	$(BIN)/derive build --check --jobs 2
