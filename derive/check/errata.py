@@ -96,25 +96,39 @@ def _count(errors: Sequence[Item], printouts: Sequence[Printout]) -> str:
     total = sum(1 for p in printouts for f in p.report.findings if f.role is not Role.CORRECTION)
     entries = sum(len(item.findings) for item in errors)
     found = sum(judge(item.findings[0]).repair is not None for item in errors)
+    places = f"{len(errors)} {'place' if len(errors) == 1 else 'places'}"
     return (
-        f"{total} formulas compared; {entries} are wrong, in {len(errors)} places. For {found} of these places the "
-        "smallest change that makes the printed formula right is named."
+        f"{total} formulas compared: {entries} wrong, at {places}; the smallest change that repairs the formula is "
+        f"named for {found} of them."
     )
 
 
 def _lines(item: Item) -> Iterator[str]:
-    entries = ", ".join(_plain(finding.entry) for finding in item.findings)
-    section = f" ({_plain(item.document.section)})" if item.document.section else ""
-    yield f"### {entries}{section}"
+    yield f"### {', '.join(_code(finding.entry) for finding in item.findings)}"
     yield ""
+    if item.document.section:
+        yield f"- place: {_plain(item.document.section)}"
     corrections = right_corrections(item.printout.report)
+    several = len(item.findings) > 1
     for finding in item.findings:
-        name = f"{_plain(finding.entry)}, " if len(item.findings) > 1 else ""
-        yield f"- {name}printed: {_code(finding.text)}"
-        yield f"- {name}right: {_code(_right(finding, item.printout, corrections))}"
-        yield from _reasons(finding, item.printout.printer, name)
+        if several:
+            yield f"- {_code(finding.entry)}"
+        for line in _entry_lines(finding, item.printout, corrections):
+            yield f"  {line}" if several else line
     if note := item.findings[0].remark.note:
         yield f"- why: {_plain(note)}"
+
+
+def _entry_lines(finding: Finding, printout: Printout, corrections: Mapping[str, Finding]) -> Iterator[str]:
+    verdict, example = judge(finding), finding.verdict.counter_example
+    yield f"- printed: {_code(finding.text)}"
+    yield f"- right: {_code(_right(finding, printout, corrections))}"
+    if verdict.repair is not None:
+        yield f"- change: {_code(verdict.repair.text)}"
+    elif terms := difference_text(verdict, printout.printer):
+        yield f"- printed minus right: {_code(terms)}"
+    if example is not None and example.values:
+        yield f"- numbers: {_plain(numbers(example))}"
 
 
 def _right(finding: Finding, printout: Printout, corrections: Mapping[str, Finding]) -> str:
@@ -123,16 +137,6 @@ def _right(finding: Finding, printout: Printout, corrections: Mapping[str, Findi
     if correction is not None:
         return correction.text
     return repaired_text(finding) or right_text(finding, printout.printer)
-
-
-def _reasons(finding: Finding, printer: Printer, name: str) -> Iterator[str]:
-    verdict, example = judge(finding), finding.verdict.counter_example
-    if verdict.repair is not None:
-        yield f"- {name}change: {_plain(verdict.repair.text)}"
-    elif terms := difference_text(verdict, printer):
-        yield f"- {name}printed minus right: {_code(terms)}"
-    if example is not None and example.values:
-        yield f"- {name}numbers: {_plain(numbers(example))}"
 
 
 def _code(text: str) -> str:

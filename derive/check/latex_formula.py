@@ -18,10 +18,10 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from lark.visitors import Transformer_NonRecursive
 
 from derive.check.latex_names import FLAT, LatexNames, Symbol, circular_call
-from derive.check.latex_refusals import check_size, refusal
+from derive.check.latex_refusals import bounded, check_size, refusal
 from derive.errors import CheckError, DeriveError, Location
 from derive.robot.arithmetic import add, multiply, negate, number, power
-from derive.robot.expression import Call, Expression, Number
+from derive.robot.expression import Call, Expression, Number, Power
 from derive.robot.growth import expanded_terms
 from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
@@ -75,6 +75,8 @@ class _At(Exception):
 def _placed(error: Exception, text: str, start: Location) -> DeriveError:
     if isinstance(error, _At):
         return error.error.at(place(text, error.offset, start))
+    if isinstance(error, DeriveError):
+        return error.at(start)
     if isinstance(error, ZeroDivisionError):
         return CheckError("division by zero", location=start)
     raise error
@@ -157,7 +159,7 @@ class _Builder(Transformer_NonRecursive[Token, Expression]):
             value = circular_call(function, self.tree(child)) if function else self.tree(child)
             factors.append(power(value, -1) if divide else value)
             function, divide = "", False
-        return multiply(*factors)
+        return bounded(multiply(*factors))
 
     def bracket(self, children: Children) -> Expression:
         return self.tree(next(child for child in children if not isinstance(child, Token)))
@@ -227,9 +229,11 @@ class _Builder(Transformer_NonRecursive[Token, Expression]):
         offset = base.offset if isinstance(base, Symbol) else 0
         if not isinstance(exponent, Number) or exponent.value.denominator != 1:
             raise _At(offset, CheckError("exponent that is no whole number", remedy=r"write roots as \sqrt{}"))
-        if abs(exponent.value) > FORMULA_LIMITS.exponent:
+        tree = self.tree(base)
+        inner = tree.exponent if isinstance(tree, Power) else 1
+        if abs(exponent.value * inner) > FORMULA_LIMITS.exponent:
             raise _At(offset, CheckError("exponent too large", allowed=f"at most {FORMULA_LIMITS.exponent}"))
-        return power(self.tree(base), int(exponent.value))
+        return bounded(power(tree, int(exponent.value)))
 
     def call(self, children: Children) -> Expression:
         return Call(_function(children[0]), (self.tree(children[1]),))

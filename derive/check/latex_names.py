@@ -17,6 +17,7 @@ FLAT = {"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon
 
 _JOINT = re.compile(r"(theta|q|d)([0-9]+)")
 _CIRCULAR = re.compile(r"([csCS])((?:(?:theta|q)?[0-9]+)+)")
+_GREEK = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
 
 
@@ -62,7 +63,16 @@ class LatexNames:
             return Pi()
         if symbol.dots:
             return self._rate(symbol)
+        angle = self._named_angle(symbol.text)
+        if angle:
+            return Call(_ANGLE[symbol.text[0].lower()], (Name(angle),))
         return resolve_tokens(Name(self._name(symbol.text)), self.robot, self.abbreviations)
+
+    def _named_angle(self, text: str) -> str:
+        r"""The Greek angle in ``c_{\alpha_1}``; only of letters that are never lengths."""
+        angle = text[1:]
+        is_angle = _GREEK.fullmatch(angle) is not None and angle in self.own
+        return angle if is_angle and text not in self.own and text[0].lower() in _ANGLE else ""
 
     def circular(self, symbol: Symbol) -> str:
         r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from derive.errors import CheckError, Location
+from derive.robot.expression import Expression, Number, Product
 from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.tokens import place
 from derive.robot.wording import near_miss, quoted
@@ -48,6 +49,20 @@ def check_size(text: str, start: Location) -> None:
             raise CheckError("brackets nested too deeply", allowed=f"at most {FORMULA_LIMITS.depth}", location=where)
 
 
+def bounded(e: Expression) -> Expression:
+    """The tree itself; no folded number may outgrow a float.
+
+    Raises:
+        CheckError: It does.
+    """
+    first = e.factors[0] if isinstance(e, Product) else e
+    if isinstance(first, Number):
+        bits = max(first.value.numerator.bit_length(), first.value.denominator.bit_length())
+        if bits > FORMULA_LIMITS.number_bits:
+            raise CheckError("number too large or too fine", allowed=f"at most {FORMULA_LIMITS.number_bits} bits")
+    return e
+
+
 def refusal(text: str, offset: int, start: Location) -> CheckError:
     """The message for text that the grammar does not know."""
     where = place(text, offset, start)
@@ -55,6 +70,7 @@ def refusal(text: str, offset: int, start: Location) -> CheckError:
     if not rest.strip():
         return CheckError("formula ends too early", remedy="check brackets and braces", location=where)
     if match := _LONG_SCRIPT.match(text, _script_before(text, offset)):
+        where = place(text, match.start(), start)
         mark, script = match[1], match[2]
         shown = f"LaTeX prints only {script[0]!r} of {mark}{script} as a script"
         return CheckError(shown, remedy=f"write {mark}{{{script}}}", location=where)

@@ -26,6 +26,7 @@ _KEYS = ("source", "algorithm", *SETS, *UNREAD)
 _EQUATION = ("correct", "kind", "note", "variants", "implied", "duplicate")
 _LOOP = ("id", "printed_stop", "correct_stop")
 _TOLERANCE = 1e-10
+_SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": "Newton-Euler, link frame"}
 
 
 def check_methods(root: document.Mapping, source: str) -> FileReport:
@@ -58,7 +59,7 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
     result = tree.word(item, "result", RESULTS, "")
     known = [case for case in cases(name) if joint in ("any", case.joint)]
     erratum = tree.word(item, "status", ("ok", "erratum"), "ok") == "erratum"
-    shown = f"{name} {tree.scalar(item.entries['id'][1], 'id').text} ({joint})"
+    shown = f"{_SHOWN[name]}: {tree.scalar(item.entries['id'][1], 'id').text} ({joint} joint)"
     right = tree.child(item, "correct")
     for key, role in (("printed", Role.EQUATION), ("correct", Role.CORRECTION)):
         text = tree.child(item, key)

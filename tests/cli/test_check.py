@@ -113,8 +113,8 @@ def test_the_report_is_a_page_for_a_colleague(folder: Path) -> None:
     done = derive("check", "right.yaml", "wrong.yaml", "--report", "errata.md", folder=folder)
     page = (folder / "errata.md").read_text(encoding="utf-8")
     assert done.status == 1
-    assert page.startswith("# Errata\n\n2 formulas compared; 1 are wrong, in 1 places.")
-    assert "- printed: `a1*c1 + a2*c2`\n- right: `a1*c1 + a2*c12`\n- change: index: c12 instead of c2" in page
+    assert page.startswith("# Errata\n\n2 formulas compared: 1 wrong, at 1 place;")
+    assert "- printed: `a1*c1 + a2*c2`\n- right: `a1*c1 + a2*c12`\n- change: `index: c12 instead of c2 in a2*c2`" in page
 
 
 def test_a_report_that_cannot_be_written_ends_with_2(folder: Path) -> None:

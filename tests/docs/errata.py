@@ -1,0 +1,43 @@
+"""Writes docs/errata.md from the lecture corpus: ``python -m tests.docs.errata``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from derive.check.errata import Printout, errata_report
+from derive.check.files import check_path
+from derive.emit.text_printer import TextPrinter
+from tests.lectures.results import CORPUS
+
+PAGE = Path(__file__).parents[2] / "docs" / "errata.md"
+TITLES = {
+    "000": "Document 000: lecture notes on robot kinematics and mechatronics (C. Laschi)",
+    "001": "Document 001: lecture slides 'Cinematica degli scheletri' (N. A. Borghese)",
+    "002": "Document 002: lecture slides 'Cinemática Direta' (USP)",
+    "003": "Document 003: lecture slides on direct kinematics (A. De Luca)",
+    "004": "Document 004: report on the SCARA manipulator (University of Perugia)",
+}
+HEAD = (
+    "What `derive check` finds wrong in five lecture documents. This page is written by the command itself "
+    "(`make errata`). Formulas are in the shorthand of the notes: `c12` is the cosine of the sum of the first two "
+    "joint angles, `**` a power. In the Newton-Euler equations `w`, `wd`, `v`, `vd` are velocities and accelerations, "
+    "`@` is the product with a matrix."
+)
+
+
+def printouts() -> list[Printout]:
+    """Every file of the corpus, checked."""
+    checked = (check_path(str(path)) for path in sorted(CORPUS.glob("*.yaml")))
+    return [Printout(report, TextPrinter(robot).doprint) for report, robot in checked]
+
+
+def page() -> str:
+    """The page as it should be."""
+    found = printouts()
+    documents = {finding.remark.document.title for p in found for finding in p.report.findings}
+    documents |= {p.report.document.title for p in found}
+    return errata_report(found, {name: TITLES[name[:3]] for name in documents if name}, HEAD)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
