@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from enum import Enum
 from fractions import Fraction
 from functools import cached_property
 
 from derive.algebra.angles import decompose
 from derive.algebra.atoms import MAX_MULTIPLE, SPECIAL, Atoms, canonical, collect, split_pi, square_free
+from derive.algebra.generators import Generator, Kind, robot_angles, robot_values, scaled
 from derive.algebra.groups import contracted_groups
 from derive.algebra.ring import Polynomial, Relation, Ring
 from derive.errors import ExpressionError
@@ -26,63 +25,6 @@ from derive.robot.expression import (
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Joint, Robot
 from derive.robot.style import Contraction
-
-
-class Kind(Enum):
-    """What a generator stands for."""
-
-    INVERSE = "inverse"
-    ROOT = "root"
-    PRIME_ROOT = "prime root"
-    SINE = "sine of a joint angle"
-    COSINE = "cosine of a joint angle"
-    CONSTANT_SINE = "sine of a constant angle"
-    CONSTANT_COSINE = "cosine of a constant angle"
-    VARIABLE = "prismatic variable"
-    ACCELERATION = "acceleration"
-    RATE = "rate"
-    PARAMETER = "parameter"
-    PI = "pi"
-
-
-@dataclass(frozen=True, slots=True)
-class Generator:
-    """One generator of the ring.
-
-    Attributes:
-        kind: What it stands for.
-        name: Unique name in the ring.
-        argument: The expression that it is a function of (the symbol itself for names).
-        joint: Index of the joint it belongs to, or -1.
-    """
-
-    kind: Kind
-    name: str
-    argument: Expression
-    joint: int = -1
-
-
-def robot_values(robot: Robot) -> Iterator[Expression]:
-    """Every cell of the robot that is not an angle."""
-    for joint in robot.joints:
-        yield joint.a
-        yield joint.d
-    for matrix in (robot.base, robot.tool):
-        yield from (cell for row in matrix for cell in row)
-    yield from robot.gravity or ()
-    for link in robot.links:
-        tensor = link.inertia
-        yield from (link.mass, *link.com, link.armature, link.viscous, link.coulomb)
-        yield from (tensor.xx, tensor.yy, tensor.zz, tensor.xy, tensor.xz, tensor.yz)
-        if link.motor is not None:
-            yield from (link.motor.mass, link.motor.inertia, link.motor.ratio)
-
-
-def robot_angles(robot: Robot) -> Iterator[Expression]:
-    """Every constant angle of the table."""
-    for joint in robot.joints:
-        yield joint.theta
-        yield joint.alpha
 
 
 class PolynomialDomain:
@@ -148,7 +90,7 @@ class PolynomialDomain:
     def angle_sum(self, members: tuple[int, ...]) -> Expression:
         """The sum of some angles of a group, the first of them positive."""
         first = self.directions[members[0]]
-        terms = [_scaled(Name(self.robot.joints[m].variable), Fraction(first * self.directions[m])) for m in members]
+        terms = [scaled(Name(self.robot.joints[m].variable), Fraction(first * self.directions[m])) for m in members]
         return terms[0] if len(terms) == 1 else Sum(tuple(terms))
 
     def _key(self, index: int) -> str:
@@ -156,11 +98,11 @@ class PolynomialDomain:
 
     def _constant_units(self, atoms: Atoms) -> list[Expression]:
         units = [
-            _scaled(unit, Fraction(1, divisor))
+            scaled(unit, Fraction(1, divisor))
             for unit, divisor in atoms.units.items()
             if not (isinstance(unit, Name) and self._is_angle(unit.name))
         ]
-        return units + [_scaled(Pi(), rest) for rest in atoms.pi_rests]
+        return units + [scaled(Pi(), rest) for rest in atoms.pi_rests]
 
     def _variables(self) -> Iterator[Generator]:
         variables = [(i, j.variable) for i, j in enumerate(self.robot.joints)]
@@ -307,7 +249,7 @@ class PolynomialDomain:
         if rest == 0:
             return ring.one, ring.zero
         if rest not in SPECIAL:
-            key = repr(_scaled(Pi(), rest))
+            key = repr(scaled(Pi(), rest))
             return ring.generator(f"cos {key}"), ring.generator(f"sin {key}")
         half = Fraction(1, 2)
         first = half * ring.generator(f"sqrt {SPECIAL[rest][0]}")
@@ -338,7 +280,7 @@ class PolynomialDomain:
         if isinstance(unit, Name) and self._is_angle(unit.name):
             return self.cosine_sine_of(self._joint[unit.name]), 1
         divisor = self.atoms.units[unit]
-        key = repr(_scaled(unit, Fraction(1, divisor)))
+        key = repr(scaled(unit, Fraction(1, divisor)))
         return (self.ring.generator(f"cos {key}"), self.ring.generator(f"sin {key}")), divisor
 
     def _is_angle(self, name: str) -> bool:
@@ -382,10 +324,6 @@ def _basis_angles(
             yield group[: group.index(i) + 1]
         else:
             yield (i,) if group else ()
-
-
-def _scaled(unit: Expression, k: Fraction) -> Expression:
-    return unit if k == 1 else Product((Number(k), unit))
 
 
 def _add_angles(a: tuple[Polynomial, Polynomial], b: tuple[Polynomial, Polynomial]) -> tuple[Polynomial, Polynomial]:

@@ -15,8 +15,9 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.domain import Kind, PolynomialDomain
+from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factoring import product_form
+from derive.algebra.generators import Kind
 from derive.algebra.plan import Level, Plan, Plus, Term, Times, factored, flat, grouped, nested
 from derive.algebra.products import ProductBuilder
 from derive.algebra.ring import Polynomial

@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 from sympy.core.basic import Basic
 
-from derive.algebra.domain import Kind
+from derive.algebra.generators import Kind
 from derive.algebra.terms import FactorTable, Monomial
 from derive.algebra.to_sympy import factor_to_sympy
 

@@ -10,7 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from derive.algebra.atoms import Atoms, canonical, collect
-from derive.algebra.domain import Kind, PolynomialDomain
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError
 from derive.robot.arithmetic import substitute

@@ -8,7 +8,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from derive.algebra.contraction import Contracted, contract
-from derive.algebra.domain import Generator, Kind, PolynomialDomain
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Generator, Kind
 from derive.algebra.ring import Polynomial
 from derive.robot.expression import Expression
 

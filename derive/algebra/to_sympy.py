@@ -7,7 +7,8 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.domain import Kind, PolynomialDomain
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Kind
 from derive.algebra.terms import Factor
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 

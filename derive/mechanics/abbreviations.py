@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.domain import Kind
+from derive.algebra.generators import Kind
 from derive.algebra.lecture_form import LectureForm
 from derive.algebra.plan import partition
 from derive.algebra.ring import Polynomial
