@@ -21,7 +21,7 @@ from derive.robot.expression import Call, Expression, Name, Product, Sum, childr
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
-MAX_WORK = 8_000_000
+MAX_WORK = 4_000_000
 """Float operations, about, spent on one formula; beyond them no change is named."""
 
 MAX_TERMS = 400
@@ -140,6 +140,8 @@ class _Search:
         places = self.places(self.question.printed)
         for kind in PAIRED:
             firsts = [edit for place in places for edit in edits(place, self.words, frozenset({kind}))]
+            if len(firsts) ** 2 * (WORK_OF_EDIT + len(places)) > MAX_WORK:
+                continue
             pairs: list[tuple[Edit, ...]] = [
                 (first, second) for first in firsts for second in self.hits(self.places(_changed(first)), kind)
             ]
