@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
-from derive.check.edits import Edit, Kind, Vocabulary, edits, ordinal
-from derive.check.shorthand import notation_text
+from derive.check.changes import changes_text
+from derive.check.edits import Edit, Kind, Vocabulary, edits
 from derive.check.spots import Evaluator, Spot, is_token, spots
 from derive.errors import DeriveError
 from derive.mechanics.equality import compare
@@ -100,9 +100,7 @@ def diagnose(question: Question) -> Repair | None:
     found = search.single() or search.double()
     if found is None:
         return None
-    texts = [_text(edit, question.robot) for edit in found]
-    text = texts[0] if len(texts) == 1 else f"{len(texts)} changes: {'; '.join(texts)}"
-    return Repair(tuple(edit.kind for edit in found), text, _changed(found[-1]))
+    return Repair(tuple(edit.kind for edit in found), changes_text(found, question.robot), _changed(found[-1]))
 
 
 class _Search:
@@ -261,29 +259,3 @@ def _changed(edit: Edit) -> Expression:
 
 def _size(e: Expression) -> int:
     return sum(1 for _ in _nodes(e))
-
-
-def _text(edit: Edit, robot: Robot) -> str:
-    def shown(e: Expression) -> str:
-        return notation_text(e, robot)
-
-    parent = edit.place.parent
-    match edit:
-        case Edit(kind=Kind.SIGN, new=None) if parent is None:
-            whole = f"sign: {shown(edit.node)} instead of {shown(edit.old)}"
-            return "sign of the whole" if isinstance(edit.old, Sum) else whole
-        case Edit(kind=Kind.SIGN, new=None) if parent is not None:
-            place = f" of {shown(parent)}" if edit.place.depth > 1 else ""
-            return f"sign of the {ordinal(edit.place.index + 1)} term{place}, {shown(edit.old)}"
-        case Edit(kind=Kind.EXTRA_TERM):
-            return f"extra term: {shown(edit.old)}"
-        case Edit(kind=Kind.EXTRA_FACTOR):
-            return f"extra factor: {shown(edit.old)} in {shown(edit.place.node)}"
-        case Edit(kind=Kind.MISSING_FACTOR, new=new) if new is not None:
-            return f"missing factor: {shown(new)} of {shown(edit.old)}"
-        case Edit(kind=Kind.MISSING_TERM, new=new) if new is not None:
-            return f"missing term: {shown(new)}" + (f" beside {shown(edit.old)}" if parent is not None else "")
-        case Edit(new=new) if new is not None:
-            context = f" in {shown(parent)}" if isinstance(parent, Product) else ""
-            return f"{edit.kind.words}: {shown(new)} instead of {shown(edit.old)}{context}"
-    raise ValueError(edit.kind)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -57,7 +57,7 @@ class Judgement:
         return self.outcome in (Outcome.SAME_FORM, Outcome.EQUAL)
 
 
-@cache
+@lru_cache(maxsize=10_000)
 def judge(finding: Finding) -> Judgement:
     """The verdict on a comparison.
 

@@ -61,7 +61,7 @@ def test_a_slip_in_a_product_is_found_and_repaired(tmp_path: Path) -> None:
 )
 def test_frames_that_cannot_be_read_are_refused(tmp_path: Path, found: str, instead: str, message: str) -> None:
     assert found in FRAMES
-    with pytest.raises(DeriveError, match="file.yaml") as caught:
+    with pytest.raises(DeriveError, match=r"file\.yaml") as caught:
         check(tmp_path, FRAMES.replace(found, instead))
     assert message in str(caught.value)
 
@@ -119,5 +119,5 @@ def test_equations_that_cannot_be_read_are_refused(tmp_path: Path, printed: str,
 
 
 def test_a_file_of_another_kind_is_refused_as_before(tmp_path: Path) -> None:
-    with pytest.raises(DeriveError, match="file.yaml"):
+    with pytest.raises(DeriveError, match=r"file\.yaml"):
         check(tmp_path, "something: else\n")

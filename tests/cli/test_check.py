@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
 
+from derive.cli import main
 from tests.check.test_corpus_file import ARM
 from tests.cli.command import derive, is_one_message
 
@@ -114,7 +116,24 @@ def test_the_report_is_a_page_for_a_colleague(folder: Path) -> None:
     page = (folder / "errata.md").read_text(encoding="utf-8")
     assert done.status == 1
     assert page.startswith("# Errata\n\n2 formulas compared: 1 wrong, at 1 place;")
-    assert "- printed: `a1*c1 + a2*c2`\n- right: `a1*c1 + a2*c12`\n- change: `index: c12 instead of c2 in a2*c2`" in page
+    entry = page[page.index("- printed:") :].splitlines()
+    assert entry[:3] == [
+        "- printed: `a1*c1 + a2*c2`",
+        "- right: `a1*c1 + a2*c12`",
+        "- change: `index: c12 instead of c2 in a2*c2`",
+    ]
+
+
+def test_a_terminal_shows_a_table(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "160")
+    assert main(["check", str(folder / "wrong.yaml")]) == 1
+    shown = capsys.readouterr().out
+    assert "change" in shown
+    assert "index: c12 instead of c2 in a2*c2" in shown
+    assert shown.rstrip().endswith("0 equal, 1 wrong")
 
 
 def test_a_report_that_cannot_be_written_ends_with_2(folder: Path) -> None:
