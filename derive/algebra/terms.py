@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
@@ -122,42 +122,33 @@ class FactorTable:
 
     def _contract_group(self, rows: list[Row], group: GroupPlaces) -> list[Row]:
         """Replace the generators of one group, coefficient by coefficient of everything else."""
-        parts: dict[object, tuple[Row, list[tuple[tuple[int, ...], Fraction]]]] = {}
-        result: list[Row] = []
+        parts: dict[object, list[Row]] = {}
+        others: list[Row] = []
         for item in rows:
-            row, trig, coefficient = item
-            if group.own.isdisjoint(row):
-                result.append(item)
+            if group.own.isdisjoint(item[0]):
+                others.append(item)
                 continue
-            rest = {i: e for i, e in row.items() if i not in group.own}
-            exponents = tuple(row.get(i, 0) for i in group.places)
-            coefficient *= self._own_sign(group, exponents)
-            key = (tuple(rest.items()), trig)
-            parts.setdefault(key, ((rest, trig, coefficient), []))[1].append((exponents, coefficient))
-        return self._with_constants(result, parts, group)
-
-    def _with_constants(
-        self,
-        others: list[Row],
-        parts: dict[object, tuple[Row, list[tuple[tuple[int, ...], Fraction]]]],
-        group: GroupPlaces,
-    ) -> list[Row]:
-        """The contracted rows; a row without the group is the constant term of its part: 1 - c^2 must meet its 1."""
-        none = (0,) * len(group.places)
+            rest = tuple(pair for pair in item[0].items() if pair[0] not in group.own)
+            parts.setdefault((rest, item[1]), []).append(item)
         result: list[Row] = []
-        for row, trig, coefficient in others:
-            key = (tuple(row.items()), trig)
-            if key in parts:
-                parts[key][1].append((none, coefficient))
-            else:
-                result.append((row, trig, coefficient))
-        for (rest, trig, _), items in parts.values():
-            numbers = tuple(sorted((e, c.numerator, c.denominator) for e, c in items))
-            for term in contract(len(group.joints), group.sums, numbers):
-                factors = trig + self._trig(group.joints, term)
-                sign = self._run_sign(group.joints, term)
-                result.append((rest, factors, Fraction(sign * term.numerator, term.denominator)))
+        for item in others:
+            # the constant term of a part belongs to it: 1 - c^2 must meet its 1
+            parts.get((tuple(item[0].items()), item[1]), result).append(item)
+        for part in parts.values():
+            result.extend(part if len(part) == 1 else self._contract_part(part, group))
         return result
+
+    def _contract_part(self, part: list[Row], group: GroupPlaces) -> Iterator[Row]:
+        """Terms that differ in the generators of one group only."""
+        row, trig, _ = part[0]
+        rest = {i: e for i, e in row.items() if i not in group.own}
+        items = []
+        for other, _, coefficient in part:
+            exponents = tuple(other.get(i, 0) for i in group.places)
+            items.append((exponents, self._own_sign(group, exponents) * coefficient.numerator, coefficient.denominator))
+        for term in contract(len(group.joints), group.sums, tuple(sorted(items))):
+            coefficient = Fraction(self._run_sign(group.joints, term) * term.numerator, term.denominator)
+            yield rest, trig + self._trig(group.joints, term), coefficient
 
     def _own_sign(self, group: GroupPlaces, exponents: tuple[int, ...]) -> int:
         """The sign that turns sines of single angles into sines of angles counted in the sense of the group."""
