@@ -79,3 +79,13 @@ def test_make_targets_that_a_page_names_exist(page: Path) -> None:
 def test_page_of_quantities_names_every_quantity() -> None:
     text = (ROOT / "docs" / "quantities.md").read_text(encoding="utf-8")
     assert not [name for name in REGISTRY if f"`{name}`" not in text and f"`{name}[" not in text]
+
+
+def test_every_page_can_be_reached_from_another() -> None:
+    linked = {
+        (page.parent / target).resolve()
+        for page in PAGES
+        for target in LINK.findall(page.read_text(encoding="utf-8"))
+        if "://" not in target
+    }
+    assert not [name(page) for page in PAGES if page.name != "README.md" and page.resolve() not in linked]
