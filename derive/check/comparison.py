@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 
 from derive.check.diagnosis import Question
-from derive.check.findings import FileReport, Finding, Role
+from derive.check.findings import FileReport, Finding, Role, undecidable
 from derive.check.latex_formula import read_latex
 from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
 from derive.check.solutions import solution_findings
@@ -109,10 +109,12 @@ def _entry(
             allowed=f"rows 1 to {right.shape[0]}, columns 1 to {right.shape[1]}",
             location=entry.location,
         )
+    row, column = _shown_place(right, entry)
+    if entry.unknown is not None:
+        return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown, erratum, item.remark)
     derived = right[entry.row - 1, entry.column - 1]
     question = Question(model.robot, entry.formula, expression_from_sympy(derived))
     verdict = _compared(question, entry)
-    row, column = _shown_place(right, entry)
     where = entry.location
     return Finding(
         item.quantity, row, column, role, entry.text, verdict, derived, where, erratum, question, remark=item.remark
@@ -143,11 +145,13 @@ def _rest(model: Model, item: PrintedQuantity, right: Matrix) -> Iterator[Findin
 
 def _identity(model: Model, identity: Identity) -> Finding:
     left, right = identity.left, identity.right
+    erratum = identity.status == "erratum"
+    if unknown := left.unknown or right.unknown:
+        return undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum)
     try:
         verdict = compare(model.robot, left.formula, right.formula)
     except DeriveError as error:
         raise error.at(right.location) from None
-    erratum = identity.status == "erratum"
     question = Question(model.robot, right.formula, left.formula)
     return Finding(left.text, 0, 0, Role.IDENTITY, right.text, verdict, left.text, right.location, erratum, question)
 

@@ -1,24 +1,24 @@
 """Corpus files: a block ``robot:`` and the list ``expected:`` of what some notes print about it.
 
-Every formula is read here, so that a text that cannot be read is reported with its line and column.
+Every formula is read here, so that a text that cannot be read is reported with its line and column. One with an unknown
+name is kept: nothing can be said about it, but about the others.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 from derive.check import tree
 from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.check.printed_reader import NO_NAMES, Vocabulary, read_printed
 from derive.check.remarks import printed_in, remark
 from derive.check.solution_reader import SolutionReader
 from derive.errors import CheckError, Location
 from derive.robot import document
-from derive.robot.document import Node, Scalar
-from derive.robot.expression import Expression
+from derive.robot.document import Node
 from derive.robot.load import file_bytes, robot_from_bytes
-from derive.robot.notation import read_formula
 from derive.robot.robot import Robot
 from derive.robot.source import read_tree
 from derive.robot.wording import quoted
@@ -33,7 +33,6 @@ _REMARKS = ("printed_as", "note", "duplicate", "implied")
 _PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
 
 Place = tuple[int, int]
-Abbreviations = Mapping[str, Expression]
 
 
 def read_corpus_file(path: str) -> CorpusFile:
@@ -120,10 +119,10 @@ class _Reader:
             )
         return tuple(self.matrix(rows)), (len(rows), len(rows[0]))
 
-    def matrix(self, rows: list[list[Node]], short: Abbreviations | None = None) -> Iterator[Printed]:
+    def matrix(self, rows: list[list[Node]], short: Vocabulary = NO_NAMES) -> Iterator[Printed]:
         for i, row in enumerate(rows, 1):
             for j, cell in enumerate(row, 1):
-                yield self.printed((i, j), tree.scalar(cell, "an entry"), short)
+                yield read_printed(tree.scalar(cell, "an entry"), self.robot, short, (i, j))
 
     def placed(self, node: Node, what: str) -> Iterator[Printed]:
         """Formulas under keys such as ``1,4``, or ``3`` for a vector."""
@@ -138,16 +137,16 @@ class _Reader:
                     location=key.location,
                 )
             seen.add(place)
-            yield self.printed(place, tree.scalar(value, "an entry"))
+            yield read_printed(tree.scalar(value, "an entry"), self.robot, place=place)
 
     def abbreviated(self, item: document.Mapping) -> tuple[Printed, ...]:
         node = tree.child(item, "abbreviated")
         if node is None:
             return ()
-        short: dict[str, Expression] = {}
+        short = NO_NAMES
         names = tree.child(item, "abbreviations")
         for key, value in tree.mapping(names, "abbreviations").entries.values() if names else ():
-            short[key.text] = self.formula(tree.scalar(value, "an abbreviation"), short)
+            short = short.defining(key.text, read_printed(tree.scalar(value, "an abbreviation"), self.robot, short))
         rows = [tree.items(row, "a row of 'abbreviated'") for row in tree.items(node, "abbreviated")]
         return tuple(self.matrix(rows, short))
 
@@ -167,7 +166,7 @@ class _Reader:
 
     def identity(self, node: Node) -> Identity:
         item = tree.mapping(node, "an identity", ("left", "right"), ("status", *_REMARKS))
-        left, right = (self.printed((1, 1), tree.scalar(item.entries[side][1], side)) for side in ("left", "right"))
+        left, right = (read_printed(tree.scalar(item.entries[side][1], side), self.robot) for side in ("left", "right"))
         return Identity(left, right, tree.word(item, "status", ("ok", "erratum"), "ok"))
 
     def factorisation(self, node: Node) -> Factorisation:
@@ -177,16 +176,3 @@ class _Reader:
             raise CheckError("factorisation without factors", remedy="name two or more", location=item.location)
         names = tuple(tree.scalar(factor, "a factor").text for factor in factors)
         return Factorisation(tree.scalar(item.entries["of"][1], "of").text, names, item.location)
-
-    def printed(self, place: Place, text: Scalar, short: Abbreviations | None = None) -> Printed:
-        return Printed(*place, text.text, self.formula(text, short), text.inner)
-
-    def formula(self, text: Scalar, short: Abbreviations | None = None) -> Expression:
-        try:
-            return read_formula(text.text, self.robot, text.inner, short)
-        except CheckError as error:
-            if text.verbatim:
-                raise
-            raise CheckError(
-                error.found, allowed=error.allowed, remedy=error.remedy, location=text.location
-            ) from None

@@ -8,7 +8,16 @@ from itertools import groupby
 
 from derive.check.findings import FileReport, Finding, Role
 from derive.check.printed import Document
-from derive.check.report import Printer, difference_text, numbers, repaired_text, right_corrections, right_text
+from derive.check.report import (
+    Printer,
+    difference_text,
+    numbers,
+    repaired_text,
+    right_corrections,
+    right_text,
+    unknown_name,
+    what,
+)
 from derive.check.verdicts import judge
 
 TITLE = "# Errata"
@@ -70,6 +79,7 @@ def errata_report(printouts: Sequence[Printout], titles: Mapping[str, str] | Non
     if conventions:
         lines += ["## Other conventions, not errors", ""]
         lines += [line for item in conventions for line in (*_lines(item), "")]
+    lines += _undecidable(printouts)
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -84,6 +94,16 @@ def _items(printout: Printout) -> Iterator[Item]:
             yield Item(findings, printout, document)
 
 
+def _undecidable(printouts: Sequence[Printout]) -> list[str]:
+    """The formulas about which nothing can be said, each with its place in the file."""
+    found = [f for printout in printouts for f in printout.report.undecidable]
+    lines = [
+        f"- {_code(str(f.location))}: {_plain(what(f))}, printed {_code(f.text)}: {_plain(unknown_name(f))}"
+        for f in found
+    ]
+    return ["## Undecidable: unknown names", "", *lines] if found else []
+
+
 def _is_error(finding: Finding) -> bool:
     return finding.remark.kind != "convention"
 
@@ -93,13 +113,16 @@ def _kind(item: Item) -> str:
 
 
 def _count(errors: Sequence[Item], printouts: Sequence[Printout]) -> str:
-    total = sum(1 for p in printouts for f in p.report.findings if f.role is not Role.CORRECTION)
+    decided = [f for p in printouts for f in p.report.findings if f.unknown is None]
+    total = sum(f.role is not Role.CORRECTION for f in decided)
+    undecidable = sum(len(p.report.undecidable) for p in printouts)
     entries = sum(len(item.findings) for item in errors)
     found = sum(judge(item.findings[0]).repair is not None for item in errors)
     places = f"{len(errors)} {'place' if len(errors) == 1 else 'places'}"
+    rest = f" Of {undecidable} more nothing can be said: names that the robot does not know." if undecidable else ""
     return (
         f"{total} formulas compared: {entries} wrong, at {places}; the smallest change that repairs the formula is "
-        f"named for {found} of them."
+        f"named for {found} of them.{rest}"
     )
 
 

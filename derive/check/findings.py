@@ -8,10 +8,13 @@ from typing import Any
 
 from derive.check.diagnosis import Question, Repair
 from derive.check.printed import NO_DOCUMENT, NO_REMARK, Document, Remark
-from derive.errors import Location
+from derive.errors import Location, UnknownNameError
 from derive.mechanics.equality import Verdict
 
 Expr = Any
+
+NOTHING_KNOWN = Verdict(equal=False, exact=True)
+"""Stands where no verdict is possible."""
 
 
 class Role(Enum):
@@ -38,13 +41,14 @@ class Finding:
         column: Column of the entry, from 1; 0 where the whole is a vector or one formula.
         role: What the formula is in its file.
         text: The formula as printed.
-        verdict: Whether it is right.
+        verdict: Whether it is right; `NOTHING_KNOWN` where that cannot be decided.
         right: The derived formula.
         location: Where it stands.
         erratum: Whether the file marks it as wrong.
         question: What a search for the slip starts from; None where the formula is no single tree.
         repair: What repairs it, where that was found with the comparison.
         remark: What the file says about it.
+        unknown: The name that the robot does not know, where the formula has one: nothing can be decided.
     """
 
     quantity: str
@@ -59,6 +63,7 @@ class Finding:
     question: Question | None = None
     repair: Repair | None = None
     remark: Remark = NO_REMARK
+    unknown: UnknownNameError | None = None
 
     @property
     def entry(self) -> str:
@@ -66,6 +71,30 @@ class Finding:
         indices = ",".join(str(i) for i in (self.row, self.column) if i)
         bracket = "[]" if self.quantity == "T" else ""
         return f"{self.quantity}{bracket}[{indices}]" if indices else self.quantity
+
+
+def undecidable(
+    quantity: str,
+    place: tuple[int, int],
+    role: Role,
+    text: str,
+    unknown: UnknownNameError,
+    erratum: bool,
+    remark: Remark = NO_REMARK,
+) -> Finding:
+    """A formula with an unknown name; it is placed at that name.
+
+    Args:
+        quantity: What it is printed for.
+        place: Row and column of the entry, 0 where it has none.
+        role: What the formula is in its file.
+        text: The formula as printed.
+        unknown: The name, with its place and the nearest known ones.
+        erratum: Whether the file marks it as wrong.
+        remark: What the file says about it.
+    """
+    where = unknown.location or Location("")
+    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, erratum, remark=remark, unknown=unknown)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +118,19 @@ class FileReport:
     @property
     def wrong(self) -> tuple[Finding, ...]:
         """The comparisons that found a difference."""
-        return tuple(finding for finding in self.findings if not finding.verdict.equal)
+        return tuple(f for f in self.findings if f.unknown is None and not f.verdict.equal)
+
+    @property
+    def undecidable(self) -> tuple[Finding, ...]:
+        """The formulas about which nothing can be said, because of a name that the robot does not know."""
+        return tuple(f for f in self.findings if f.unknown is not None)
+
+    @property
+    def equal(self) -> int:
+        """How many formulas are right as printed."""
+        return len(self.findings) - len(self.wrong) - len(self.undecidable)
 
     @property
     def passed(self) -> bool:
         """Whether everything is right as printed."""
-        return not self.wrong
+        return not self.wrong and not self.undecidable

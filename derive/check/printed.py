@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from derive.errors import Location
+from derive.errors import Location, UnknownNameError
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 
@@ -51,8 +51,9 @@ class Printed:
         row: Row of the entry, from 1.
         column: Column of the entry, from 1.
         text: As it is printed.
-        formula: What it says, in the robot's own names.
+        formula: What it says, in the robot's own names; zero where that is unknown.
         location: Where it stands.
+        unknown: The name that the robot does not know, if there is one.
     """
 
     row: int
@@ -60,6 +61,7 @@ class Printed:
     text: str
     formula: Expression
     location: Location
+    unknown: UnknownNameError | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ MAX_TERMS = 6
 
 
 def report_lines(report: FileReport, printer: Printer) -> list[str]:
-    """The report of one file: what is wrong, each with the right formula and what repairs it, then the count.
+    """The report of one file: what is wrong, the right formula and what repairs it, what is undecidable, the count.
 
     Args:
         report: The comparisons.
@@ -33,6 +33,8 @@ def report_lines(report: FileReport, printer: Printer) -> list[str]:
         lines += finding_lines(finding, printer)
         if finding.erratum and finding.entry in corrections:
             lines.append(f"  its correction is right: {cut(corrections[finding.entry].text)}")
+    for finding in report.undecidable:
+        lines += finding_lines(finding, printer)
     lines.append(f"{report.source}: {summary(report)}")
     return lines
 
@@ -44,12 +46,12 @@ def right_corrections(report: FileReport) -> dict[str, Finding]:
 
 def summary(report: FileReport) -> str:
     """``173 equal (120 in the same form), 6 wrong``, with what was compared at points only or not at all."""
-    total, wrong = len(report.findings), len(report.wrong)
     same = sum(judge(finding).outcome is Outcome.SAME_FORM for finding in report.findings)
     known = sum(finding.erratum for finding in report.wrong)
     numeric = sum(not finding.verdict.exact for finding in report.findings)
-    text = f"{total - wrong} equal" + (f" ({same} in the same form)" if same else "") + f", {wrong} wrong"
+    text = f"{report.equal} equal" + (f" ({same} in the same form)" if same else "") + f", {len(report.wrong)} wrong"
     text += f" ({known} marked as errata)" if known else ""
+    text += f", {len(report.undecidable)} undecidable" if report.undecidable else ""
     text += f"; {numeric} compared at random points only" if numeric else ""
     return text + (f"; not compared: {', '.join(report.unread)}" if report.unread else "")
 
@@ -64,6 +66,9 @@ def finding_lines(finding: Finding, printer: Printer) -> Iterator[str]:
         case Outcome.EQUAL:
             yield f"{what(finding)}: equal" + ("" if finding.verdict.exact else ", at random points")
             yield f"  ours: {cut(right_text(finding, printer))}"
+            return
+        case Outcome.UNDECIDABLE:
+            yield f"{finding.location}: {what(finding)}: {verdict.outcome}: {unknown_name(finding)}"
             return
     yield f"{finding.location}: {what(finding)} is wrong: {cut(finding.text)}"
     yield f"  right: {cut(right_text(finding, printer))}"
@@ -80,8 +85,9 @@ def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
     return {
         "file": report.source,
         "robot": report.robot,
-        "equal": len(report.findings) - len(report.wrong),
+        "equal": report.equal,
         "wrong": len(report.wrong),
+        "undecidable": len(report.undecidable),
         "not_compared": list(report.unread),
         "entries": [finding_dict(finding, printer) for finding in report.findings],
     }
@@ -101,6 +107,8 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
         "line": finding.location.line,
         "column": finding.location.column,
     }
+    if finding.unknown is not None:
+        return {**entry, "equal": None, "exact": None, "reason": str(finding.unknown)}
     if verdict.outcome is not Outcome.SAME_FORM:
         entry["right"] = right_text(finding, printer)
     if not finding.verdict.equal:
@@ -134,6 +142,12 @@ def difference_text(verdict: Judgement, printer: Printer) -> str:
         return ""
     first, *rest = [printer(term) for term in verdict.difference]
     return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in rest)
+
+
+def unknown_name(finding: Finding) -> str:
+    """The name that the robot does not know, and the nearest known ones; empty where all are known."""
+    error = finding.unknown
+    return "; ".join(part for part in (error.found, error.allowed, error.remedy) if part) if error else ""
 
 
 def what(finding: Finding) -> str:

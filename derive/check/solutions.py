@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from derive.algebra.to_sympy import expression_to_sympy
 from derive.check.diagnosis import Question
-from derive.check.findings import Finding, Role
+from derive.check.findings import Finding, Role, undecidable
 from derive.check.printed import Printed, Solution
 from derive.check.solution_reader import POSE_NAMES
 from derive.errors import DeriveError
@@ -38,13 +38,15 @@ def solution_findings(model: Model, solutions: Sequence[Solution]) -> Iterator[F
 
 
 def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> Finding:
+    erratum = role is Role.SOLUTION and solution.status == "erratum"
+    if printed.unknown is not None:
+        return undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown, erratum, solution.remark)
     question = _question(model, solution, printed.formula)
     whole = substitute(question.compared(question.printed), dict(question.definitions))
     try:
         verdict = compare(model.robot, question.right, whole)
     except DeriveError as error:
         raise error.at(printed.location) from None
-    erratum = role is Role.SOLUTION and solution.status == "erratum"
     right = solution.correction.text if solution.correction else expression_to_sympy(solution.value)
     verdict = _with_values(verdict, question, solution.value)
     where = printed.location

@@ -65,6 +65,8 @@ def judge(finding: Finding) -> Judgement:
         finding: What was compared.
     """
     question = finding.question
+    if finding.unknown is not None:
+        return Judgement(Outcome.UNDECIDABLE)
     if finding.verdict.equal:
         same = question is not None and same_form(question.printed, question.right)
         return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)

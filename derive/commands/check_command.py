@@ -19,7 +19,8 @@ Read corpus files (a block `robot:` and a list `expected:` of printed quantities
 it has the same form as the derived one, is equal to it, or is wrong. Equality is decided exactly; what is wrong is
 shown with the right expression, the smallest change that repairs it, and numbers at which the two differ. What a file
 marks as an erratum is checked as printed, and its correction too. Printed products of frames (a list `items:`) and
-Newton-Euler equations are read as well.
+Newton-Euler equations are read as well. Of an entry with a name that the robot does not know nothing can be said; the
+other entries of its file are compared all the same.
 
 One formula can be checked without a file, as plain text or as LaTeX:
 
@@ -68,6 +69,8 @@ def _files(arguments: argparse.Namespace) -> int:
         print_json([as_dict(printout.report, printout.printer) for printout in checked])
     else:
         print_reports(checked)
+    if any(printout.report.undecidable for printout in checked):
+        return 2
     return 0 if all(printout.report.passed for printout in checked) else 1
 
 

@@ -34,7 +34,7 @@ def _print_table(printout: Printout) -> None:
     from derive.check.report import summary
 
     report, console = printout.report, Console()
-    if report.wrong:
+    if report.wrong or report.undecidable:
         table = Table("place", "formula", "printed", "right", "change", show_lines=True)
         for row in _rows(printout):
             table.add_row(*(_cell(text) for text in row))
@@ -43,7 +43,7 @@ def _print_table(printout: Printout) -> None:
 
 
 def _rows(printout: Printout) -> Iterator[tuple[str, ...]]:
-    from derive.check.report import difference_text, right_text, what
+    from derive.check.report import difference_text, right_text, unknown_name, what
     from derive.check.verdicts import judge
 
     for finding in printout.report.wrong:
@@ -51,6 +51,9 @@ def _rows(printout: Printout) -> Iterator[tuple[str, ...]]:
         change = verdict.repair.text if verdict.repair else _difference(difference_text(verdict, printout.printer))
         place = f"{finding.location.line}:{finding.location.column}"
         yield place, what(finding), finding.text, right_text(finding, printout.printer), change
+    for finding in printout.report.undecidable:
+        place = f"{finding.location.line}:{finding.location.column}"
+        yield place, what(finding), finding.text, judge(finding).outcome, unknown_name(finding)
 
 
 def _difference(text: str) -> str:

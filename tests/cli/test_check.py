@@ -20,7 +20,7 @@ WRONG = ARM + 'expected:\n  - {quantity: p, entries: {"1": "a1*c1 + a2*c2"}}\n'
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "right.yaml").write_text(RIGHT)
     (tmp_path / "wrong.yaml").write_text(WRONG)
-    (tmp_path / "broken.yaml").write_text(WRONG.replace("c2", "cc"))
+    (tmp_path / "broken.yaml").write_text(WRONG.replace("c2", "(c2"))
     return tmp_path
 
 
@@ -46,7 +46,7 @@ def test_a_formula_that_cannot_be_read_ends_with_2_and_its_place(folder: Path) -
     done = derive("check", "right.yaml", "broken.yaml", folder=folder)
     assert (done.status, done.stdout) == (2, "")
     assert is_one_message(done.stderr)
-    assert "broken.yaml:8:46: unknown name 'cc'" in done.stderr
+    assert "broken.yaml:8:" in done.stderr
 
 
 @pytest.mark.parametrize("arguments", [["missing.yaml"], ["."], ["scara-perugia"], ["x", "--quantity", "T"], []])
@@ -140,3 +140,55 @@ def test_a_report_that_cannot_be_written_ends_with_2(folder: Path) -> None:
     done = derive("check", "right.yaml", "--report", "no/such/folder.md", folder=folder)
     assert done.status == 2
     assert is_one_message(done.stderr)
+
+
+MIXED = ARM + ('expected:\n  - {quantity: p, entries: {"1": "a1*c1 + a2*cc", "2": "a1*s1 - a2*s12", "3": "0"}}\n')
+
+
+@pytest.fixture
+def mixed(folder: Path) -> Path:
+    (folder / "mixed.yaml").write_text(MIXED)
+    return folder
+
+
+def test_an_unknown_name_in_a_file_concerns_its_entry_only(mixed: Path) -> None:
+    done = derive("check", "mixed.yaml", "right.yaml", folder=mixed)
+    lines = done.stdout.splitlines()
+    assert (done.status, done.stderr) == (2, "")
+    assert lines[0] == "mixed.yaml:8:57: p[2] is wrong: a1*s1 - a2*s12"
+    assert lines[-3].startswith("mixed.yaml:8:46: p[1]: undecidable name: unknown name 'cc'; ")
+    assert "did you mean c" in lines[-3]
+    assert lines[-2] == "mixed.yaml: 1 equal (1 in the same form), 1 wrong, 1 undecidable"
+    assert lines[-1] == "right.yaml: 1 equal (1 in the same form), 0 wrong"
+
+
+def test_an_unknown_name_in_a_file_for_programs(mixed: Path) -> None:
+    done = derive("check", "mixed.yaml", "--json", folder=mixed)
+    (report,) = json.loads(done.stdout)
+    assert (done.status, report["equal"], report["wrong"], report["undecidable"]) == (2, 1, 1, 1)
+    first, *others = report["entries"]
+    assert [entry["verdict"] for entry in others] == ["wrong", "same form"]
+    assert (first["verdict"], first["line"], first["column"], first["equal"]) == ("undecidable name", 8, 46, None)
+    assert first["reason"].startswith("mixed.yaml:8:46: unknown name 'cc'; ")
+
+
+def test_an_unknown_name_stands_on_the_page_for_a_colleague(mixed: Path) -> None:
+    done = derive("check", "mixed.yaml", "--report", "errata.md", folder=mixed)
+    page = (mixed / "errata.md").read_text(encoding="utf-8")
+    assert done.status == 2
+    assert page.startswith("# Errata\n\n2 formulas compared: 1 wrong, at 1 place;")
+    heading, line = page.split("## ")[-1].strip().split("\n\n")
+    assert heading == "Undecidable: unknown names"
+    assert line.startswith("- `mixed.yaml:8:46`: p\\[1\\], printed `a1*c1 + a2*cc`: unknown name 'cc'; ")
+
+
+def test_a_terminal_shows_an_unknown_name_in_the_table(
+    mixed: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "300")
+    assert main(["check", str(mixed / "mixed.yaml")]) == 2
+    shown = capsys.readouterr().out
+    assert "undecidable name" in shown
+    assert "unknown name 'cc'" in shown
+    assert shown.rstrip().endswith("1 wrong, 1 undecidable")
