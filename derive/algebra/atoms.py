@@ -28,6 +28,10 @@ MAX_MULTIPLE = 24
 """Largest multiple of one angle unit that is expanded by the addition theorem."""
 
 
+MAX_UNITS = 4
+"""Most constant units of one angle that are told apart; a longer sum is one unit."""
+
+
 def canonical(e: Expression) -> Expression:
     """The tree with the terms of sums and the factors of products in a fixed order."""
     match e:
@@ -85,8 +89,10 @@ class Atoms:
     """What `collect` found, in order of first appearance.
 
     Attributes:
+        joints: Names of joint angles, given.
         names: Plain symbols.
         units: Angle units, each with the common denominator of its coefficients.
+        multiples: The absolute coefficients that occur of each unit.
         pi_rests: Constant angles rest*pi in (0, 1/4) that are not special.
         primes: Primes whose square roots are needed.
         roots: Radicands of the other square roots, innermost first.
@@ -94,8 +100,10 @@ class Atoms:
         has_pi: Whether pi occurs outside of angles.
     """
 
+    joints: frozenset[str] = frozenset()
     names: dict[str, None] = field(default_factory=dict)
     units: dict[Expression, int] = field(default_factory=dict)
+    multiples: dict[Expression, dict[Fraction, None]] = field(default_factory=dict)
     pi_rests: dict[Fraction, None] = field(default_factory=dict)
     primes: dict[int, None] = field(default_factory=dict)
     roots: dict[Expression, None] = field(default_factory=dict)
@@ -104,12 +112,17 @@ class Atoms:
 
     def angle(self, e: Expression) -> None:
         """Record what the sine and cosine of an angle need."""
-        exact = decompose(canonical(e))
+        exact = bundled(decompose(canonical(e)), self.joints)
         self._pi_multiple(exact)
         for unit, k in exact.terms:
             if unit == Number(Fraction(1)):
                 unit, k = Number(abs(k)), Fraction(1)
             self.units[unit] = lcm(self.units.get(unit, 1), k.denominator)
+            self.multiples.setdefault(unit, {})[abs(k)] = None
+
+    def is_common(self, unit: Expression) -> bool:
+        """Whether all multiples of a unit are expanded by the addition theorem from one common part."""
+        return max(self.multiples[unit]) * self.units[unit] <= MAX_MULTIPLE
 
     def _pi_multiple(self, exact: ExactAngle) -> None:
         _, rest = split_pi(exact.pi_multiple)
@@ -155,9 +168,19 @@ class Atoms:
         self.inverses[canonical(base)] = None
 
 
-def collect(values: Iterable[Expression], angles: Iterable[Expression]) -> Atoms:
-    """The atoms of some cell values and some constant angles."""
-    atoms = Atoms()
+def bundled(exact: ExactAngle, joints: frozenset[str]) -> ExactAngle:
+    """The angle with its constant units as one, where there are so many that their addition theorem explodes."""
+    constant = [(u, k) for u, k in exact.terms if not (isinstance(u, Name) and u.name in joints)]
+    if len(constant) <= MAX_UNITS:
+        return exact
+    moving = [term for term in exact.terms if term not in constant]
+    whole = canonical(Sum(tuple(Product((Number(k), u)) for u, k in constant)))
+    return ExactAngle(exact.pi_multiple, (*moving, (whole, Fraction(1))))
+
+
+def collect(values: Iterable[Expression], angles: Iterable[Expression], joints: frozenset[str] = frozenset()) -> Atoms:
+    """The atoms of some cell values and some constant angles, in a ring that has these joint angles."""
+    atoms = Atoms(joints)
     for e in angles:
         atoms.angle(e)
     for e in values:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from derive.algebra.angles import decompose
-from derive.algebra.atoms import MAX_MULTIPLE, SPECIAL, Atoms, canonical, collect, split_pi, square_free
+from derive.algebra.atoms import MAX_MULTIPLE, SPECIAL, Atoms, bundled, canonical, collect, split_pi, square_free
 from derive.algebra.generators import Generator, Kind, robot_angles, robot_values, scaled
 from derive.algebra.groups import contracted_groups
 from derive.algebra.ring import Polynomial, Relation, Ring
@@ -62,7 +62,8 @@ class PolynomialDomain:
         self.angles = tuple(_basis_angles(self.groups, sums, robot.n))
         self._joint = {joint.variable: i for i, joint in enumerate(robot.joints)}
         self._with_rates = rates
-        self.atoms = collect([*robot_values(robot), *extra], robot_angles(robot))
+        self._angles = frozenset(joint.variable for joint in robot.joints if joint.is_revolute)
+        self.atoms = collect([*robot_values(robot), *extra], robot_angles(robot), self._angles)
         self.generators = tuple(self._generators(self.atoms))
         self.ring = Ring([g.name for g in self.generators], max_terms)
         self._relate()
@@ -98,9 +99,10 @@ class PolynomialDomain:
 
     def _constant_units(self, atoms: Atoms) -> list[Expression]:
         units = [
-            scaled(unit, Fraction(1, divisor))
+            scaled(unit, part)
             for unit, divisor in atoms.units.items()
             if not (isinstance(unit, Name) and self._is_angle(unit.name))
+            for part in ([Fraction(1, divisor)] if atoms.is_common(unit) else atoms.multiples[unit])
         ]
         return units + [scaled(Pi(), rest) for rest in atoms.pi_rests]
 
@@ -229,7 +231,7 @@ class PolynomialDomain:
 
     def cosine_sine(self, angle: Expression) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of an angle made of constants and joint variables."""
-        exact = decompose(canonical(angle))
+        exact = bundled(decompose(canonical(angle)), self._angles)
         pair = self._pi_multiple(exact.pi_multiple)
         for unit, k in exact.terms:
             pair = _add_angles(pair, self._unit_multiple(unit, k))
@@ -264,8 +266,8 @@ class PolynomialDomain:
         sign = 1 if k > 0 else -1
         if unit == Number(Fraction(1)):
             unit, k = Number(abs(k)), Fraction(sign)
-        one, divisor = self._unit(unit)
-        count = abs(k) * divisor
+        one, part = self._unit(unit, abs(k))
+        count = abs(k) / part
         if count.denominator != 1 or count > MAX_MULTIPLE:
             raise ExpressionError(
                 f"the multiple {k} of one angle", allowed=f"whole multiples up to {MAX_MULTIPLE} of a common part"
@@ -275,13 +277,13 @@ class PolynomialDomain:
             pair = _add_angles(pair, one)
         return pair if sign > 0 else (pair[0], -pair[1])
 
-    def _unit(self, unit: Expression) -> tuple[tuple[Polynomial, Polynomial], int]:
-        """Cosine and sine of the generator angle that ``unit`` is a multiple of, and that multiple."""
+    def _unit(self, unit: Expression, multiple: Fraction) -> tuple[tuple[Polynomial, Polynomial], Fraction]:
+        """Cosine and sine of the generator angle for a multiple of ``unit``, and the part of the unit that it is."""
         if isinstance(unit, Name) and self._is_angle(unit.name):
-            return self.cosine_sine_of(self._joint[unit.name]), 1
-        divisor = self.atoms.units[unit]
-        key = repr(scaled(unit, Fraction(1, divisor)))
-        return (self.ring.generator(f"cos {key}"), self.ring.generator(f"sin {key}")), divisor
+            return self.cosine_sine_of(self._joint[unit.name]), Fraction(1)
+        part = Fraction(1, self.atoms.units[unit]) if self.atoms.is_common(unit) else multiple
+        key = repr(scaled(unit, part))
+        return (self.ring.generator(f"cos {key}"), self.ring.generator(f"sin {key}")), part
 
     def _is_angle(self, name: str) -> bool:
         return name in self._joint and self.robot.joints[self._joint[name]].is_revolute

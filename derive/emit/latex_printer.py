@@ -38,6 +38,7 @@ class LatexPrinter:
     def __init__(self, notation: Notation) -> None:
         self.notation = notation
         self._order = Order(notation)
+        self._written: dict[tuple[Any, int], tuple[Piece, ...]] = {}
 
     def latex(self, expression: Any) -> str:
         """One line of LaTeX, for mathematics mode."""
@@ -48,6 +49,13 @@ class LatexPrinter:
         return self._expression(expression, 0)
 
     def _expression(self, expression: Any, depth: int) -> Pieces:
+        """Written once: a root inside a root is measured before it is placed, which doubles the work at each level."""
+        key = (expression, depth)
+        if key not in self._written:
+            self._written[key] = tuple(self._sum(expression, depth))
+        return list(self._written[key])
+
+    def _sum(self, expression: Any, depth: int) -> Pieces:
         terms = expression.args if expression.is_Add else (expression,)
         row: Pieces = []
         for term in sorted(terms, key=self._order.term):

@@ -10,14 +10,19 @@ from typing import Any
 
 import sympy
 
+from derive.errors import QuantityError
+
 Matrix = Any
 
 
 def rpy(r: Matrix) -> Matrix:
     """(roll, pitch, yaw), 3x1 [rad], pitch in (-pi/2, pi/2).
 
-    Singular where r11 = r21 = 0 (pitch = +-pi/2): only yaw - roll or yaw + roll is then determined.
+    Singular where r11 = r21 = 0 (pitch = +-pi/2): only yaw - roll or yaw + roll is then determined. Where that holds in
+    every configuration, roll is taken as 0.
     """
+    if r[0, 0] == 0 and r[1, 0] == 0:
+        return sympy.ImmutableMatrix([0, -r[2, 0] * sympy.pi / 2, sympy.atan2(-r[0, 1], r[1, 1])])
     return sympy.ImmutableMatrix(
         [
             sympy.atan2(r[2, 1], r[2, 2]),
@@ -30,8 +35,13 @@ def rpy(r: Matrix) -> Matrix:
 def euler_zyz(r: Matrix) -> Matrix:
     """(phi, theta, psi), 3x1 [rad], theta in (0, pi).
 
-    Singular where r13 = r23 = 0 (theta = 0 or pi): only phi + psi or phi - psi is then determined.
+    Singular where r13 = r23 = 0 (theta = 0 or pi): only phi + psi or phi - psi is then determined. Where that holds in
+    every configuration, as for planar arms, psi is taken as 0.
     """
+    if r[0, 2] == 0 and r[1, 2] == 0:
+        sign = r[2, 2]
+        theta = sympy.pi * (1 - sign) / 2
+        return sympy.ImmutableMatrix([sympy.atan2(sign * r[1, 0], sign * r[0, 0]), theta, 0])
     return sympy.ImmutableMatrix(
         [
             sympy.atan2(r[1, 2], r[0, 2]),
@@ -49,6 +59,13 @@ def analytic_jacobian(kind: str, r: Matrix, jacobian: Matrix) -> Matrix:
     """
     column = 0 if kind == "rpy" else 2
     x, y, z = r[0, column], r[1, column], r[2, column]
+    if x == 0 and y == 0:
+        other = "rpy" if kind == "zyz" else "zyz"
+        raise QuantityError(
+            f"the analytic Jacobian for {kind}",
+            allowed="angles that are not singular in every configuration of this arm",
+            remedy=f"use {other}, or the geometric Jacobian J",
+        )
     square = x**2 + y**2
     rates = []
     for k in range(jacobian.shape[1]):

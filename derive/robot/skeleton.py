@@ -56,7 +56,7 @@ def new_robot_text(name: str, joints: int = 2) -> str:
     if not is_robot_name(name):
         raise RobotFileError(
             f"{quoted(name)} is not a robot name",
-            allowed=f"allowed: a letter a-z, then a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
+            allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
             remedy="no Python keyword and no name of an imported package",
         )
     if not 1 <= joints <= FILE_LIMITS.joints:

@@ -22,6 +22,13 @@ _TRIALS = 8
 """Enough that an entry such as sqrt(1 - k1**2 - k2**2) is real in some of them."""
 
 
+_SCALES = (0.2, 0.5, 0.9, 3.0, 10.0, 100.0, 1000.0) * 4
+"""Sizes of the numbers of either sign with which a cell is tried before it is called impossible."""
+
+_HUGE = 1e12
+"""What is larger can only be a division by a rounding error."""
+
+
 def validate(document: Document, cells: Cells, robot: Robot) -> None:
     """Refuse a robot whose parts contradict each other.
 
@@ -35,6 +42,7 @@ def validate(document: Document, cells: Cells, robot: Robot) -> None:
     values = _numbers(document, robot)
     for path, expression in located_expressions(robot):
         _check_finite(document, path, expression, values)
+        _check_possible(document, path, expression, values)
     for row, joint in enumerate(robot.joints):
         _check_limits(document, ("joints", row, "limits"), joint, values)
     for row, link in enumerate(robot.links):
@@ -158,6 +166,27 @@ def _check_finite(document: Document, path: Path, expression: Expression, values
         _value(expression, values)
     except ArithmeticError as error:
         raise document.error(path, str(error), "allowed: expressions with a finite real value") from None
+
+
+def _check_possible(document: Document, path: Path, expression: Expression, values: Mapping[str, float]) -> None:
+    """Refuse a cell that has no value whatever its names stand for, such as 1/(a - a)."""
+    open_names = sorted({name for name in names(expression) if name not in values})
+    if not open_names:
+        return
+    source = random.Random(_SEED)
+    for scale in _SCALES:
+        numbers = {name: scale * source.uniform(-1, 1) for name in open_names}
+        try:
+            if abs(evaluate(expression, {**values, **numbers})) < _HUGE:
+                return
+        except ArithmeticError:
+            continue
+    raise document.error(
+        path,
+        "no real value, whatever its names stand for",
+        "allowed: expressions with a finite real value",
+        "look for a division by zero or the root of a negative number",
+    )
 
 
 def _check_limits(document: Document, path: Path, joint: Joint, values: Mapping[str, float]) -> None:

@@ -1010,15 +1010,15 @@ class _Function:
 
     def __call__(self, values, params):
         arrays = [self._array(label, value) for label, value in zip(self.arguments, values)]
-        given = self._given(params)
-        if all(array.ndim == 1 for array in arrays) and all(type(value) is float for value in given):
+        given, extent = self._given(params)
+        if not extent and all(array.ndim == 1 for array in arrays):
             try:
                 constants = self.hoisted(_FLOATS, given) if self.hoisted else ()
                 results = self.kernel(_FLOATS, constants, *[array.tolist() for array in arrays])
                 return np.array(results, dtype=np.float64).reshape(self.shape)
             except (ValueError, ArithmeticError):
                 pass  # Python's functions refuse what NumPy answers with nan or inf.
-        return self._batch(arrays, given)
+        return self._batch(arrays, given, extent)
 
     def _array(self, label, value):
         """An argument as an array of floats, (..., DOF)."""
@@ -1033,7 +1033,7 @@ class _Function:
         return array.astype(np.float64, copy=False)
 
     def _given(self, params):
-        """Numbers of the parameters that this function needs: floats, or arrays of a batch's shape."""
+        """Numbers of the parameters that this function needs, and the batch shape of all that are given."""
         if params is None:
             params = {}
         if not hasattr(params, "keys"):
@@ -1044,7 +1044,12 @@ class _Function:
         missing = [name for name in self.needs if name not in params]
         if missing:
             raise ValueError(f"{self.name}: missing in params: {', '.join(missing)}")
-        return [self._number(name, params[name]) for name in self.needs]
+        try:
+            extent = np.broadcast_shapes(*(np.shape(value) for value in params.values()))
+        except ValueError:
+            shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in params.items() if np.ndim(value))
+            raise ValueError(f"{self.name}: batch shapes do not broadcast: params {shapes}") from None
+        return [self._number(name, params[name]) for name in self.needs], extent
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
@@ -1060,13 +1065,13 @@ class _Function:
             raise TypeError(f"{self.name}: params: {name} must be a real number or an array; got dtype {array.dtype}")
         return float(array) if array.ndim == 0 else array.astype(np.float64, copy=False)
 
-    def _batch(self, arrays, given):
+    def _batch(self, arrays, given, extent):
         """Every configuration of a batch; arguments and parameters broadcast against each other."""
         try:
-            batch = np.broadcast_shapes(*(a.shape[:-1] for a in arrays), *(np.shape(value) for value in given))
+            batch = np.broadcast_shapes(*(a.shape[:-1] for a in arrays), extent)
         except ValueError:
             shapes = [f"{label} {array.shape[:-1]}" for label, array in zip(self.arguments, arrays)]
-            shapes += [f"params {name} {np.shape(value)}" for name, value in zip(self.needs, given) if np.ndim(value)]
+            shapes += [f"params {extent}"] * bool(extent)
             raise ValueError(f"{self.name}: batch shapes do not broadcast: {', '.join(shapes)}") from None
         rows = [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arrays]
         varying = any(np.ndim(value) for value in given)

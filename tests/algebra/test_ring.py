@@ -112,3 +112,16 @@ def test_derivatives_are_those_of_calculus(joint: int, cell: str) -> None:
     text = str(expected)
     wide = domain_for(cell, text)
     assert wide.ring.project(derived) == wide.constant(parse(text))
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "cos(a + b + c + d + e + f)**2 + sin(a + b + c + d + e + f)**2 - 1",
+        "sin(1000000*a)**2 + cos(1000000*a)**2 - 1",
+        "sin(31*a)**2 + cos(31*a)**2 - 1",
+        "cos(q1 + a + b + c + d + e)**2 + sin(q1 + a + b + c + d + e)**2 - 1",
+    ],
+)
+def test_angles_too_long_or_too_many_for_the_addition_theorem_stay_exact(cell: str) -> None:
+    assert not zero(cell)

@@ -156,7 +156,7 @@ def test_what_is_no_real_number_is_refused(q: object) -> None:
 def test_batches_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ValueError, match=r"do not broadcast: q \(3,\), qd \(4,\)"):
         MODEL.coriolis_matrix(np.zeros((3, 2)), np.zeros((4, 2)), params=PARAMETERS)
-    with pytest.raises(ValueError, match=r"params m1 \(4,\)"):
+    with pytest.raises(ValueError, match=r"q \(3,\), params \(4,\)"):
         MODEL.gravity_vector(np.zeros((3, 2)), params={"m1": np.ones(4), "m2": 1})
 
 
@@ -251,3 +251,11 @@ def test_code_stays_compact() -> None:
     text = render_numpy(source_of(robot))["model_numpy.py"]
     assert len(text) < 250_000
     assert load(text).forward_kinematics(np.zeros(64)).shape == (4, 4)
+
+
+def test_the_batch_of_the_parameters_leads_whether_a_function_needs_them_or_not() -> None:
+    masses = {"m1": np.array([1.0, 2.0, 3.0]), "m2": 1.5}
+    q = [0.1, 0.2]
+    assert MODEL.forward_kinematics(q, params=masses).shape == (3, 4, 4)
+    assert MODEL.inertia_matrix(q, params=masses).shape == (3, 2, 2)
+    assert MODEL.jacobian(np.zeros((4, 1, 2)), params=masses).shape == (4, 3, 6, 2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -12,8 +12,9 @@ import pytest
 
 from derive.algebra.program import Program
 from derive.algebra.tape import Op, Operations
-from derive.errors import QuantityError
+from derive.errors import QuantityError, RobotFileError
 from derive.mechanics.programs import build_program
+from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 from tests.mechanics.recursion_values import State, derivative, random_state, value
 from tests.random_robots import RandomRobot, random_robot
@@ -129,9 +130,7 @@ def test_gravity_is_the_torque_at_rest(case: Case) -> None:
 
 def test_the_work_of_inertia_and_coriolis_torques_is_the_rate_of_kinetic_energy(case: Case) -> None:
     program, state = case.program, case.state
-    torque = (
-        value(program, "inertia_matrix", state) @ state.qdd + value(program, "coriolis_matrix", state) @ state.qd
-    )
+    torque = value(program, "inertia_matrix", state) @ state.qdd + value(program, "coriolis_matrix", state) @ state.qd
     rate = state.qd @ value(program, "inertia_matrix", state) @ state.qdd
     rate += state.qd @ derivative(program, "inertia_matrix", state, state.qd) @ state.qd / 2
     assert_close(np.array([state.qd @ torque]), np.array([rate]))
@@ -158,7 +157,10 @@ def test_a_joint_without_inertia_has_torques_but_no_accelerations() -> None:
 @pytest.mark.parametrize("cell", ["y/x", "1/(x*y)"])
 def test_cells_that_divide_by_zero_with_their_numbers_are_refused(cell: str) -> None:
     joints = f"[{{type: revolute, q: q1, a: '{cell}'}}]"
-    robot = Robot.from_text(f"name: one\nconvention: standard\njoints: {joints}\nparameters: {{x: 0}}\n")
+    text = f"name: one\nconvention: standard\njoints: {joints}\nparameters: {{x: 1}}\n"
+    with pytest.raises(RobotFileError, match="no real value"):
+        Robot.from_text(text.replace("x: 1", "x: 0"))
+    robot = replace(Robot.from_text(text), parameters=(("x", ZERO),))
     with pytest.raises(QuantityError, match="division by zero"):
         build_program(robot)
 
