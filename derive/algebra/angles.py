@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from derive.robot.expression import Expression, Name, Number, Pi, Power, Product, Sum
+from derive.robot.expression import Expression, Number, Pi, Power, Product, Sum
 
 Terms = tuple[tuple[Expression, Fraction], ...]
 
@@ -27,11 +27,6 @@ class ExactAngle:
 
     pi_multiple: Fraction
     terms: Terms
-
-    @property
-    def is_zero(self) -> bool:
-        """Whether the angle is identically zero."""
-        return not self.terms and self.pi_multiple == 0
 
 
 def decompose(angle: Expression) -> ExactAngle:
@@ -74,8 +69,3 @@ def split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
     if not rest:
         return number, one
     return number, rest[0] if len(rest) == 1 else Product(tuple(rest))
-
-
-def is_name(unit: Expression) -> bool:
-    """Whether a unit is a plain symbol."""
-    return isinstance(unit, Name)

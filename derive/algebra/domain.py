@@ -311,10 +311,6 @@ class PolynomialDomain:
         """The factor of a joint's angle in the sum that a generator stands for."""
         return self.directions[members[0]] * self.directions[joint]
 
-    def time_derivative(self, p: Polynomial) -> Polynomial:
-        """The derivative along the motion, sum of dp/dq_k qd_k, of a polynomial without rates."""
-        return self.ring.sum(self.derivative(p, k) * self.rate(k) for k in range(self.robot.n))
-
 
 def _basis_angles(
     groups: tuple[tuple[int, ...], ...], sums: Callable[[tuple[int, ...]], bool], n: int

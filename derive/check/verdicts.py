@@ -51,11 +51,6 @@ class Judgement:
     difference: tuple[Expr, ...] = ()
     repair: Repair | None = None
 
-    @property
-    def is_right(self) -> bool:
-        """Whether the formula is right as printed."""
-        return self.outcome in (Outcome.SAME_FORM, Outcome.EQUAL)
-
 
 @lru_cache(maxsize=10_000)
 def judge(finding: Finding) -> Judgement:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import TypeVar
 
 from derive.errors import QuantityError
+
+Choice = TypeVar("Choice", bound=StrEnum)
 
 
 class Style(StrEnum):
@@ -29,11 +32,7 @@ class Style(StrEnum):
         Raises:
             QuantityError: No such style.
         """
-        try:
-            return cls(name)
-        except ValueError:
-            allowed = ", ".join(style.value for style in cls)
-            raise QuantityError(f"style {name!r}", allowed=allowed) from None
+        return _named(cls, "style", name)
 
 
 class Contraction(StrEnum):
@@ -54,8 +53,12 @@ class Contraction(StrEnum):
         Raises:
             QuantityError: No such contraction.
         """
-        try:
-            return cls(name)
-        except ValueError:
-            allowed = ", ".join(contraction.value for contraction in cls)
-            raise QuantityError(f"contraction {name!r}", allowed=allowed) from None
+        return _named(cls, "contraction", name)
+
+
+def _named(kind: type[Choice], word: str, name: str) -> Choice:
+    try:
+        return kind(name)
+    except ValueError:
+        allowed = ", ".join(member.value for member in kind)
+        raise QuantityError(f"{word} {name!r}", allowed=allowed) from None
