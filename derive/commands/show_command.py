@@ -108,8 +108,8 @@ def _layout(robot: Robot, form: str) -> Callable[[str, Any], list[str]]:
         python = PlainPrinter().doprint
         return lambda name, value: python_lines(name, value, python)
     if form == "latex":
-        from derive.emit.latex_notation import Notation
-        from derive.emit.latex_printer import LatexPrinter
+        from derive.emit.latex.notation import Notation
+        from derive.emit.latex.printer import LatexPrinter
 
         latex = LatexPrinter(Notation.of(robot)).latex
         return lambda _, value: latex_lines(value, latex)

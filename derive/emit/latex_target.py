@@ -8,16 +8,16 @@ from typing import Any
 
 from derive.emit import templating
 from derive.emit.escape import latex_text
-from derive.emit.latex_dynamics import DynamicsBlocks, DynamicsLayout
-from derive.emit.latex_kinematics import KinematicsLayout, constant_frames
-from derive.emit.latex_layout import displays, equation_lines, pack
-from derive.emit.latex_metrics import EMPTY
-from derive.emit.latex_notation import Notation
-from derive.emit.latex_policy import POLICY, SheetPolicy
-from derive.emit.latex_printer import LatexPrinter
-from derive.emit.latex_quantity import Layouter
-from derive.emit.latex_symbols import Symbols
-from derive.emit.latex_tables import DataPrinter, free_boxes, joint_table, link_equations, parameter_equations
+from derive.emit.handout.dynamics import DynamicsBlocks, DynamicsLayout
+from derive.emit.handout.kinematics import KinematicsLayout, constant_frames
+from derive.emit.handout.tables import DataPrinter, free_boxes, joint_table, link_equations, parameter_equations
+from derive.emit.latex.layout import displays, equation_lines, pack
+from derive.emit.latex.metrics import EMPTY
+from derive.emit.latex.notation import Notation
+from derive.emit.latex.policy import POLICY, SheetPolicy
+from derive.emit.latex.printer import LatexPrinter
+from derive.emit.latex.quantity import Layouter
+from derive.emit.latex.symbols import Symbols
 from derive.emit.quantity import Quantities
 from derive.emit.source import Source
 from derive.emit.target import Target

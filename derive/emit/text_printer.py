@@ -15,8 +15,8 @@ from sympy import Basic
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
-from derive.emit.latex_notation import Notation
-from derive.emit.latex_order import Order
+from derive.emit.latex.notation import Notation
+from derive.emit.latex.order import Order
 from derive.robot.names import joint_label, robot_symbols
 from derive.robot.robot import Robot
 

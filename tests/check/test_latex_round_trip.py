@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from derive.check.latex_formula import read_latex
-from derive.emit.latex_notation import Notation
-from derive.emit.latex_printer import LatexPrinter
+from derive.emit.latex.notation import Notation
+from derive.emit.latex.printer import LatexPrinter
 from derive.mechanics.equality import compare, expression_from_sympy
 from derive.mechanics.model import Model
 from derive.robot.catalogue import catalogue_names

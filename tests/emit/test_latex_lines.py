@@ -5,10 +5,10 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.emit.latex_layout import Equation, equation_lines, matrix, pack
-from derive.emit.latex_lines import break_lines
-from derive.emit.latex_metrics import Box, italic
-from derive.emit.latex_pieces import Break, Piece
+from derive.emit.latex.layout import Equation, equation_lines, matrix, pack
+from derive.emit.latex.lines import break_lines
+from derive.emit.latex.metrics import Box, italic
+from derive.emit.latex.pieces import Break, Piece
 
 HEAD = Box("b = ", 30.0)
 

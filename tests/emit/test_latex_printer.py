@@ -14,10 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Rational, Symbol, atan2, cos, pi, sign, sin, sqrt, symbols
 
-from derive.emit.latex_names import distinct, natural
-from derive.emit.latex_notation import Notation
-from derive.emit.latex_pieces import joined
-from derive.emit.latex_printer import LatexPrinter
+from derive.emit.latex.names import distinct, natural
+from derive.emit.latex.notation import Notation
+from derive.emit.latex.pieces import joined
+from derive.emit.latex.printer import LatexPrinter
 from derive.errors import TargetError
 from derive.robot.robot import Robot
 from tests.emit.latex_runner import run_latex

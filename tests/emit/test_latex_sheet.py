@@ -10,7 +10,7 @@ import pytest
 
 from derive.build.quantities import ModelQuantities
 from derive.emit import templating
-from derive.emit.latex_policy import POLICY, SheetPolicy
+from derive.emit.latex.policy import POLICY, SheetPolicy
 from derive.emit.latex_target import sheet_context
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot

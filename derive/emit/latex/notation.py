@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from derive.emit.latex_metrics import Box, italic, script
-from derive.emit.latex_names import Glyph, distinct, natural
-from derive.emit.latex_numbers import DIGITS
+from derive.emit.latex.metrics import Box, italic, script
+from derive.emit.latex.names import Glyph, distinct, natural
+from derive.emit.latex.numbers import DIGITS
 from derive.robot.expression import Number, Sum, names
 from derive.robot.names import acceleration_name, expressions, joint_label, robot_symbols, velocity_name
 from derive.robot.robot import Robot

@@ -12,7 +12,7 @@ from typing import Any
 
 from sympy import pi
 
-from derive.emit.latex_notation import Notation
+from derive.emit.latex.notation import Notation
 
 FactorKey = tuple[int, tuple[int, ...], str, float]
 FactorKeys = tuple[FactorKey, ...]

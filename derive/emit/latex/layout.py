@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from derive.emit.latex_lines import LINE_WIDTH, break_lines
-from derive.emit.latex_metrics import RELATION_WIDTH, Box, concatenate
-from derive.emit.latex_pieces import Piece
+from derive.emit.latex.lines import LINE_WIDTH, break_lines
+from derive.emit.latex.metrics import RELATION_WIDTH, Box, concatenate
+from derive.emit.latex.pieces import Piece
 
 GAP = Box(" \\qquad ", 20.0)
 """Between two equations on one line."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from derive.emit.latex_metrics import Box, concatenate, greek, italic, script, upright
-from derive.emit.latex_notation import Notation
+from derive.emit.latex.metrics import Box, concatenate, greek, italic, script, upright
+from derive.emit.latex.notation import Notation
 
 _TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
-from derive.emit.latex_metrics import BINARY_WIDTH, DOT_WIDTH, Box, concatenate
+from derive.emit.latex.metrics import BINARY_WIDTH, DOT_WIDTH, Box, concatenate
 
 
 class Break(IntEnum):

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from derive.emit.latex_metrics import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
+from derive.emit.latex.metrics import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
 
 LONGEST_SUFFIX = 2
 """Letters after the first that still read as a subscript: Ixx, cx, ml; longer names are words."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.emit.latex_metrics import Box, concatenate
-from derive.emit.latex_pieces import Break, Piece, line_start
+from derive.emit.latex.metrics import Box, concatenate
+from derive.emit.latex.pieces import Break, Piece, line_start
 
 LINE_WIDTH = 455.0
 """Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve."""

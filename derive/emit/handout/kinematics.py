@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from derive.emit.latex_layout import EQUALS, Equation, displays, equation_lines, fits, matrix, pack
-from derive.emit.latex_metrics import Box, concatenate, italic, script
-from derive.emit.latex_pieces import Break, Piece, joined
-from derive.emit.latex_quantity import Block, Layouter, places
-from derive.emit.latex_symbols import EntryNamer, Symbols, bold
-from derive.emit.latex_tables import DataPrinter
+from derive.emit.handout.tables import DataPrinter
+from derive.emit.latex.layout import EQUALS, Equation, displays, equation_lines, fits, matrix, pack
+from derive.emit.latex.metrics import Box, concatenate, italic, script
+from derive.emit.latex.pieces import Break, Piece, joined
+from derive.emit.latex.quantity import Block, Layouter, places
+from derive.emit.latex.symbols import EntryNamer, Symbols, bold
 from derive.emit.quantity import Quantities, Quantity
 from derive.robot.robot import IDENTITY, Matrix, Robot
 

@@ -9,12 +9,12 @@ from typing import Any
 import sympy
 
 from derive.algebra.to_sympy import expression_to_sympy
-from derive.emit.latex_layout import Equation, displays, equation_lines
-from derive.emit.latex_metrics import Box, italic, script
-from derive.emit.latex_names import Glyph
-from derive.emit.latex_notation import Notation
-from derive.emit.latex_pieces import Break, Piece, joined
-from derive.emit.latex_printer import LatexPrinter
+from derive.emit.latex.layout import Equation, displays, equation_lines
+from derive.emit.latex.metrics import Box, italic, script
+from derive.emit.latex.names import Glyph
+from derive.emit.latex.notation import Notation
+from derive.emit.latex.pieces import Break, Piece, joined
+from derive.emit.latex.printer import LatexPrinter
 from derive.robot.expression import ZERO, Expression
 from derive.robot.names import free_symbols
 from derive.robot.robot import Joint, Link, Matrix, Robot

@@ -7,11 +7,11 @@ from typing import Any
 
 from sympy import Add, Integer, Rational, pi
 
-from derive.emit.latex_metrics import EMPTY, MINUS_WIDTH, Box, concatenate, fraction, greek, italic, operator, script
-from derive.emit.latex_notation import Notation
-from derive.emit.latex_numbers import magnitude
-from derive.emit.latex_order import Order
-from derive.emit.latex_pieces import Break, Piece, binary, brackets, highest_nest, joined
+from derive.emit.latex.metrics import EMPTY, MINUS_WIDTH, Box, concatenate, fraction, greek, italic, operator, script
+from derive.emit.latex.notation import Notation
+from derive.emit.latex.numbers import magnitude
+from derive.emit.latex.order import Order
+from derive.emit.latex.pieces import Break, Piece, binary, brackets, highest_nest, joined
 from derive.errors import TargetError
 
 WIDEST_FRACTION = 120.0

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from derive.emit.latex_layout import EQUALS, Equation, displays, equation_lines, fits, matrix, pack
-from derive.emit.latex_metrics import Box, concatenate, italic
-from derive.emit.latex_names import Glyph
-from derive.emit.latex_numbers import magnitude
-from derive.emit.latex_pieces import joined
-from derive.emit.latex_policy import SheetPolicy
-from derive.emit.latex_printer import LatexPrinter
-from derive.emit.latex_terms import Definition, extract, needed
+from derive.emit.latex.layout import EQUALS, Equation, displays, equation_lines, fits, matrix, pack
+from derive.emit.latex.metrics import Box, concatenate, italic
+from derive.emit.latex.names import Glyph
+from derive.emit.latex.numbers import magnitude
+from derive.emit.latex.pieces import joined
+from derive.emit.latex.policy import SheetPolicy
+from derive.emit.latex.printer import LatexPrinter
+from derive.emit.latex.terms import Definition, extract, needed
 from derive.emit.quantity import Quantity
 
 Place = tuple[int, int]

@@ -13,14 +13,14 @@ from typing import Any
 import sympy
 
 from derive.algebra.to_sympy import expression_to_sympy
-from derive.emit.latex_layout import EQUALS, Equation, displays, equation_lines
-from derive.emit.latex_lines import break_lines
-from derive.emit.latex_metrics import EMPTY, Box, concatenate, italic
-from derive.emit.latex_names import Glyph
-from derive.emit.latex_pieces import Break, Piece, binary
-from derive.emit.latex_printer import MINUS, LatexPrinter
-from derive.emit.latex_quantity import Block, Item, Layouter
-from derive.emit.latex_symbols import EntryNamer, Symbols
+from derive.emit.latex.layout import EQUALS, Equation, displays, equation_lines
+from derive.emit.latex.lines import break_lines
+from derive.emit.latex.metrics import EMPTY, Box, concatenate, italic
+from derive.emit.latex.names import Glyph
+from derive.emit.latex.pieces import Break, Piece, binary
+from derive.emit.latex.printer import MINUS, LatexPrinter
+from derive.emit.latex.quantity import Block, Item, Layouter
+from derive.emit.latex.symbols import EntryNamer, Symbols
 from derive.emit.quantity import Quantities
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot

@@ -9,7 +9,7 @@ from __future__ import annotations
 from decimal import Context, Decimal, localcontext
 from fractions import Fraction
 
-from derive.emit.latex_metrics import DOT_WIDTH, SCRIPT, Box, fraction, italic
+from derive.emit.latex.metrics import DOT_WIDTH, SCRIPT, Box, fraction, italic
 
 DIGITS = 6
 """Significant digits printed of a number that has more: a handout is read, the generated code is exact."""
