@@ -7,6 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from derive.robot.expression import ONE, ZERO, Expression
+from derive.robot.handout import FigureOptions, HandoutOptions
 from derive.robot.style import Contraction, Style
 
 Vector = tuple[Expression, Expression, Expression]
@@ -133,6 +134,8 @@ class Robot:
         runtime: Names that stay free in generated code though they have a number.
         style: How expressions are grouped in print, see `derive.robot.style`.
         contraction: Which sums of angles are contracted in print.
+        handout: What the handout shows and how, see `derive.robot.handout`.
+        figure: Which configuration is drawn.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages only; never written to an output.
     """
@@ -149,6 +152,8 @@ class Robot:
     runtime: tuple[str, ...] = ()
     style: Style = Style.COMPACT
     contraction: Contraction = Contraction.ALIGNED
+    handout: HandoutOptions = field(default_factory=HandoutOptions)
+    figure: FigureOptions = field(default_factory=FigureOptions)
     digest: str = ""
     source: str = ""
 

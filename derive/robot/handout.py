@@ -1,0 +1,126 @@
+"""What a handout shows and how: the block ``handout:`` of a robot file, and ``figure:``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from derive.robot.expression import Expression
+
+PARTS = (
+    "figure",
+    "table",
+    "convention",
+    "parameters",
+    "transforms",
+    "kinematics",
+    "orientation",
+    "jacobian",
+    "singularities",
+    "link-jacobians",
+    "energies",
+    "inertia",
+    "christoffel",
+    "coriolis",
+    "skew",
+    "gravity",
+    "motion",
+    "newton-euler",
+    "example",
+)
+"""Parts of a handout, in their order; title and footer are always there."""
+
+
+class Derivation(StrEnum):
+    """Whether the handout shows how a result is found."""
+
+    RESULT = "result"
+    STEPS = "steps"
+
+
+class AngleLetter(StrEnum):
+    """How the variable of a revolute joint is written."""
+
+    NAME = "name"
+    THETA = "theta"
+    VARTHETA = "vartheta"
+    Q = "q"
+
+
+class SliderLetter(StrEnum):
+    """How the variable of a prismatic joint is written."""
+
+    NAME = "name"
+    D = "d"
+    Q = "q"
+
+
+class Functions(StrEnum):
+    r"""Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2)."""
+
+    SHORT = "short"
+    FULL = "full"
+
+
+class FrameIndices(StrEnum):
+    """Where the frames of a transform are written: A_1^0, or {}^0A_1."""
+
+    RIGHT = "right"
+    LEFT = "left"
+
+
+class InertiaLetter(StrEnum):
+    """Letter of the inertia matrix."""
+
+    B = "B"
+    M = "M"
+    D = "D"
+
+
+@dataclass(frozen=True, slots=True)
+class NotationOptions:
+    """How symbols are written.
+
+    Attributes:
+        angle: Variables of revolute joints; ``name`` as in the robot file.
+        prismatic: Variables of prismatic joints.
+        functions: Sines and cosines.
+        frames: Frames of a transform.
+        inertia: The inertia matrix.
+    """
+
+    angle: AngleLetter = AngleLetter.NAME
+    prismatic: SliderLetter = SliderLetter.NAME
+    functions: Functions = Functions.SHORT
+    frames: FrameIndices = FrameIndices.RIGHT
+    inertia: InertiaLetter = InertiaLetter.B
+
+
+@dataclass(frozen=True, slots=True)
+class HandoutOptions:
+    """What a handout shows.
+
+    Attributes:
+        parts: Which parts, a subset of `PARTS`; printed in their order there.
+        derivation: Results only, or the steps to them.
+        language: Code of a language that has a message catalogue.
+        notation: How symbols are written.
+    """
+
+    parts: tuple[str, ...] = PARTS
+    derivation: Derivation = Derivation.RESULT
+    language: str = "en"
+    notation: NotationOptions = field(default_factory=NotationOptions)
+
+
+@dataclass(frozen=True, slots=True)
+class FigureOptions:
+    """The configuration that is drawn.
+
+    Attributes:
+        q: Value of every joint variable [rad or m]; None for none but the zero configuration.
+        values: Numbers for symbols that have none, for drawing only.
+    """
+
+    q: tuple[Expression, ...] | None = None
+    values: tuple[tuple[str, Expression], ...] = ()
