@@ -15,6 +15,7 @@ from derive.emit.latex.metrics import Box, italic, script
 from derive.emit.latex.names import Glyph, distinct, natural
 from derive.emit.latex.numbers import DIGITS
 from derive.robot.expression import Number, Sum, names
+from derive.robot.handout import NotationOptions
 from derive.robot.names import acceleration_name, expressions, joint_label, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
@@ -43,8 +44,8 @@ class Notation:
     digits: int = DIGITS
 
     @classmethod
-    def of(cls, robot: Robot) -> Notation:
-        """The notation of a robot."""
+    def of(cls, robot: Robot, options: NotationOptions | None = None) -> Notation:
+        """The notation of a robot; by default every variable is written as in the robot file."""
         glyphs = dict(_glyphs(robot))
         return cls(glyphs, _positions(robot), _labels(robot), _inertial(robot), _uses_decimals(robot))
 

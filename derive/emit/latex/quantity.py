@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from derive.emit.latex.layout import EQUALS, Equation, displays, equation_lines, fits, matrix, pack
+from derive.emit.latex.layout import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.emit.latex.metrics import Box, concatenate, italic
 from derive.emit.latex.names import Glyph
 from derive.emit.latex.numbers import magnitude
@@ -28,23 +28,27 @@ MANY = 10**9
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A quantity on the sheet, as LaTeX.
+    """A quantity on the sheet, as lines of LaTeX.
 
     Attributes:
-        displays: The matrix, or the entries one by one.
+        lines: The matrix, or the entries one by one.
         named: Definitions of intermediate terms that the entries use.
         omitted: Entries left to the code, with their numbers of terms.
         by_entry: Whether only the entries that are not zero are printed.
         has_zeros: Whether entries were left out because they are zero.
         symmetric: Whether entries below the diagonal were left out.
+        values: Names and expressions of the printed entries.
+        blanks: Left sides without their values, for an exercise.
     """
 
-    displays: tuple[str, ...]
+    lines: tuple[str, ...]
     named: tuple[str, ...] = ()
     omitted: tuple[str, ...] = ()
     by_entry: bool = False
     has_zeros: bool = False
     symmetric: bool = False
+    values: tuple[tuple[Box, Any], ...] = ()
+    blanks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,13 +119,17 @@ class Layouter:
             for i in _upto(quantity, 0)
         ]
         box = concatenate(symbol, EQUALS, matrix(rows))
-        return Block(tuple(displays([box.tex]))) if fits(box, len(rows)) else None
+        if not fits(box, len(rows)):
+            return None
+        values = tuple((item.name, item.write()) for item in items.values() if item.terms)
+        return Block((box.tex,), values=values, blanks=(symbol.tex,))
 
     def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> Block:
         """Entries one by one, brackets that they share as named terms."""
         limit = limit or self.policy.flat_terms
         chosen = within([item.terms for item in items], limit, limit * self.policy.quantity_entries)
-        definitions, expressions = extract([items[index].write() for index in chosen])
+        written = {index: items[index].write() for index in chosen}
+        definitions, expressions = extract(list(written.values()))
         named, equations = self._equations(definitions, [items[index].name for index in chosen], expressions, group)
         sizes = [len(equation_lines([equation])) for equation in equations]
         printed = within(sizes, self.policy.entry_lines, self.policy.quantity_lines)
@@ -131,12 +139,14 @@ class Layouter:
             named, equations = self._equations(used, [items[index].name for index in chosen], expressions, group)
         left = [item for index, item in enumerate(items) if item.terms and index not in set(chosen)]
         return Block(
-            tuple(displays(equation_lines(equations))),
-            tuple(displays(equation_lines(named))),
-            tuple(displays(pack(omitted(item) for item in left))),
+            tuple(equation_lines(equations)),
+            tuple(equation_lines(named)),
+            tuple(pack(omitted(item) for item in left)),
             by_entry=True,
             has_zeros=not all(item.terms for item in items),
             symmetric=symmetric,
+            values=tuple((items[index].name, written[index]) for index in chosen),
+            blanks=tuple(items[index].name.tex for index in chosen),
         )
 
     def _equations(

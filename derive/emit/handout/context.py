@@ -1,0 +1,90 @@
+"""What the parts of one handout share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+from derive.emit.handout.tables import DataPrinter
+from derive.emit.handout.text import Text
+from derive.emit.latex.notation import Notation
+from derive.emit.latex.policy import POLICY, SheetPolicy
+from derive.emit.latex.printer import LatexPrinter
+from derive.emit.latex.quantity import Layouter
+from derive.emit.latex.symbols import Symbols
+from derive.emit.quantity import Quantities
+from derive.robot.handout import Derivation, HandoutOptions
+from derive.robot.robot import Robot
+
+Pose = tuple[tuple[float, ...], ...]
+"""A 4x4 transform."""
+
+
+class Poses(Protocol):
+    """Where the frames of the robot are, in numbers; symbols without a number have the values of a figure."""
+
+    @property
+    def zero(self) -> tuple[float, ...]:
+        """The zero configuration [rad or m]."""
+
+    @property
+    def configuration(self) -> tuple[float, ...] | None:
+        """The figure configuration [rad or m], None if the robot file states none."""
+
+    def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
+        """Base frame 0, frames 1 to n and the end effector in the world [m]."""
+
+
+@dataclass(frozen=True)
+class Context:
+    """One robot on its way to a handout.
+
+    Attributes:
+        robot: The robot.
+        quantities: Its derived quantities by name.
+        options: What the handout shows.
+        text: Translates messages.
+        version: Version of the tool.
+        poses: Where its frames are, for figures; None where nothing is drawn.
+        policy: How much is printed.
+    """
+
+    robot: Robot
+    quantities: Quantities
+    options: HandoutOptions
+    text: Text
+    version: str
+    poses: Poses | None = None
+    policy: SheetPolicy = POLICY
+
+    @cached_property
+    def notation(self) -> Notation:
+        """How symbols are written."""
+        return Notation.of(self.robot, self.options.notation)
+
+    @cached_property
+    def symbols(self) -> Symbols:
+        """Names of entries."""
+        return Symbols(self.notation, self.robot.n)
+
+    @cached_property
+    def printer(self) -> LatexPrinter:
+        """Prints expressions."""
+        return LatexPrinter(self.notation)
+
+    @cached_property
+    def layouter(self) -> Layouter:
+        """Lays out quantities."""
+        return Layouter(self.printer, self.policy, self.symbols.term)
+
+    @cached_property
+    def data(self) -> DataPrinter:
+        """Prints cells of the robot file."""
+        return DataPrinter(self.robot, self.notation)
+
+    @property
+    def steps(self) -> bool:
+        """Whether intermediate steps are shown."""
+        return self.options.derivation is Derivation.STEPS

@@ -1,0 +1,40 @@
+"""From a laid-out quantity to a formula of the handout: notes, entries to copy, blanks of an exercise."""
+
+from __future__ import annotations
+
+from derive.emit.handout.context import Context
+from derive.emit.handout.document import Entry, Formula, Rows
+from derive.emit.latex.quantity import Block
+from derive.emit.text_printer import PlainPrinter
+
+
+def formula(context: Context, block: Block, function: str = "") -> Formula:
+    """A quantity as a formula.
+
+    Args:
+        context: The handout.
+        block: The laid-out quantity.
+        function: The generated function that computes it.
+    """
+    python = PlainPrinter().doprint
+    latex = context.printer.latex
+    return Formula(
+        rows=(Rows(block.lines),),
+        named=block.named,
+        omitted=block.omitted,
+        note=_note(context, block),
+        function=function,
+        entries=tuple(Entry(name.tex, latex(value), python(value)) for name, value in block.values),
+        blanks=block.blanks,
+    )
+
+
+def _note(context: Context, block: Block) -> str:
+    _ = context.text
+    if not block.by_entry:
+        return ""
+    if block.has_zeros and block.symmetric:
+        return _("The matrix is symmetric; entries that are not listed are zero.")
+    if block.symmetric:
+        return _("The matrix is symmetric.")
+    return _("Entries that are not listed are zero.") if block.has_zeros else ""

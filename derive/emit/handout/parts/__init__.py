@@ -1,0 +1,1 @@
+"""The parts of the handout, one module each: from the context to a section."""
