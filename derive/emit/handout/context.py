@@ -77,7 +77,7 @@ class Context:
     @cached_property
     def layouter(self) -> Layouter:
         """Lays out quantities."""
-        return Layouter(self.printer, self.policy, self.symbols.term)
+        return Layouter(self.printer, self.policy, self.symbols.term, self.text("terms"))
 
     @cached_property
     def data(self) -> DataPrinter:

@@ -9,6 +9,8 @@ from typing import Any
 import sympy
 
 from derive.algebra.to_sympy import expression_to_sympy
+from derive.emit.escape import latex_text
+from derive.emit.handout.text import Text
 from derive.emit.latex.layout import Equation, displays, equation_lines
 from derive.emit.latex.metrics import Box, italic, script
 from derive.emit.latex.names import Glyph
@@ -144,18 +146,19 @@ def constant_matrix(data: DataPrinter, matrix: Matrix) -> list[list[tuple[Piece,
     return [[data.value(cell) for cell in row] for row in matrix]
 
 
-def link_equations(data: DataPrinter, link: Link) -> Iterator[Equation]:
+def link_equations(data: DataPrinter, link: Link, _: Text) -> Iterator[Equation]:
     """Mass, centre of mass, inertia, rotor and friction of a link, as far as they are not zero."""
-    yield from _named(data, "mass", link.mass, always=True)
-    yield Equation(_word("centre of mass"), _tuple([data.value(cell) for cell in link.com]))
+    yield from _named(data, _("mass"), link.mass, always=True)
+    yield Equation(_word(_("centre of mass")), _tuple([data.value(cell) for cell in link.com]))
     for item in fields(link.inertia):
         yield from _named(data, f"$I_{{{item.name}}}$", getattr(link.inertia, item.name))
     if link.motor is not None:
-        for item in fields(link.motor):
-            yield from _named(data, f"rotor {item.name}", getattr(link.motor, item.name))
-    for label in ("armature", "viscous", "coulomb"):
-        text = label if label == "armature" else f"{label} friction"
-        yield from _named(data, text, getattr(link, label))
+        yield from _named(data, _("rotor mass"), link.motor.mass)
+        yield from _named(data, _("rotor inertia"), link.motor.inertia)
+        yield from _named(data, _("gear ratio"), link.motor.ratio)
+    yield from _named(data, _("armature"), link.armature)
+    yield from _named(data, _("viscous friction"), link.viscous)
+    yield from _named(data, _("Coulomb friction"), link.coulomb)
 
 
 def _named(data: DataPrinter, label: str, cell: Expression, always: bool = False) -> Iterator[Equation]:
@@ -164,7 +167,8 @@ def _named(data: DataPrinter, label: str, cell: Expression, always: bool = False
 
 
 def _word(text: str) -> Box:
-    return Box(f"\\text{{{text}}}", 5.2 * len(text.strip("${}")))
+    escaped = text if text.startswith("$") else latex_text(text)
+    return Box(f"\\text{{{escaped}}}", 5.2 * len(text.strip("${}")))
 
 
 def _tuple(cells: list[tuple[Piece, ...]]) -> tuple[Piece, ...]:

@@ -74,11 +74,13 @@ class Layouter:
         printer: The robot's printer.
         policy: What is printed.
         term_symbol: (group, index) -> name of an intermediate term.
+        terms_word: What terms are called in the language of the page.
     """
 
     printer: LatexPrinter
     policy: SheetPolicy
     term_symbol: Callable[[int, int], Box]
+    terms_word: str = "terms"
 
     def block(
         self,
@@ -141,7 +143,7 @@ class Layouter:
         return Block(
             tuple(equation_lines(equations)),
             tuple(equation_lines(named)),
-            tuple(pack(omitted(item) for item in left)),
+            tuple(pack(omitted(item, self.terms_word) for item in left)),
             by_entry=True,
             has_zeros=not all(item.terms for item in items),
             symmetric=symmetric,
@@ -169,10 +171,10 @@ def _upto(quantity: Quantity, axis: int) -> range:
     return range(1, quantity.shape[axis] + 1)
 
 
-def omitted(item: Item) -> Box:
+def omitted(item: Item, word: str) -> Box:
     """An entry that is left to the code."""
     count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2)
-    unit = Box("\\text{ terms}", 30.0)
+    unit = Box(f"\\text{{ {word}}}", 6.0 + 5.0 * len(word))
     return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, unit)
 
 
