@@ -11,6 +11,7 @@ from typing import Any
 import sympy
 
 from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.build.body_quantities import BODY, body_quantity
 from derive.build.term_count import TermCount, nested_term_counts
 from derive.emit.quantity import Quantity
 from derive.mechanics.long_chain import LongChain
@@ -122,7 +123,7 @@ class ModelQuantities(Mapping[str, Quantity]):
                 return Counted((n, n), lambda i, j: model.terms("B", i, j), self._inertia_entry)
             case "C":
                 return Counted((n, n), self._coriolis_terms, self._entry_of(name))
-            case "N":
+            case "N" | "Bdot":
                 return Counted((n, n), lambda i, j: model.terms(name, i, j), self._entry_of(name))
             case "g":
                 return self._polynomials([[p] for p in model.kinematics.gravity_vector], model.form.gravity)
@@ -130,6 +131,9 @@ class ModelQuantities(Mapping[str, Quantity]):
                 return Counted((n, 1), self._torque_terms, self._entry_of(name))
             case "potential":
                 return self._polynomials([[model.kinematics.potential]], model.form.dynamic)
+        body = BODY.fullmatch(name)
+        if body:
+            return Counted(*body_quantity(model, body.group(1), int(body.group(2))))
         raise KeyError(name)
 
     @cached_property

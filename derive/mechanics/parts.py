@@ -31,3 +31,10 @@ def only_link(robot: Robot, i: int) -> Robot:
     link = replace(robot.links[i - 1], motor=None, armature=Link().armature)
     links = tuple(link if k == i else Link() for k in range(1, robot.n + 1))
     return replace(robot, links=links)
+
+
+def only_rotor(robot: Robot, i: int) -> Robot:
+    """The robot with the rotor of joint i (from 1) alone: every link massless, no armature."""
+    rotor = Link(motor=robot.links[i - 1].motor)
+    links = tuple(rotor if k == i else Link() for k in range(1, robot.n + 1))
+    return replace(robot, links=links)
