@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from derive.algebra.program import Program
+from derive.emit.handout.context import Poses
 from derive.robot.robot import Robot
 
 
@@ -20,6 +21,7 @@ class Source:
         quantities: Closed forms by name, for the targets that print formulas.
         version: Version of the tool, stated in every output.
         files: Names of all files of this build, for the page that lists them.
+        poses: Where the frames of the robot are, for figures; None where nothing is drawn.
     """
 
     robot: Robot
@@ -27,3 +29,4 @@ class Source:
     quantities: Mapping[str, Any]
     version: str
     files: tuple[str, ...] = ()
+    poses: Poses | None = None

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from derive.emit.handout.context import Context
 from derive.emit.handout.document import Document, Section
+from derive.emit.handout.languages import text_for
 from derive.emit.handout.parts import (
     christoffel,
     convention,
@@ -27,7 +28,8 @@ from derive.emit.handout.parts import (
     table,
     transforms,
 )
-from derive.robot.handout import PARTS
+from derive.emit.source import Source
+from derive.robot.handout import PARTS, HandoutOptions
 
 Part = Callable[[Context], Section | None]
 
@@ -52,6 +54,27 @@ _SECTIONS: dict[str, Part] = {
     "newton-euler": newton_euler.section,
     "example": example.section,
 }
+
+
+def context_of(source: Source, options: HandoutOptions | None = None) -> Context:
+    """What the handout of a built robot is made from.
+
+    Args:
+        source: The robot with its derived quantities.
+        options: What is shown; None for what the robot file says.
+
+    Raises:
+        TargetError: There is no message catalogue for the language.
+    """
+    chosen = options or source.robot.handout
+    return Context(
+        robot=source.robot,
+        quantities=source.quantities,
+        options=chosen,
+        text=text_for(chosen.language),
+        version=source.version,
+        poses=source.poses,
+    )
 
 
 def document(context: Context) -> Document:

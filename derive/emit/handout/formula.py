@@ -19,7 +19,7 @@ def formula(context: Context, block: Block, function: str = "") -> Formula:
     python = PlainPrinter().doprint
     latex = context.printer.latex
     return Formula(
-        rows=(Rows(block.lines),),
+        rows=_rows(block),
         named=block.named,
         omitted=block.omitted,
         note=_note(context, block),
@@ -27,6 +27,12 @@ def formula(context: Context, block: Block, function: str = "") -> Formula:
         entries=tuple(Entry(name.tex, latex(value), python(value)) for name, value in block.values),
         blanks=block.blanks,
     )
+
+
+def _rows(block: Block) -> tuple[Rows, ...]:
+    upright = (Rows(block.lines),) if block.lines else ()
+    turned = (Rows(block.landscape, landscape=True),) if block.landscape else ()
+    return upright + turned
 
 
 def _note(context: Context, block: Block) -> str:

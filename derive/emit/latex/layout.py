@@ -12,6 +12,9 @@ from derive.emit.latex.lines import LINE_WIDTH, break_lines
 from derive.emit.latex.metrics import RELATION_WIDTH, Box, concatenate
 from derive.emit.latex.pieces import Piece
 
+LANDSCAPE_WIDTH = 710.0
+"""Width of a line on a page turned on its side [pt]."""
+
 GAP = Box(" \\qquad ", 20.0)
 """Between two equations on one line."""
 

@@ -15,6 +15,8 @@ class SheetPolicy:
         quantity_entries: So many of the longest entries make the longest quantity that is written, shortest first.
         entry_lines: Longest entry that is printed: a third of a page is as much as anybody reads.
         quantity_lines: Longest quantity that is printed, shortest entries first: four pages.
+        landscape_lines: Longest entry that is printed on a page turned on its side.
+        landscape_total: Longest such part of a quantity: two pages.
         matrix_terms: Longest quantity that can be a matrix: no page is wide enough for more.
         compact_terms: Longest quantity that is printed multiplied out where a form in named terms exists.
         factor_terms: Longest entry of a partial product of transforms, where T itself is too long.
@@ -28,6 +30,8 @@ class SheetPolicy:
     quantity_entries: int = 10
     entry_lines: int = 16
     quantity_lines: int = 190
+    landscape_lines: int = 18
+    landscape_total: int = 60
     matrix_terms: int = 300
     compact_terms: int = 60
     factor_terms: int = 8

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from derive.emit.latex.layout import EQUALS, Equation, equation_lines, fits, matrix, pack
+from derive.emit.latex.layout import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
 from derive.emit.latex.metrics import Box, concatenate, italic
 from derive.emit.latex.names import Glyph
 from derive.emit.latex.numbers import magnitude
@@ -37,6 +37,7 @@ class Block:
         by_entry: Whether only the entries that are not zero are printed.
         has_zeros: Whether entries were left out because they are zero.
         symmetric: Whether entries below the diagonal were left out.
+        landscape: Entries that are too long for an upright page, for one turned on its side.
         values: Names and expressions of the printed entries.
         blanks: Left sides without their values, for an exercise.
     """
@@ -47,6 +48,7 @@ class Block:
     by_entry: bool = False
     has_zeros: bool = False
     symmetric: bool = False
+    landscape: tuple[str, ...] = ()
     values: tuple[tuple[Box, Any], ...] = ()
     blanks: tuple[str, ...] = ()
 
@@ -133,23 +135,36 @@ class Layouter:
         written = {index: items[index].write() for index in chosen}
         definitions, expressions = extract(list(written.values()))
         named, equations = self._equations(definitions, [items[index].name for index in chosen], expressions, group)
-        sizes = [len(equation_lines([equation])) for equation in equations]
-        printed = within(sizes, self.policy.entry_lines, self.policy.quantity_lines)
-        if len(printed) < len(chosen):
-            chosen, expressions = [chosen[k] for k in printed], [expressions[k] for k in printed]
+        upright, turned = self._placed(equations)
+        if len(upright) < len(chosen):
+            kept = sorted(upright + turned)
+            chosen, expressions = [chosen[k] for k in kept], [expressions[k] for k in kept]
             used = needed(definitions, expressions)
             named, equations = self._equations(used, [items[index].name for index in chosen], expressions, group)
+            upright, turned = [kept.index(k) for k in upright], [kept.index(k) for k in turned]
         left = [item for index, item in enumerate(items) if item.terms and index not in set(chosen)]
         return Block(
-            tuple(equation_lines(equations)),
+            tuple(equation_lines(equations[k] for k in upright)),
             tuple(equation_lines(named)),
             tuple(pack(omitted(item, self.terms_word) for item in left)),
             by_entry=True,
             has_zeros=not all(item.terms for item in items),
             symmetric=symmetric,
+            landscape=tuple(equation_lines((equations[k] for k in turned), LANDSCAPE_WIDTH)),
             values=tuple((items[index].name, written[index]) for index in chosen),
             blanks=tuple(items[index].name.tex for index in chosen),
         )
+
+    def _placed(self, equations: Sequence[Equation]) -> tuple[list[int], list[int]]:
+        """Indices of the entries that are printed upright, and of longer ones on a page turned on its side."""
+        policy = self.policy
+        sizes = [len(equation_lines([equation])) for equation in equations]
+        upright = within(sizes, policy.entry_lines, policy.quantity_lines)
+        if len(upright) == len(equations):
+            return upright, []
+        rest = set(range(len(equations))) - set(upright)
+        wide = [len(equation_lines([e], LANDSCAPE_WIDTH)) if k in rest else 0 for k, e in enumerate(equations)]
+        return upright, within(wide, policy.landscape_lines, policy.landscape_total)
 
     def _equations(
         self, definitions: Sequence[Definition], names: Sequence[Box], expressions: Sequence[Any], group: int
