@@ -89,6 +89,10 @@ class TargetError(DeriveError):
     """An unknown target, or a target that this robot cannot have."""
 
 
+class LatexError(DeriveError):
+    """LaTeX is missing, or refused a document."""
+
+
 class CheckError(DeriveError):
     """A printed expression that cannot be read."""
 
