@@ -15,7 +15,7 @@ setup: $(READY)
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "derive needs Python 3.11 or newer: make PYTHON=/path/to/python3.11")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test,dev]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[handout,test,dev]'
 	@touch $(READY)
 
 models: $(READY)
@@ -49,6 +49,8 @@ wheel-smoke: wheel
 	$(SMOKE)/venv/bin/python -m pip install --quiet --constraint constraints.txt dist/*.whl
 	cd $(SMOKE) && venv/bin/derive build scara-perugia --out out --quiet
 	cd $(SMOKE)/out && ../venv/bin/python -c 'import scara_perugia.model_numpy as m; print(m.forward_kinematics.__name__, m.DOF)'
+	$(SMOKE)/venv/bin/python -m pip install --quiet --constraint constraints.txt "$$(echo dist/*.whl)[handout]"
+	cd $(SMOKE) && venv/bin/derive handout scara-perugia --html --lang it --out handout && test -s handout/scara-perugia.html
 	rm -rf $(SMOKE)
 
 clean:
