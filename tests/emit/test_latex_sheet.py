@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import random
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from derive.build.quantities import ModelQuantities
-from derive.emit import templating
+from derive.build.render import source_of
+from derive.emit.handout.assemble import context_of, document
+from derive.emit.handout.latex_writer import latex
 from derive.emit.latex.policy import POLICY, SheetPolicy
-from derive.emit.latex_target import sheet_context
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from tests.emit.latex_runner import run_latex
@@ -32,7 +34,9 @@ TITLES = [
 
 def sheet(robot: Robot, policy: SheetPolicy = POLICY) -> str:
     """The document."""
-    return templating.render("latex/sheet.tex.jinja", **sheet_context(robot, ModelQuantities(robot), "0.0.0", policy))
+    source = source_of(robot, ())
+    context = replace(context_of(source), policy=policy)
+    return latex(document(context), context.text)
 
 
 def assert_is_clean(text: str, folder: Path) -> None:
