@@ -21,7 +21,7 @@ from derive.mechanics.vectors import Frame
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
-_INDEXED = re.compile(r"(A|T|christoffel)\[([0-9,]+)\]")
+_INDEXED = re.compile(r"(A|T|frame|christoffel)\[([0-9,]+)\]")
 _BY_INERTIA = ("B", "C", "N", "tau", "christoffel")
 
 
@@ -131,6 +131,8 @@ class ModelQuantities(Mapping[str, Quantity]):
                 return Counted((n, 1), self._torque_terms, self._entry_of(name))
             case "potential":
                 return self._polynomials([[model.kinematics.potential]], model.form.dynamic)
+            case "rpy" | "euler_zyz":
+                return Written((3, 1), lambda: getattr(model, name))
         body = BODY.fullmatch(name)
         if body:
             return Counted(*body_quantity(model, body.group(1), int(body.group(2))))
@@ -153,6 +155,8 @@ class ModelQuantities(Mapping[str, Quantity]):
             return Written((4, 4), lambda: model.A(*indices))
         if letter == "T":
             return self._transform(*indices)
+        if letter == "frame":
+            return self._world_frame(*indices)
         i, j, k = indices
         return Counted((1, 1), lambda r, c: self._christoffel_terms(i, j, k), lambda r, c: model.christoffel(i, j, k))
 
@@ -160,6 +164,12 @@ class ModelQuantities(Mapping[str, Quantity]):
         if self._long.is_long(i, j):
             return Written((4, 4), lambda: self.model.transform(i, j))
         return self._frame(self.model.kinematics.transform(i, j))
+
+    def _world_frame(self, i: int) -> Quantity:
+        """DH frame i in the world, base included."""
+        if self._long.is_long(0, i):
+            return Written((4, 4), lambda: self.model.frame(i))
+        return self._frame(self.model.kinematics.frame(i))
 
     def _end_effector(self) -> Quantity:
         if self._long.is_long(0, self.robot.n):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive import __version__
+from derive.build.example import Example
 from derive.build.manifest import FILE as MANIFEST
 from derive.build.manifest import manifest_text
 from derive.build.quantities import ModelQuantities
@@ -54,7 +55,8 @@ def render_robot(robot: Robot, targets: Sequence[Target]) -> Rendered:
 def source_of(robot: Robot, targets: Sequence[Target]) -> Source:
     """What the targets are rendered from."""
     names = (PACKAGE, *(name for target in targets for name in target.files), MANIFEST)
-    return Source(robot, build_program(robot), ModelQuantities(robot), __version__, tuple(sorted(names)))
+    quantities, numbers = ModelQuantities(robot), Example(robot)
+    return Source(robot, build_program(robot), quantities, __version__, tuple(sorted(names)), numbers=numbers)
 
 
 def _package(source: Source) -> str:

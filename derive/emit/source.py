@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from derive.algebra.program import Program
-from derive.emit.handout.context import Poses
+from derive.emit.handout.context import Numbers, Poses
 from derive.robot.robot import Robot
 
 
@@ -22,6 +22,7 @@ class Source:
         version: Version of the tool, stated in every output.
         files: Names of all files of this build, for the page that lists them.
         poses: Where the frames of the robot are, for figures; None where nothing is drawn.
+        numbers: Values of the closed forms at a configuration, for the example; None where there is none.
     """
 
     robot: Robot
@@ -30,3 +31,4 @@ class Source:
     version: str
     files: tuple[str, ...] = ()
     poses: Poses | None = None
+    numbers: Numbers | None = None

@@ -74,6 +74,7 @@ def context_of(source: Source, options: HandoutOptions | None = None) -> Context
         text=text_for(chosen.language),
         version=source.version,
         poses=source.poses,
+        numbers=source.numbers,
     )
 
 

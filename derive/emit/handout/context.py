@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
+from derive.emit.handout.dynamics import DynamicsLayout
+from derive.emit.handout.rate_forms import RateForms
 from derive.emit.handout.tables import DataPrinter
 from derive.emit.handout.text import Text
 from derive.emit.latex.notation import Notation
@@ -37,6 +39,13 @@ class Poses(Protocol):
         """Base frame 0, frames 1 to n and the end effector in the world [m]."""
 
 
+Numbers = Callable[[str, Sequence[float]], Sequence[Sequence[float]]]
+"""Value of T, J, B or g, by name, at a configuration; symbols without a number have those of the figure.
+
+Its argument is the joint variables [rad or m]; its result the rows of a matrix, g a column.
+"""
+
+
 @dataclass(frozen=True)
 class Context:
     """One robot on its way to a handout.
@@ -48,6 +57,7 @@ class Context:
         text: Translates messages.
         version: Version of the tool.
         poses: Where its frames are, for figures; None where nothing is drawn.
+        numbers: Its quantities at a configuration, for the example; None where there is none.
         policy: How much is printed.
     """
 
@@ -57,6 +67,7 @@ class Context:
     text: Text
     version: str
     poses: Poses | None = None
+    numbers: Numbers | None = None
     policy: SheetPolicy = POLICY
 
     @cached_property
@@ -83,6 +94,22 @@ class Context:
     def data(self) -> DataPrinter:
         """Prints cells of the robot file."""
         return DataPrinter(self.robot, self.notation)
+
+    @cached_property
+    def dynamics(self) -> DynamicsLayout:
+        """Lays out the dynamics; sizes and Christoffel symbols are found once for all parts."""
+        letter = self.options.notation.inertia.value
+        return DynamicsLayout(self.robot, self.quantities, self.layouter, self.symbols, letter)
+
+    @cached_property
+    def rate_forms(self) -> RateForms:
+        """C, N and the equations of motion in named terms."""
+        return RateForms(self.dynamics)
+
+    @property
+    def has_closed_dynamics(self) -> bool:
+        """Whether the closed form of the dynamics is derived: the robot has links, and not too many joints."""
+        return self.robot.has_dynamics and self.robot.n <= self.policy.closed_form_joints
 
     @property
     def steps(self) -> bool:
