@@ -1,0 +1,1 @@
+"""The handout as a web page: one file that needs no network."""
