@@ -13,6 +13,7 @@ from derive.robot.heading import read_name, read_title
 from derive.robot.joints import read_joints
 from derive.robot.limits import FILE_LIMITS
 from derive.robot.links import read_gravity, read_links
+from derive.robot.presentation import read_figure, read_handout
 from derive.robot.robot import Convention, Robot
 from derive.robot.source import read_document
 from derive.robot.structure import check_structure
@@ -86,6 +87,7 @@ def _read(document: Document, cells: Cells) -> Robot:
     links = read_links(document, cells, len(joints))
     gravity = read_gravity(document, cells)
     name = read_name(document)
+    parameters = _parameters(document)
     return Robot(
         name=name,
         title=read_title(document) or name,
@@ -95,10 +97,12 @@ def _read(document: Document, cells: Cells) -> Robot:
         tool=tool,
         gravity=gravity,
         links=links,
-        parameters=_parameters(document),
+        parameters=parameters,
         runtime=_runtime(document),
         style=Style(_text(document, "style") or Style.COMPACT),
         contraction=Contraction(_text(document, "contraction") or Contraction.ALIGNED),
+        handout=read_handout(document),
+        figure=read_figure(document, cells, joints, parameters),
         digest=document.digest,
         source=document.source,
     )

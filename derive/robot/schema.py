@@ -10,6 +10,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
 
+from derive.robot.handout import (
+    PARTS,
+    AngleLetter,
+    Derivation,
+    FrameIndices,
+    Functions,
+    InertiaLetter,
+    SliderLetter,
+)
 from derive.robot.limits import FILE_LIMITS
 
 NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"
@@ -17,6 +26,8 @@ ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
 
 Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
+Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
+Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
 Vector3 = tuple[Cell, Cell, Cell]
 Row4 = tuple[Cell, Cell, Cell, Cell]
 Matrix4 = tuple[Row4, Row4, Row4, Row4]
@@ -84,6 +95,40 @@ class LinkRow(Strict):
     friction: FrictionRow = Field(default=FrictionRow(), description="Joint-side friction.")
 
 
+class NotationRow(Strict):
+    """How the handout writes symbols."""
+
+    angle: AngleLetter = Field(default=AngleLetter.NAME, description="Variables of revolute joints.")
+    prismatic: SliderLetter = Field(default=SliderLetter.NAME, description="Variables of prismatic joints.")
+    functions: Functions = Field(default=Functions.SHORT, description="c_12, or cos(q_1 + q_2) in full.")
+    frames: FrameIndices = Field(default=FrameIndices.RIGHT, description="A_1^0, or the frames on the left: ^0A_1.")
+    inertia: InertiaLetter = Field(default=InertiaLetter.B, description="Letter of the inertia matrix.")
+
+
+class HandoutRow(Strict):
+    """What the handout shows and how."""
+
+    parts: list[Part] = Field(
+        default=list(PARTS),
+        description="Which parts; printed in their usual order.",
+        json_schema_extra={"minItems": 1, "uniqueItems": True},
+    )
+    derivation: Derivation = Field(default=Derivation.RESULT, description="Results only, or the steps to them.")
+    language: Language = Field(default="en", description="Language of the texts: en, it, pt, ...")
+    notation: NotationRow = Field(default=NotationRow(), description="How symbols are written.")
+
+
+class FigureRow(Strict):
+    """Which configuration is drawn beside the zero configuration."""
+
+    q: list[Cell] | None = Field(
+        default=None, description="A number for every joint variable, in the units of the file as limits are."
+    )
+    values: dict[str, Cell] = Field(
+        default={}, description="Numbers, in SI units and radians, for symbols without one; for drawing only."
+    )
+
+
 class RobotFile(Strict):
     """A serial arm: its Denavit-Hartenberg table and, if given, frames around it and its dynamics."""
 
@@ -117,6 +162,8 @@ class RobotFile(Strict):
     contraction: Literal["aligned", "opposed"] = Field(
         default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
     )
+    handout: HandoutRow = Field(default=HandoutRow(), description="Parts, language and notation of the handout.")
+    figure: FigureRow = Field(default=FigureRow(), description="The configuration that is drawn.")
 
 
 def json_schema() -> dict[str, Any]:

@@ -77,7 +77,7 @@ def _message(document: Document, item: dict[str, Any]) -> RobotFileError:
         return _wrong_length(document, path[:-1])
     if kind == "missing":
         return _missing_key(document, path)
-    if kind == "literal_error":
+    if kind in ("literal_error", "enum"):
         return _wrong_choice(document, path, item)
     if kind in ("too_long", "too_short"):
         return _wrong_length(document, path)
@@ -111,9 +111,9 @@ def _wrong_choice(document: Document, path: Path, item: dict[str, Any]) -> Robot
     node = document.find(path)
     text = node.text if isinstance(node, Scalar) else ""
     allowed = item["ctx"]["expected"]
-    found = quoted(text) if isinstance(node, Scalar) else _found(node)
+    found = f"found {quoted(text)}" if isinstance(node, Scalar) else _found(node)
     choices = [word.strip(" '") for word in allowed.replace(" or ", ",").split(",")]
-    return document.error(path, f"found {found}", f"allowed: {allowed}", near_miss(text, choices))
+    return document.error(path, found, f"allowed: {allowed}", near_miss(text, choices))
 
 
 def _wrong_length(document: Document, path: Path) -> RobotFileError:
@@ -137,8 +137,10 @@ def _found(node: Node | None) -> str:
 
 
 def _expected(path: Path, kind: str) -> str:
-    if path and path[-1] in ("name", "title", "q"):
+    if path[-1:] in (("name",), ("title",), ("language",)) or (path[:1], path[-1:]) == (("joints",), ("q",)):
         return "allowed: a text"
+    if path[:2] == ("handout", "parts") and kind == "string_type":
+        return "allowed: names of parts"
     if kind == "string_type":
         return "allowed: one number, name or expression"
     if kind in ("list_type", "tuple_type"):
@@ -164,9 +166,12 @@ def _fields(path: Path) -> tuple[str, ...]:
         "motor": schema.MotorRow,
         "friction": schema.FrictionRow,
         "inertia": schema.InertiaRow,
+        "handout": schema.HandoutRow,
+        "notation": schema.NotationRow,
+        "figure": schema.FigureRow,
     }
     for part in path:
-        if part == "parameters":
+        if part in ("parameters", "values"):
             return ()
         model = nested.get(str(part), model)
     return tuple(model.model_fields)

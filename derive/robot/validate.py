@@ -29,6 +29,10 @@ _HUGE = 1e12
 """What is larger can only be a division by a rounding error."""
 
 
+_ROUNDING = 1e-12
+"""A configuration at a limit is within it, whatever a float makes of pi/2."""
+
+
 def validate(document: Document, cells: Cells, robot: Robot) -> None:
     """Refuse a robot whose parts contradict each other.
 
@@ -45,6 +49,7 @@ def validate(document: Document, cells: Cells, robot: Robot) -> None:
         _check_possible(document, path, expression, values)
     for row, joint in enumerate(robot.joints):
         _check_limits(document, ("joints", row, "limits"), joint, values)
+        _check_drawn(document, row, robot, values)
     for row, link in enumerate(robot.links):
         _check_masses(document, ("links", row), link, values)
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
@@ -196,6 +201,20 @@ def _check_limits(document: Document, path: Path, joint: Joint, values: Mapping[
     if lower is not None and upper is not None and not lower < upper:
         raise document.error(
             path, "lower limit is not below the upper", "allowed: [lower, upper]", "exchange or correct them"
+        )
+
+
+def _check_drawn(document: Document, row: int, robot: Robot, values: Mapping[str, float]) -> None:
+    """The configuration that is drawn must be one that the joint can take."""
+    limits = robot.joints[row].limits
+    if robot.figure.q is None or limits is None:
+        return
+    drawn = evaluate(robot.figure.q[row], {})
+    lower, upper = (_value(limit, values) for limit in limits)
+    if (lower is not None and drawn < lower - _ROUNDING) or (upper is not None and drawn > upper + _ROUNDING):
+        variable = robot.joints[row].variable
+        raise document.error(
+            ("figure", "q", row), f"outside of the limits of '{variable}'", remedy="draw another configuration"
         )
 
 
