@@ -1,0 +1,115 @@
+"""Drawings as PDF, SVG or PNG through matplotlib; the same drawing gives the same bytes."""
+
+from __future__ import annotations
+
+from pathlib import Path as File
+from typing import Any
+
+from derive.emit.figure.drawing import Drawing, Label, Path
+from derive.emit.figure.label_text import LABEL_SIZE
+from derive.errors import DeriveError
+
+SUFFIXES = (".pdf", ".png", ".svg")
+
+POINTS_PER_INCH = 72.27
+
+RESOLUTION = 300
+"""Of a PNG [dots per inch]."""
+
+STYLE = {
+    "svg.hashsalt": "derive",
+    "svg.fonttype": "path",
+    "pdf.fonttype": 42,
+    "mathtext.fontset": "cm",
+    "font.family": "serif",
+    "path.simplify": False,
+}
+
+_ALIGN_X = {-1: "left", 0: "center", 1: "right"}
+_ALIGN_Y = {-1: "bottom", 0: "center", 1: "top"}
+
+
+def require_matplotlib() -> Any:
+    """The module matplotlib, set to draw into files.
+
+    Raises:
+        DeriveError: It is not installed.
+    """
+    try:
+        import matplotlib
+    except ImportError:
+        raise DeriveError(
+            "figures need matplotlib, which is not installed", remedy="pip install 'derive-robot[handout]'"
+        ) from None
+    matplotlib.use("agg")
+    return matplotlib
+
+
+def write_drawing(drawing: Drawing, path: File, suffix: str, scale: float = 1.0) -> None:
+    """Writes a drawing to a file.
+
+    Args:
+        drawing: What to draw.
+        path: The file.
+        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
+        scale: How much larger than in the drawing.
+
+    Raises:
+        DeriveError: matplotlib is not installed.
+    """
+    matplotlib = require_matplotlib()
+    with matplotlib.rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(scale * drawing.width / POINTS_PER_INCH, scale * drawing.height / POINTS_PER_INCH))
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_xlim(0.0, drawing.width)
+        axes.set_ylim(0.0, drawing.height)
+        axes.set_axis_off()
+        for order, item in enumerate(drawing.items):
+            if isinstance(item, Path):
+                axes.add_patch(_patch(item, order, scale))
+            else:
+                _text(axes, item, order, scale)
+        save(figure, path, suffix, drawing.title)
+
+
+def save(figure: Any, path: File, suffix: str, title: str) -> None:
+    """Writes a figure of matplotlib without date or version in it."""
+    form = suffix.removeprefix(".")
+    metadata = {
+        "svg": {"Date": None, "Creator": None, "Title": title},
+        "pdf": {"CreationDate": None, "Creator": None, "Producer": None, "Title": title},
+        "png": {"Software": None, "Title": title},
+    }[form]
+    figure.savefig(path, format=form, dpi=RESOLUTION, metadata=metadata, facecolor="white")
+
+
+def _patch(item: Path, order: int, scale: float) -> Any:
+    from matplotlib.patches import Polygon
+
+    return Polygon(
+        item.points,
+        closed=item.closed,
+        fill=item.fill is not None,
+        facecolor=item.fill or "none",
+        edgecolor=item.stroke or "none",
+        linewidth=item.width * scale if item.stroke else 0.0,
+        linestyle=(0, (4, 2.5)) if item.dashed else "solid",
+        joinstyle="round",
+        capstyle="round",
+        zorder=order,
+    )
+
+
+def _text(axes: Any, item: Label, order: int, scale: float) -> None:
+    axes.text(
+        *item.at,
+        f"${item.latex}$",
+        fontsize=LABEL_SIZE * scale,
+        color=item.color,
+        ha=_ALIGN_X[item.anchor[0]],
+        va=_ALIGN_Y[item.anchor[1]],
+        zorder=order,
+        clip_on=False,
+    )

@@ -1,0 +1,135 @@
+"""The solid parts of an arm in page units: base, links, joints, hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.emit.figure.drawing import Color
+from derive.emit.figure.scene import JointAxis, Scene
+from derive.emit.figure.shapes import Face, ball, perpendicular, prism, tube
+
+Array = npt.NDArray[np.float64]
+
+REVOLUTE: Color = (0.62, 0.72, 0.86)
+PRISMATIC: Color = (0.93, 0.80, 0.58)
+LINK: Color = (0.86, 0.86, 0.84)
+BASE: Color = (0.66, 0.66, 0.66)
+HAND: Color = (0.45, 0.45, 0.48)
+
+_SHIFTS = (0.0, 1.25, -1.25, 2.5, -2.5, 3.75)
+"""Places of a joint along its axis, in lengths of a cylinder."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """How large things are drawn [pt].
+
+    Attributes:
+        factor: 1, or less where places are close.
+    """
+
+    factor: float
+
+    @property
+    def arrow(self) -> tuple[float, float, float]:
+        """Lengths of x, y and z axes: z the longest, so that axes on one line can be told apart."""
+        return (30.0 * self.factor, 24.0 * self.factor, 34.0 * self.factor)
+
+    @property
+    def cylinder(self) -> tuple[float, float]:
+        """Radius and length of a revolute joint."""
+        return (7.0 * self.factor, 17.0 * self.factor)
+
+    @property
+    def slider(self) -> tuple[float, float]:
+        """Half of the diagonal and length of a prismatic joint's box."""
+        return (9.0 * self.factor, 20.0 * self.factor)
+
+    @property
+    def tube(self) -> float:
+        """Radius of a link."""
+        return 2.6 * self.factor
+
+
+def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
+    """Where each joint is drawn on its axis: at its origin, else on its offset, else beside; off the others."""
+    length = sizes.cylinder[1]
+    centers: list[Array] = []
+    for joint in scene.joints:
+        options = list(_options(joint, scale, length))
+        gaps = [min((float(np.linalg.norm(o - c)) for c in centers), default=1e9) for o in options]
+        free = [k for k, gap in enumerate(gaps) if gap > 1.05 * length]
+        centers.append(options[free[0] if free else int(np.argmax(np.round(gaps, 6)))])
+    return centers
+
+
+def _options(joint: JointAxis, scale: float, length: float) -> Iterator[Array]:
+    start, end = joint.anchor * scale, joint.far * scale
+    yield start
+    offset = float(np.linalg.norm(end - start))
+    if offset > 2.5 * length:
+        yield (start + end) / 2
+    for shift in _SHIFTS[1:]:
+        yield start + joint.direction * shift * length
+
+
+def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Face], list[Array]]:
+    """All faces, and the centre lines of what labels should keep off, in points."""
+    faces: list[Face] = []
+    lines: list[Array] = []
+    for stretch in scene.stretches:
+        start, end = stretch.start * scale, stretch.end * scale
+        faces += [*tube(start, end, sizes.tube, LINK), *ball(start, sizes.tube, LINK), *ball(end, sizes.tube, LINK)]
+        lines.append(np.stack([start, end]))
+    for joint, center in zip(scene.joints, joint_centers(scene, scale, sizes), strict=True):
+        solid, line = _joint(joint, center, joint.anchor * scale, sizes)
+        faces += solid
+        lines += line
+    hand, hand_lines = _hand(scene, scale, sizes)
+    return [*faces, *hand, *_base(scene, scale, sizes)], [*lines, *hand_lines]
+
+
+def _joint(joint: JointAxis, center: Array, anchor: Array, sizes: Sizes) -> tuple[list[Face], list[Array]]:
+    axis = joint.direction
+    radius, length = sizes.cylinder if joint.revolute else sizes.slider
+    start, end = center - axis * length / 2, center + axis * length / 2
+    if joint.revolute:
+        faces = list(prism(start, end, radius, REVOLUTE))
+    else:
+        faces = list(prism(start, end, radius, PRISMATIC, sides=4))
+        rod = axis * length
+        faces += [*tube(center - rod, center + rod, 0.7 * sizes.tube, LINK)]
+    if float(np.linalg.norm(center - anchor)) > 1e-6:
+        faces += tube(anchor, center, 0.8 * sizes.tube, LINK)
+    across, other = perpendicular(axis)
+    sides = [np.stack([start + radius * u, end + radius * u]) for u in (across, -across, other, -other)]
+    return faces, [np.stack([start, end]), *sides]
+
+
+def _base(scene: Scene, scale: float, sizes: Sizes) -> Iterator[Face]:
+    """A flat pedestal below frame 0."""
+    foot = scene.places[0] * scale - scene.base_axis * sizes.cylinder[1] * 0.55
+    thick = scene.base_axis * 4.0 * sizes.factor
+    yield from prism(foot - thick, foot, 15.0 * sizes.factor, BASE, sides=28)
+
+
+def _hand(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Face], list[Array]]:
+    """Two fingers on a palm, their tips ahead of the end effector's origin."""
+    k = sizes.factor
+    end, along, across = scene.end * scale, scene.approach, scene.opening
+    palm = end + 5.0 * k * along
+    tips = end + 17.0 * k * along
+    lines = [np.stack([end, palm])]
+    for side in (-1.0, 1.0):
+        shoulder = palm + side * 7.0 * k * across
+        lines += [np.stack([palm, shoulder]), np.stack([shoulder, tips + side * 7.0 * k * across])]
+    faces: list[Face] = []
+    for line in lines:
+        faces += [*tube(line[0], line[1], 1.5 * k, HAND), *ball(line[1], 1.5 * k, HAND)]
+    return faces, lines
+
+
