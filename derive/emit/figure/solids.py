@@ -84,13 +84,23 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Face], l
     for stretch in scene.stretches:
         start, end = stretch.start * scale, stretch.end * scale
         faces += [*tube(start, end, sizes.tube, LINK), *ball(start, sizes.tube, LINK), *ball(end, sizes.tube, LINK)]
-        lines.append(np.stack([start, end]))
-    for joint, center in zip(scene.joints, joint_centers(scene, scale, sizes), strict=True):
+        lines += _thick(start, end, sizes.tube)
+    centers = joint_centers(scene, scale, sizes)
+    for joint, center in zip(scene.joints, centers, strict=True):
         solid, line = _joint(joint, center, joint.anchor * scale, sizes)
         faces += solid
         lines += line
-    hand, hand_lines = _hand(scene, scale, sizes)
-    return [*faces, *hand, *_base(scene, scale, sizes)], [*lines, *hand_lines]
+    hand, hand_lines = _hand(scene, scale, sizes, centers[-1])
+    base = list(_base(scene, scale, sizes))
+    rim = base[-1].corners
+    return [*faces, *hand, *base], [*lines, *hand_lines, np.concatenate([rim, rim[:1]])]
+
+
+def _thick(start: Array, end: Array, radius: float) -> list[Array]:
+    """Lines along a link that labels should keep off."""
+    across, other = perpendicular((end - start) / np.linalg.norm(end - start))
+    sides = (radius * across, -radius * across, radius * other, -radius * other)
+    return [np.stack([start + side, end + side]) for side in sides]
 
 
 def _joint(joint: JointAxis, center: Array, anchor: Array, sizes: Sizes) -> tuple[list[Face], list[Array]]:
@@ -117,12 +127,17 @@ def _base(scene: Scene, scale: float, sizes: Sizes) -> Iterator[Face]:
     yield from prism(foot - thick, foot, 15.0 * sizes.factor, BASE, sides=28)
 
 
-def _hand(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Face], list[Array]]:
-    """Two fingers on a palm, their tips ahead of the end effector's origin."""
+def _hand(
+    scene: Scene, scale: float, sizes: Sizes, last: Array
+) -> tuple[list[Face], list[Array]]:
+    """Two fingers on a palm ahead of the end effector's origin, and ahead of a last joint that is drawn there."""
     k = sizes.factor
     end, along, across = scene.end * scale, scene.approach, scene.opening
-    palm = end + 5.0 * k * along
-    tips = end + 17.0 * k * along
+    ahead = float((last - end) @ along)
+    beside = float(np.linalg.norm(last - end - ahead * along))
+    covered = ahead + sizes.cylinder[1] / 2 if ahead > 0 and beside < 1.0 else 0.0
+    palm = end + (covered + 5.0 * k) * along
+    tips = end + (covered + 17.0 * k) * along
     lines = [np.stack([end, palm])]
     for side in (-1.0, 1.0):
         shoulder = palm + side * 7.0 * k * across
