@@ -24,12 +24,12 @@ class Entries(NamedTuple):
 
     Attributes:
         shape: Rows and columns.
-        count: Number of terms of an entry when multiplied out; indices from 1.
+        size: Number of terms of an entry when multiplied out; indices from 1.
         write: The expression of an entry.
     """
 
     shape: tuple[int, int]
-    count: Callable[[int, int], int]
+    size: Callable[[int, int], int]
     write: Callable[[int, int], Any]
 
 
@@ -58,6 +58,13 @@ def body_quantity(model: Model, kind: str, i: int) -> Entries:
             return _columns(model, [k.motor_place(i)])
     part = only_link(model.robot, i) if kind == "B_link" else only_rotor(model.robot, i)
     return _InertiaPart(model, part).entries
+
+
+def derivative_quantity(model: Model, i: int, j: int, k: int) -> Entries:
+    """dB_ij/dq_k, 1x1; indices from 1."""
+    p, form = model.dynamics.derivative(i - 1, j - 1, k - 1), model.dynamic_form
+    size = model.dynamics.expanded_size(p)
+    return Entries((1, 1), lambda row, column: size, lambda row, column: form.entry(p, model.christoffel_limit))
 
 
 def _columns(model: Model, columns: Sequence[Vector[Polynomial]]) -> Entries:

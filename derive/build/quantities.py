@@ -11,7 +11,7 @@ from typing import Any
 import sympy
 
 from derive.algebra.ring import Polynomial, TooManyTerms
-from derive.build.body_quantities import BODY, body_quantity
+from derive.build.body_quantities import BODY, body_quantity, derivative_quantity
 from derive.build.term_count import TermCount, nested_term_counts
 from derive.emit.quantity import Quantity
 from derive.mechanics.long_chain import LongChain
@@ -21,8 +21,8 @@ from derive.mechanics.vectors import Frame
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
-_INDEXED = re.compile(r"(A|T|frame|christoffel)\[([0-9,]+)\]")
-_BY_INERTIA = ("B", "C", "N", "tau", "christoffel")
+_INDEXED = re.compile(r"(A|T|frame|christoffel|dB)\[([0-9,]+)\]")
+_BY_INERTIA = ("B", "C", "N", "tau", "christoffel", "dB")
 
 
 @dataclass(frozen=True)
@@ -158,6 +158,8 @@ class ModelQuantities(Mapping[str, Quantity]):
         if letter == "frame":
             return self._world_frame(*indices)
         i, j, k = indices
+        if letter == "dB":
+            return Counted(*derivative_quantity(model, i, j, k))
         return Counted((1, 1), lambda r, c: self._christoffel_terms(i, j, k), lambda r, c: model.christoffel(i, j, k))
 
     def _transform(self, i: int, j: int) -> Quantity:

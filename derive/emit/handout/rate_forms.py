@@ -1,0 +1,222 @@
+"""C, N and the equations of motion through named terms: entries of B, Christoffel symbols and g.
+
+C_ij = sum_k c_i,jk qd_k and N_ij = sum_k (c_j,ik - c_i,jk) qd_k, for dB_ij/dq_k = c_i,jk + c_j,ik (Siciliano et al.,
+Robotics, eq. 7.44 and 7.47).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy
+
+from derive.algebra.to_sympy import expression_to_sympy
+from derive.emit.handout.dynamics import DynamicsLayout, Triple, is_short, key
+from derive.emit.latex.layout import EQUALS, Equation, equation_lines
+from derive.emit.latex.lines import break_lines
+from derive.emit.latex.metrics import EMPTY, Box, concatenate, italic
+from derive.emit.latex.pieces import Break, Piece, binary
+from derive.emit.latex.printer import MINUS
+from derive.emit.latex.quantity import Block, places
+from derive.emit.latex.symbols import EntryNamer
+from derive.robot.names import acceleration_name, velocity_name
+
+Signed = tuple[int, tuple[Box, ...]]
+Coefficients = tuple[tuple[int, Triple, int], ...]
+"""A sum of sign * c_triple * qd_k."""
+
+
+@dataclass(frozen=True)
+class RateForms:
+    """What contains rates, in named terms.
+
+    Attributes:
+        layout: The dynamics.
+    """
+
+    layout: DynamicsLayout
+
+    @cached_property
+    def coriolis_named(self) -> bool:
+        """Whether C is given through Christoffel symbols."""
+        return not self.layout.is_compact("C")
+
+    @cached_property
+    def skew_named(self) -> bool:
+        """Whether N is."""
+        return self.coriolis_named or not self.layout.is_compact("N")
+
+    @cached_property
+    def torque_named(self) -> bool:
+        """Whether the equations of motion are given through entries of B, Christoffel symbols and g."""
+        return self.coriolis_named or not self.layout.is_compact("tau")
+
+    @property
+    def torque_long(self) -> bool:
+        """Whether even that is too long, and only the matrix form is given."""
+        products = self.layout.layouter.policy.named_products * self.layout.robot.n
+        return self.torque_named and 2 * len(self.layout.triples) > products
+
+    # -- C and N
+
+    def coriolis(self) -> Block:
+        """C."""
+        n = self.layout.robot.n
+        sums = {place: tuple(self._coriolis_sum(*place)) for place in places((n, n))}
+        return self._block("C", sums)
+
+    def _coriolis_sum(self, i: int, j: int) -> Iterator[tuple[int, Triple, int]]:
+        for k in self._joints:
+            if _sorted(i, j, k) in self._nonzero:
+                yield 1, _sorted(i, j, k), k
+
+    def skew(self) -> Block:
+        """The entries of N above the diagonal; the others follow from N = -N^T."""
+        n = self.layout.robot.n
+        return self._block("N", {(i, j): tuple(self._skew_sum(i, j)) for i, j in places((n, n)) if i < j})
+
+    def _skew_sum(self, i: int, j: int) -> Iterator[tuple[int, Triple, int]]:
+        for k in self._joints:
+            for sign, triple in ((1, _sorted(j, i, k)), (-1, _sorted(i, j, k))):
+                if triple in self._nonzero:
+                    yield sign, triple, k
+
+    def _block(self, letter: str, sums: dict[tuple[int, int], Coefficients]) -> Block:
+        namer = EntryNamer(self.layout.symbols, letter)
+        sums = {place: coefficients for place, coefficients in sums.items() if coefficients}
+        rows = [Equation(namer(*place), signed_sum(map(self._signed, found))) for place, found in sums.items()]
+        values = ((namer(*place), self._value(found)) for place, found in sums.items())
+        return Block(
+            tuple(equation_lines(rows)),
+            by_entry=True,
+            has_zeros=len(rows) < self.layout.robot.n**2,
+            values=tuple((name, value) for name, value in values if value is not None),
+            blanks=tuple(row.left.tex for row in rows),
+        )
+
+    def _signed(self, coefficient: tuple[int, Triple, int]) -> Signed:
+        sign, triple, k = coefficient
+        return sign, (self.layout.symbols.christoffel(*triple), self._rate(k))
+
+    def _value(self, coefficients: Coefficients) -> Any:
+        """The sum with the Christoffel symbols put in, for copying; None where it is long."""
+        if sum(self.layout.terms(triple) for _, triple, _ in coefficients) > self.layout.layouter.policy.flat_terms:
+            return None
+        quantities = self.layout.quantities
+        return sympy.Add(
+            *(sign * quantities[key(triple)].entry(1, 1) * self._rate_symbol(k) for sign, triple, k in coefficients)
+        )
+
+    # -- equations of motion
+
+    def motion(self) -> Block:
+        """Each equation: inertia, centrifugal and Coriolis terms, gravity, friction."""
+        lines: list[str] = []
+        for i in self._joints:
+            head = concatenate(self.layout.symbols.torque(i), EQUALS)
+            lines += break_lines(head, self._motion_terms(i))
+        return Block(tuple(lines), blanks=tuple(self.layout.symbols.torque(i).tex for i in self._joints))
+
+    def _motion_terms(self, i: int) -> tuple[Piece, ...]:
+        layout = self.layout
+        terms: list[Signed] = []
+        for j in self._joints:
+            if layout.quantities["B"].terms(min(i, j), max(i, j)):
+                terms.append((1, (layout.inertia_entry(i, j), self._rate(j, 2))))
+        for triple in layout.triples:
+            if triple[0] == i:
+                terms.append((1, self._velocity_product(triple)))
+        if layout.quantities["g"].terms(i, 1):
+            terms.append((1, (layout.symbols.component("g", i),)))
+        if not terms:
+            return self._friction(i, follows=False) or (Piece(italic("0")),)
+        return signed_sum(terms) + self._friction(i, follows=True)
+
+    def _velocity_product(self, triple: Triple) -> tuple[Box, ...]:
+        symbol, (_, j, k) = self.layout.symbols.christoffel(*triple), triple
+        if j == k:
+            return (symbol, self._rate(j, square=True))
+        return (italic("2"), symbol, self._rate(j), self._rate(k))
+
+    def _friction(self, i: int, follows: bool) -> tuple[Piece, ...]:
+        link = self.layout.robot.links[i - 1]
+        rate = self._rate_symbol(i)
+        viscous, coulomb = expression_to_sympy(link.viscous), expression_to_sympy(link.coulomb)
+        friction = viscous * rate + coulomb * sympy.sign(rate)
+        if friction == 0:
+            return ()
+        pieces = self.layout.layouter.printer.pieces(friction)
+        if not follows:
+            return tuple(pieces)
+        if pieces[0] == MINUS:
+            return (binary("-", 0), *pieces[1:])
+        return (binary("+", 0), *pieces)
+
+    # -- the check that N is skew-symmetric
+
+    def bdot(self) -> Block | None:
+        """The derivative of B with respect to time; None where it is long."""
+        if not self.layout.is_compact("Bdot"):
+            return None
+        letter = self.layout.letter
+        symbol = Box(f"\\dot{{\\mathbf{{{letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 44.0)
+
+        def entry(row: int, column: int) -> Box:
+            box = self.layout.inertia_entry(row, column)
+            return Box(f"\\dot{{{box.tex}}}", box.width)
+
+        limit = self.layout.layouter.policy.grouped_terms
+        return self.layout.layouter.block(
+            symbol, entry, self.layout.quantities["Bdot"], group=78, symmetric=True, limit=limit
+        )
+
+    def is_skew(self) -> bool:
+        """Whether the entries of dB/dt - 2C and of its transpose, multiplied out, add to zero; False where long."""
+        derivative, coriolis = self.layout.quantities["Bdot"], self.layout.quantities["C"]
+        limit = self.layout.layouter.policy.compact_terms
+        if not (is_short(derivative, limit) and is_short(coriolis, limit)):
+            return False
+        n = self.layout.robot.n
+
+        def doubled(i: int, j: int) -> Any:
+            sums = coriolis.entry(i, j) + coriolis.entry(j, i)
+            return sympy.expand(derivative.entry(i, j) + derivative.entry(j, i) - 2 * sums)
+
+        return all(doubled(i, j) == 0 for i, j in places((n, n)) if i <= j)
+
+    # -- joints
+
+    @property
+    def _joints(self) -> range:
+        return range(1, self.layout.robot.n + 1)
+
+    @cached_property
+    def _nonzero(self) -> frozenset[Triple]:
+        return frozenset(self.layout.triples)
+
+    def _rate_symbol(self, k: int) -> Any:
+        return sympy.Symbol(velocity_name(self.layout.robot.joints[k - 1].variable))
+
+    def _rate(self, k: int, order: int = 1, square: bool = False) -> Box:
+        variable = self.layout.robot.joints[k - 1].variable
+        name = velocity_name(variable) if order == 1 else acceleration_name(variable)
+        return self.layout.layouter.printer.notation.glyph(name).power(italic("2") if square else EMPTY)
+
+
+def _sorted(i: int, j: int, k: int) -> Triple:
+    return (i, min(j, k), max(j, k))
+
+
+def signed_sum(terms: Iterable[Signed]) -> tuple[Piece, ...]:
+    """A sum of products of boxes, each with its sign."""
+    row: list[Piece] = []
+    for sign, factors in terms:
+        if row:
+            row.append(binary("+" if sign > 0 else "-", 0))
+        elif sign < 0:
+            row.append(MINUS)
+        row += [Piece(factor, Break.FACTOR if k else Break.NEVER) for k, factor in enumerate(factors)]
+    return tuple(row) or (Piece(italic("0")),)
