@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import unicodedata
 
@@ -94,6 +95,21 @@ _RISKY_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
 def c_comment(text: str) -> str:
     """Text for a C comment of either kind; no end of comment, no trigraph, no continued line."""
     return _RISKY_PAIR.sub(lambda match: match[0] + " ", one_line(text).replace("\\", "/"))
+
+
+def javascript_string(text: str) -> str:
+    """A string literal, quotes included, in ASCII; inert inside an HTML script element, too."""
+    return json.dumps(text).replace("<", "\\u003c").replace(">", "\\u003e").replace("\x7f", "\\u007f")
+
+
+def javascript_name(name: str) -> str:
+    """The variable that holds a user's symbol: a namespace of its own, clear of keywords and of our names."""
+    return f"p_{name}"
+
+
+def javascript_comment(text: str) -> str:
+    """Text for a comment of either kind, also inside an HTML script element."""
+    return c_comment(text).replace("<", "< ")
 
 
 def latex_text(text: str) -> str:

@@ -91,6 +91,19 @@ class PythonPrinter(InfixPrinter):
         return f"{name} = {value.text}"
 
 
+class JavaScriptPrinter(InfixPrinter):
+    """JavaScript: numbers, with ``sin``, ``cos``, ``sqrt`` and ``sign`` taken from ``Math``."""
+
+    def number(self, value: Constant) -> Piece:
+        """As in Python; a negative number is no atom, since ``--2`` is an error."""
+        text = repr(to_float(value))
+        return Piece(text, SUM if text.startswith("-") else ATOM)
+
+    def assign(self, name: str, value: Piece) -> str:
+        """``const name = value;``."""
+        return f"const {name} = {value.text};"
+
+
 def print_operation(printer: Printer, op: Op, operands: list[Piece]) -> Piece:
     """One operation of a tape."""
     if op in FUNCTION_NAMES:

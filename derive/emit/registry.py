@@ -5,24 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from derive.emit.casadi_target import TARGET as CASADI
+from derive.emit.javascript_target import TARGET as JAVASCRIPT
 from derive.emit.latex_target import TARGET as LATEX
 from derive.emit.numpy_target import TARGET as NUMPY
 from derive.emit.readme_target import TARGET as README
 from derive.emit.target import Target
 from derive.errors import TargetError
 
-TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, LATEX, README)}
+TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, JAVASCRIPT, LATEX, README)}
 """By name, in the order in which they are written."""
 
 
 def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
-    """Targets by name, in the registry's order; all of them for None.
+    """Targets by name, in the registry's order; for None those that a build writes unasked.
 
     Raises:
         TargetError: An unknown name, or none at all.
     """
     if names is None:
-        return tuple(TARGETS.values())
+        return tuple(target for target in TARGETS.values() if target.default)
     wanted = set(names)
     unknown = sorted(wanted - TARGETS.keys())
     if unknown or not wanted:

@@ -17,9 +17,11 @@ class Target:
         summary: One line for help texts.
         files: Names of the files that it writes.
         render: Makes their contents, by file name; a pure function.
+        default: Whether a build writes it when no target is named.
     """
 
     name: str
     summary: str
     files: tuple[str, ...]
     render: Callable[[Source], dict[str, str]]
+    default: bool = True
