@@ -27,7 +27,7 @@ ASSUMED_ANGLE = math.pi / 6
 """Drawn for an angle without a number [rad]."""
 
 PATTERNS = ((1.0, 0.8, 0.6, 0.9, 0.7, 0.5), (1.0, 0.5, 1.3, 0.3, 1.6, 0.2), (0.9, 0.4, 0.5, 0.2, 0.15, 0.1))
-"""Lengths drawn for symbols without a number, in units of the longest known length; the next row if one fits nowhere."""
+"""Lengths drawn for symbols without a number, in units of the longest known one; the next row if a cell has no value."""
 
 _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 
@@ -44,7 +44,7 @@ class RobotPoses:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = replace(robot, links=(), gravity=None)
-        self.assumed, self._values = _choose(self.robot, robot.figure.values)
+        self._assumed, self._values = _choose(self.robot, robot.figure.values)
 
     @property
     def zero(self) -> tuple[float, ...]:
@@ -56,6 +56,12 @@ class RobotPoses:
         """The configuration that the robot file asks to draw [rad or m]."""
         q = self.robot.figure.q
         return None if q is None else tuple(to_float(value, self._values) for value in q)
+
+    @property
+    def assumed(self) -> tuple[tuple[str, float, str], ...]:
+        """Symbols drawn with a number that no file gives: name, value and unit (``m`` or ``rad``)."""
+        angles = _angle_names(self.robot)
+        return tuple((name, value, "rad" if name in angles else "m") for name, value in self._assumed)
 
     @property
     def limits(self) -> tuple[tuple[float, float] | None, ...]:
@@ -175,5 +181,3 @@ def _angle_names(robot: Robot) -> set[str]:
             found |= set(names(node))
         pending += children(node)
     return found
-
-

@@ -69,7 +69,9 @@ def annotate(
         for joint, center in zip(robot.joints, joint_centers(scene, scale, sizes), strict=True):
             x, y = _flat(view, center)
             reach = 11.0 + 4.0 * sizes.factor
-            paper.label(data.notation.glyph(joint.variable).box.tex.strip(), around((x, y), (1.0, 0.3), reach), DIMENSION)
+            paper.label(
+                data.notation.glyph(joint.variable).box.tex.strip(), around((x, y), (1.0, 0.3), reach), DIMENSION
+            )
 
 
 def _flat(view: View, point: Array) -> Point:

@@ -53,7 +53,11 @@ class Stage:
 
 
 def arm_drawing(
-    robot: Robot, data: DataPrinter, frames: Sequence[Sequence[Sequence[float]]], title: str = "", view: View | None = None
+    robot: Robot,
+    data: DataPrinter,
+    frames: Sequence[Sequence[Sequence[float]]],
+    title: str = "",
+    view: View | None = None,
 ) -> Drawing:
     """The drawing of a robot whose frames are known.
 

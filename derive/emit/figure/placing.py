@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +27,7 @@ class Paper:
 
     def line(self, points: Sequence[Point], weight: float = 1.0) -> None:
         """Marks a line as taken."""
-        for start, end in zip(points[:-1], points[1:], strict=True):
+        for start, end in pairwise(points):
             a, b = np.array(start), np.array(end)
             count = max(2, int(np.hypot(*(b - a)) / _STEP) + 1)
             part = np.linspace(0.0, 1.0, count)[:, None]

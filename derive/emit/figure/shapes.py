@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -83,8 +84,8 @@ def ball(center: Array, radius: float, color: Color) -> Iterator[Face]:
     """A coarse sphere, for the corners of links."""
     rings = [math.pi * k / 4 for k in range(5)]
     turns = [2 * math.pi * k / 8 for k in range(9)]
-    for low, high in zip(rings[:-1], rings[1:], strict=True):
-        for left, right in zip(turns[:-1], turns[1:], strict=True):
+    for low, high in pairwise(rings):
+        for left, right in pairwise(turns):
             corners = [_on_sphere(low, left), _on_sphere(low, right), _on_sphere(high, right), _on_sphere(high, left)]
             normal = _on_sphere((low + high) / 2, (left + right) / 2)
             yield Face(center + radius * np.stack(corners), normal, color)

@@ -127,9 +127,7 @@ def _base(scene: Scene, scale: float, sizes: Sizes) -> Iterator[Face]:
     yield from prism(foot - thick, foot, 15.0 * sizes.factor, BASE, sides=28)
 
 
-def _hand(
-    scene: Scene, scale: float, sizes: Sizes, last: Array
-) -> tuple[list[Face], list[Array]]:
+def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[Face], list[Array]]:
     """Two fingers on a palm ahead of the end effector's origin, and ahead of a last joint that is drawn there."""
     k = sizes.factor
     end, along, across = scene.end * scale, scene.approach, scene.opening
@@ -146,5 +144,3 @@ def _hand(
     for line in lines:
         faces += [*tube(line[0], line[1], 1.5 * k, HAND), *ball(line[1], 1.5 * k, HAND)]
     return faces, lines
-
-

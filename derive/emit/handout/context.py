@@ -35,6 +35,10 @@ class Poses(Protocol):
     def configuration(self) -> tuple[float, ...] | None:
         """The figure configuration [rad or m], None if the robot file states none."""
 
+    @property
+    def assumed(self) -> tuple[tuple[str, float, str], ...]:
+        """Symbols drawn with a number that no file gives: name, value and unit (``m`` or ``rad``)."""
+
     def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
         """Base frame 0, frames 1 to n and the end effector in the world [m]."""
 
