@@ -37,6 +37,12 @@ def robot_symbols(robot: Robot) -> tuple[str, ...]:
     return tuple(name for name in found if name not in variables)
 
 
+def limit_symbols(robot: Robot) -> tuple[str, ...]:
+    """Symbols in the limits of joints, in order of first appearance."""
+    limits = [limit for joint in robot.joints for limit in joint.limits or ()]
+    return tuple(dict.fromkeys(name for limit in limits for name in names(limit)))
+
+
 def number_of(robot: Robot) -> dict[str, Expression]:
     """The exact numbers that the file gives to symbols."""
     return dict(robot.parameters)

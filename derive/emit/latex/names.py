@@ -7,7 +7,7 @@ symbol of the same robot, is set in monospace letters as the user typed it: no t
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from derive.emit.latex.metrics import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
@@ -99,11 +99,16 @@ def looks_like_abbreviation(glyph: Glyph) -> bool:
     return bool(_ABBREVIATION.fullmatch(glyph.box.tex))
 
 
-def distinct(names: Iterable[str]) -> Iterator[tuple[str, Glyph]]:
-    """A glyph for each name; an earlier name keeps the natural one where two would look the same."""
+def distinct(names: Iterable[str], chosen: Mapping[str, Glyph] | None = None) -> Iterator[tuple[str, Glyph]]:
+    """A glyph for each name; an earlier name keeps its own one where two would look the same.
+
+    Args:
+        names: The names.
+        chosen: Glyphs to write instead of the natural ones.
+    """
     taken: set[str] = set()
     for name in names:
-        glyph = natural(name)
+        glyph = (chosen or {}).get(name) or natural(name)
         if glyph.box.tex in taken or looks_like_abbreviation(glyph):
             glyph = literal(name)
         taken.add(glyph.box.tex)

@@ -8,15 +8,23 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from derive.emit.latex.letters import variable_glyphs
 from derive.emit.latex.metrics import Box, italic, script
 from derive.emit.latex.names import Glyph, distinct, natural
 from derive.emit.latex.numbers import DIGITS
 from derive.robot.expression import Number, Sum, names
-from derive.robot.handout import NotationOptions
-from derive.robot.names import acceleration_name, expressions, joint_label, robot_symbols, velocity_name
+from derive.robot.handout import Functions, NotationOptions
+from derive.robot.names import (
+    acceleration_name,
+    expressions,
+    joint_label,
+    limit_symbols,
+    robot_symbols,
+    velocity_name,
+)
 from derive.robot.robot import Robot
 
 DATA_DIGITS = 15
@@ -34,6 +42,7 @@ class Notation:
         inertial: Masses, inertias and ratios, in the order of the links.
         decimals: Whether rationals are printed as decimals.
         digits: Significant digits of a number in print.
+        options: What the robot file or the reader chose.
     """
 
     glyphs: Mapping[str, Glyph]
@@ -42,12 +51,20 @@ class Notation:
     inertial: Mapping[str, int]
     decimals: bool
     digits: int = DIGITS
+    options: NotationOptions = field(default_factory=NotationOptions)
 
     @classmethod
     def of(cls, robot: Robot, options: NotationOptions | None = None) -> Notation:
         """The notation of a robot; by default every variable is written as in the robot file."""
-        glyphs = dict(_glyphs(robot))
-        return cls(glyphs, _positions(robot), _labels(robot), _inertial(robot), _uses_decimals(robot))
+        options = options or NotationOptions()
+        return cls(
+            glyphs=dict(_glyphs(robot, options)),
+            positions=_positions(robot),
+            labels=_labels(robot),
+            inertial=_inertial(robot),
+            decimals=_uses_decimals(robot),
+            options=options,
+        )
 
     def glyph(self, name: str) -> Glyph:
         """The symbol of a name."""
@@ -60,6 +77,11 @@ class Notation:
     def with_terms(self, terms: Mapping[str, Glyph]) -> Notation:
         """The same notation with further symbols, for named intermediate terms."""
         return replace(self, glyphs={**self.glyphs, **terms})
+
+    @property
+    def abbreviates(self) -> bool:
+        """Whether c_{12} is written for the cosine of a sum of joint angles."""
+        return self.options.functions is Functions.SHORT
 
     @cached_property
     def taken(self) -> frozenset[str]:
@@ -82,10 +104,11 @@ class Notation:
         return script(italic(letter), italic(text), exponent)
 
 
-def _glyphs(robot: Robot) -> Iterator[tuple[str, Glyph]]:
+def _glyphs(robot: Robot, options: NotationOptions) -> Iterator[tuple[str, Glyph]]:
     variables = [joint.variable for joint in robot.joints]
     everything = dict.fromkeys((*variables, *robot_symbols(robot), *(name for name, _ in robot.parameters)))
-    for name, glyph in distinct(everything):
+    printed = dict.fromkeys((*everything, *limit_symbols(robot)))
+    for name, glyph in distinct(everything, variable_glyphs(robot, printed, options)):
         yield name, glyph
         if name in variables:
             yield velocity_name(name), glyph.dotted("\\dot")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -84,12 +85,20 @@ class LatexPrinter:
     def _product(self, value: Fraction, powers: list[Power], depth: int) -> Pieces:
         leading, powers = self._leading(value, powers)
         row = [Piece(leading, depth=depth)] if leading.tex else []
-        for base, exponent in powers:
-            pieces = self._power(base, exponent, depth)
+        for pieces in self._factors(powers, depth):
             if row:
                 pieces[0] = pieces[0]._replace(before=Break.FACTOR, depth=depth)
             row += pieces
         return row or [Piece(ONE, depth=depth)]
+
+    def _factors(self, powers: list[Power], depth: int) -> Iterator[Pieces]:
+        r"""Each power; where functions are written in full and a factor follows, the argument ends with a bracket.
+
+        ``\cos \theta_{1}\dot{\theta}_{1}`` could be the cosine of the product.
+        """
+        for (base, exponent), following in zip(powers, (*powers[1:], None), strict=False):
+            follows = following is not None and not _is_circular(following[0])
+            yield self._power(base, exponent, depth, closed=follows and not self.notation.abbreviates)
 
     def _leading(self, value: Fraction, powers: list[Power]) -> tuple[Box, list[Power]]:
         """The number, the quotient of parameters or both in front of a product, and the powers that remain."""
@@ -130,7 +139,7 @@ class LatexPrinter:
         if len(powers) == 1 and number == 1 and powers[0][1] == 1:
             return joined(self._expression(powers[0][0], 0))
         boxes = [] if number == 1 and powers else [self._magnitude(Fraction(number))]
-        return concatenate(*boxes, *(self._box(*power) for power in powers))
+        return concatenate(*boxes, *map(joined, self._factors(powers, 0)))
 
     def _magnitude(self, value: Fraction) -> Box:
         return magnitude(value, self.notation.decimals, digits=self.notation.digits)
@@ -138,20 +147,20 @@ class LatexPrinter:
     def _box(self, base: Any, exponent: Any) -> Box:
         return joined(self._power(base, exponent, 0))
 
-    def _power(self, base: Any, exponent: Any, depth: int) -> Pieces:
+    def _power(self, base: Any, exponent: Any, depth: int, closed: bool = False) -> Pieces:
         if exponent == _HALF:
             inner = joined(self._expression(base, 0))
             if inner.width <= WIDEST_FRACTION:
                 return [Piece(Box(f"\\sqrt{{{inner.tex.rstrip()}}}", inner.width + 10.0), depth=depth)]
         raised = EMPTY if exponent == 1 else self._exponent(exponent)
-        return self._raised(base, raised, depth)
+        return self._raised(base, raised, depth, closed)
 
     def _exponent(self, exponent: Any) -> Box:
         if exponent.is_Rational:
             return Box(str(exponent), 5.0 * len(str(exponent)) + 3.0)
         return joined(self._expression(exponent, 0))
 
-    def _raised(self, base: Any, exponent: Box, depth: int) -> Pieces:
+    def _raised(self, base: Any, exponent: Box, depth: int, closed: bool) -> Pieces:
         if base.is_Symbol:
             return [Piece(self.notation.glyph(base.name).power(exponent), depth=depth)]
         if base is pi:
@@ -159,7 +168,7 @@ class LatexPrinter:
         if base.is_Integer and base >= 0:
             return [Piece(script(italic(str(base)), sup=exponent), depth=depth)]
         if base.is_Function:
-            return self._function(base, exponent, depth)
+            return self._function(base, exponent, depth, closed)
         if not (base.is_Add or base.is_Mul or base.is_Pow or base.is_Rational):
             raise TargetError(f"no LaTeX for {base}", allowed="exact numbers, pi, symbols and functions of the grammar")
         return self._bracket(self._expression(base, depth + 1), exponent, depth)
@@ -171,9 +180,9 @@ class LatexPrinter:
         closing = Piece(script(Box(right, 5.0), sup=exponent), depth=depth, nest=height + 1)
         return [opening, *inner, closing]
 
-    def _function(self, call: Any, exponent: Box, depth: int) -> Pieces:
+    def _function(self, call: Any, exponent: Box, depth: int, closed: bool) -> Pieces:
         name = call.func.__name__
-        if name in ("cos", "sin"):
+        if name in ("cos", "sin") and self.notation.abbreviates:
             variables = self._abbreviated(call.args[0])
             if variables:
                 return [Piece(self.notation.abbreviation(name[0], variables, exponent), depth=depth)]
@@ -182,9 +191,15 @@ class LatexPrinter:
         head = script(operator(_FUNCTIONS.get(name, name)), sup=exponent)
         head = Box(head.tex + (" " if head.tex[-1].isalpha() else ""), head.width)
         argument = call.args[0]
-        if len(call.args) == 1 and (argument.is_Symbol or argument.is_NumberSymbol):
+        if len(call.args) == 1 and (argument.is_Symbol or argument.is_NumberSymbol) and not closed:
             return [Piece(concatenate(head, self._box(argument, Integer(1))), depth=depth)]
-        return [Piece(head, depth=depth), *self._bracket(self._arguments(call.args, depth + 1), EMPTY, depth)]
+        row = [Piece(head, depth=depth), *self._bracket(self._arguments(call.args, depth + 1), EMPTY, depth)]
+        return row if self.notation.abbreviates else self._unbroken(row, depth)
+
+    def _unbroken(self, row: Pieces, depth: int) -> Pieces:
+        """A short call in one piece."""
+        box = joined(row)
+        return [Piece(box, depth=depth, nest=highest_nest(row))] if box.width <= WIDEST_FRACTION else row
 
     def _arguments(self, arguments: tuple[Any, ...], depth: int) -> Pieces:
         row = self._expression(arguments[0], depth)
@@ -204,6 +219,10 @@ class LatexPrinter:
 def _is_constant(base: Any) -> bool:
     """Whether it is a plain number, pi, or what a root is taken of."""
     return bool(base.is_Number or base.is_NumberSymbol)
+
+
+def _is_circular(base: Any) -> bool:
+    return bool(base.is_Function) and base.func.__name__ in ("cos", "sin", "tan")
 
 
 def _is_negative(term: Any) -> bool:

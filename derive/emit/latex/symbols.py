@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from derive.emit.latex.metrics import Box, concatenate, greek, italic, script, upright
 from derive.emit.latex.notation import Notation
+from derive.robot.handout import FrameIndices
 
 _TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
 
@@ -28,10 +29,29 @@ class Symbols:
     """
 
     def __init__(self, notation: Notation, n: int) -> None:
+        self.options = notation.options
         self._taken = notation.taken
         self._comma = "," if n > 9 else ""
         self._n = n
         self._gamma = bool(notation.separator)
+
+    @property
+    def inertia_letter(self) -> str:
+        """Letter of the inertia matrix: B, M or D; its entries have the lower-case one."""
+        return self.options.inertia.value
+
+    def frame(self, letter: str, frame: int | str, reference: int | str) -> Box:
+        r"""A matrix of one frame in another: \mathbf{A}_{1}^{0}, or {}^{0}\mathbf{A}_{1} with the frames on the left.
+
+        Args:
+            letter: The matrix.
+            frame: Index of the frame that is described.
+            reference: Index of the frame in which it is described.
+        """
+        lower, upper = italic(str(frame)), italic(str(reference))
+        if self.options.frames is FrameIndices.RIGHT:
+            return script(bold(letter), lower, upper)
+        return concatenate(script(Box("{}", 0.0), sup=upper), script(bold(letter), lower))
 
     def entry(self, letter: str, row: int, column: int) -> Box:
         """Entry of a matrix."""
