@@ -80,7 +80,7 @@ def _contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
         return _read(own, _polynomial(size, items))
     polynomial = _polynomial(size, items)
     best: tuple[tuple[int, ...], tuple[Contracted, ...]] | None = None
-    for rank, tree in enumerate(_trees(size, sums)):
+    for rank, tree in enumerate(trees(size, sums)):
         written = _fold_squares(size, polynomial.compose(*_substitution(size, sums, tree)))
         terms = _read(tree, written)
         cost = (*_cost(terms), rank)
@@ -102,7 +102,7 @@ def _own_tree(size: int, sums: bool) -> Tree:
 
 
 @cache
-def _trees(size: int, sums: bool) -> tuple[Tree, ...]:
+def trees(size: int, sums: bool) -> tuple[Tree, ...]:
     """The bases to try; the ring's own first, so that ties leave a polynomial as it is.
 
     In a large group only those in which every generator is a sum of two angles at most: a longer sum has exponentially
@@ -121,11 +121,11 @@ def _trees(size: int, sums: bool) -> tuple[Tree, ...]:
 def _spanning_trees(size: int) -> Iterator[Tree]:
     edges = [(i, j) for i in range(size + 1) for j in range(i + 1, size + 1)]
     for tree in combinations(edges, size):
-        if len(_paths(tree, 0)) == size + 1:
+        if len(paths(tree, 0)) == size + 1:
             yield tree
 
 
-def _paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
+def paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
     """For every node that the tree reaches: the signed edges from the root to it."""
     found: dict[int, dict[int, int]] = {root: {}}
     queue = [root]
@@ -160,8 +160,7 @@ def _substitution(size: int, sums: bool, tree: Tree) -> tuple[fmpq_mpoly, ...]:
     """Sine and cosine of every generator angle as polynomials in the basis angles."""
     pairs = []
     for lo, hi in _own_tree(size, sums):
-        paths = _paths(tree, lo)
-        pairs.append(_angle(size, paths[hi]))
+        pairs.append(_angle(size, paths(tree, lo)[hi]))
     return (*(s for _, s in pairs), *(c for c, _ in pairs))
 
 

@@ -17,6 +17,7 @@ from derive.mechanics.determinant import determinant
 from derive.mechanics.kinematics import Kinematics
 from derive.mechanics.long_chain import LongChain
 from derive.mechanics.parts import gravity_symbols, inertial_symbols
+from derive.mechanics.singularities import Singularities, find_singularities
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.mechanics.writing import columns_matrix, frame_matrix
 from derive.robot.names import acceleration_name, velocity_name
@@ -180,6 +181,11 @@ class KinematicModel:
         linear, angular = self._jacobian_columns
         block = [[(*linear[c - 1], *angular[c - 1])[r - 1] for c in columns] for r in rows]
         return self.form.determinant(determinant(block))
+
+    @cached_property
+    def singularities(self) -> Singularities:
+        """Where J loses rank: the determinant of a square block, its factors and their zeros."""
+        return find_singularities(self.robot, self.style, self.contraction)
 
     def J_analytic(self, kind: str) -> Matrix:
         """Analytic Jacobian, 6xn: derivative of position and of the angles ``rpy`` or ``zyz``.
