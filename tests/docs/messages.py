@@ -1,0 +1,133 @@
+"""Collects the texts of the handout and brings the message catalogues up to date: ``python -m tests.docs.messages``.
+
+Messages that are new come into ``derive.pot`` and, without a translation, into every catalogue; those that are gone
+leave. The files name no date and no line, so that they change only when a text does. With ``--check`` nothing is
+written, and the exit status is 1 where something would be.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from babel.messages.catalog import Catalog
+from babel.messages.extract import extract_from_file
+from babel.messages.pofile import read_po, write_po
+
+from tests.docs.console import ROOT
+
+LOCALE = ROOT / "derive" / "emit" / "handout" / "locale"
+TEMPLATE = LOCALE / "derive.pot"
+HEADER = "# Texts of the handout; see derive/emit/handout/languages.py."
+WIDTH = 100
+
+TRANSLATED = ("_", "_label", "_text")
+"""Names by which code calls `derive.emit.handout.text.Text`."""
+
+Found = tuple[str, str]
+"""File and message."""
+
+
+def messages() -> Catalog:
+    """Every text in the code and in the templates, in English."""
+    catalog = Catalog(project="derive", charset="utf-8", header_comment=HEADER)
+    for place, message in sorted(found(), key=lambda item: (item[1], item[0])):
+        catalog.add(message, None, [(place, None)])
+    return catalog
+
+
+def found() -> Iterator[Found]:
+    """Every message with its file."""
+    for path in sorted((ROOT / "derive" / "emit").rglob("*.py")):
+        for _, message in literals(path):
+            yield str(path.relative_to(ROOT)), message
+    for path in sorted((ROOT / "templates").rglob("*.jinja")):
+        for _, message, _, _ in extract_from_file("jinja2.ext:babel_extract", path, keywords={"_": None}):
+            yield str(path.relative_to(ROOT)), str(message)
+
+
+def literals(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and text of the messages of a file; those inside of f-strings too, which Babel would not see.
+
+    Raises:
+        ValueError: A message that is put together at run time, which no catalogue can translate.
+    """
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.Call) or _called(node.func) not in TRANSLATED or not node.args:
+            continue
+        match node.args[0]:
+            case ast.Constant(value=str(text)):
+                yield node.lineno, text
+            case _ if _called(node.func) == "_":
+                raise ValueError(f"{path}:{node.lineno}: the text of a message is one literal, values go into places")
+
+
+def _called(function: ast.expr) -> str:
+    match function:
+        case ast.Name(id=name) | ast.Attribute(attr=name):
+            return name
+    return ""
+
+
+def catalogues(folder: Path = LOCALE) -> list[Path]:
+    """One file for each language but English."""
+    return sorted(folder.glob("*.po"))
+
+
+def read(path: Path) -> Catalog:
+    """A catalogue; its language is its file name."""
+    with path.open("rb") as file:
+        return read_po(file, locale=path.stem, abort_invalid=True)
+
+
+def updated(path: Path, template: Catalog) -> bytes:
+    """A catalogue with exactly the messages of the template."""
+    catalog = read(path)
+    catalog.update(template, no_fuzzy_matching=True, update_header_comment=False)
+    catalog.obsolete.clear()
+    return written(catalog)
+
+
+def written(catalog: Catalog) -> bytes:
+    """The file, without dates and versions, which change when nothing does."""
+    for message in catalog:
+        message.flags.discard("python-brace-format")  # LaTeX is full of braces
+    body = io.BytesIO()
+    write_po(body, catalog, width=WIDTH, omit_header=True, sort_output=True, ignore_obsolete=True, include_lineno=False)
+    head = "\n".join([HEADER, 'msgid ""', 'msgstr ""', *_headers(catalog), "", ""])
+    return head.encode() + body.getvalue()
+
+
+def _headers(catalog: Catalog) -> Iterator[str]:
+    language = [("Language", str(catalog.locale))] if catalog.locale else []
+    for key, value in (*language, ("MIME-Version", "1.0"), ("Content-Type", "text/plain; charset=utf-8")):
+        yield f'"{key}: {value}\\n"'
+
+
+def wanted() -> dict[Path, bytes]:
+    """What every file should hold."""
+    template = messages()
+    return {TEMPLATE: written(template), **{path: updated(path, template) for path in catalogues()}}
+
+
+def main(check: bool = False) -> int:
+    """Write what differs; say for each language how much is not translated."""
+    status = 0
+    for path, content in wanted().items():
+        if not path.exists() or path.read_bytes() != content:
+            print(path.relative_to(ROOT))
+            status = int(check)
+            if not check:
+                path.write_bytes(content)
+    for path in catalogues():
+        open_messages = [message for message in read(path) if message.id and not message.string]
+        if open_messages:
+            print(f"{path.relative_to(ROOT)}: {len(open_messages)} messages without a translation")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main("--check" in sys.argv))
