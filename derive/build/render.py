@@ -9,6 +9,7 @@ from derive import __version__
 from derive.build.example import Example
 from derive.build.manifest import FILE as MANIFEST
 from derive.build.manifest import manifest_text
+from derive.build.poses import RobotPoses
 from derive.build.quantities import ModelQuantities
 from derive.emit import templating
 from derive.emit.escape import python_docstring
@@ -55,8 +56,15 @@ def render_robot(robot: Robot, targets: Sequence[Target]) -> Rendered:
 def source_of(robot: Robot, targets: Sequence[Target]) -> Source:
     """What the targets are rendered from."""
     names = (PACKAGE, *(name for target in targets for name in target.files), MANIFEST)
-    quantities, numbers = ModelQuantities(robot), Example(robot)
-    return Source(robot, build_program(robot), quantities, __version__, tuple(sorted(names)), numbers=numbers)
+    return Source(
+        robot,
+        build_program(robot),
+        ModelQuantities(robot),
+        __version__,
+        tuple(sorted(names)),
+        poses=RobotPoses(robot),
+        numbers=Example(robot),
+    )
 
 
 def _package(source: Source) -> str:
