@@ -12,6 +12,7 @@ import sympy
 
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.build.body_quantities import BODY, body_quantity, derivative_quantity
+from derive.build.singularity_quantity import singularity_quantity
 from derive.build.term_count import TermCount, nested_term_counts
 from derive.emit.quantity import Quantity
 from derive.mechanics.long_chain import LongChain
@@ -133,6 +134,8 @@ class ModelQuantities(Mapping[str, Quantity]):
                 return self._polynomials([[model.kinematics.potential]], model.form.dynamic)
             case "rpy" | "euler_zyz":
                 return Written((3, 1), lambda: getattr(model, name))
+            case "singularities":
+                return singularity_quantity(model, lambda m: Written(m.shape, lambda: m), expanded_terms)
         body = BODY.fullmatch(name)
         if body:
             return Counted(*body_quantity(model, body.group(1), int(body.group(2))))

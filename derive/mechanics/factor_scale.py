@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import gcd, lcm
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
@@ -28,8 +29,8 @@ class Lengths:
     def scaled(self, factor: Factor) -> tuple[Polynomial, Factor]:
         """A rational power and a factor whose product is the one given.
 
-        The coefficients of a sum become lengths of the robot if one number makes all of them so, and most of them
-        positive.
+        The coefficients of a sum become lengths of the robot if one number makes all of them so, else whole numbers
+        without a common divisor; most of them positive.
         """
         ring, p = self._domain.ring, factor.value
         if factor.kind is not None:
@@ -49,4 +50,4 @@ class Lengths:
             scale = length / coefficients[0]
             if all(scale * c in known for c in coefficients):
                 return scale
-        return Fraction(1)
+        return Fraction(lcm(*(c.denominator for c in coefficients)), gcd(*(c.numerator for c in coefficients)))

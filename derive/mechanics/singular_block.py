@@ -29,6 +29,7 @@ class SquareBlock:
         columns: Its columns of J, from 1.
         reference: The point and the axes.
         entries: Its entries, row by row.
+        others_are_zero: Whether the rows of J that are left out are zero everywhere.
     """
 
     name: str
@@ -36,6 +37,7 @@ class SquareBlock:
     columns: tuple[int, ...]
     reference: Reference
     entries: tuple[tuple[Polynomial, ...], ...]
+    others_are_zero: bool
 
     def determinant(self) -> Polynomial:
         """Its determinant."""
@@ -131,4 +133,5 @@ def _block(
     name: str, rows: tuple[int, ...], columns: tuple[int, ...], reference: Reference, entries: Sequence[Column]
 ) -> SquareBlock:
     chosen = tuple(tuple(entries[c - 1][r - 1] for c in columns) for r in rows)
-    return SquareBlock(name, rows, columns, reference, chosen)
+    others = (entries[c - 1][r - 1] for c in columns for r in ALL if r not in rows)
+    return SquareBlock(name, rows, columns, reference, chosen, not any(others))

@@ -60,6 +60,7 @@ class Block:
         rows: Its rows of J, from 1.
         columns: Its columns of J, from 1.
         reference: The point and the axes that J is taken about and in.
+        others_are_zero: Whether the rows of J that are left out are zero everywhere.
         matrix: The block.
     """
 
@@ -67,6 +68,7 @@ class Block:
     rows: tuple[int, ...]
     columns: tuple[int, ...]
     reference: Reference
+    others_are_zero: bool
     matrix: Matrix
 
 
@@ -178,4 +180,5 @@ class _Search:
 
     def _written(self, block: SquareBlock) -> Block:
         rows = [[self.form.kinematic(entry) for entry in row] for row in block.entries]
-        return Block(block.name, block.rows, block.columns, block.reference, sympy.ImmutableMatrix(rows))
+        matrix = sympy.ImmutableMatrix(rows)
+        return Block(block.name, block.rows, block.columns, block.reference, block.others_are_zero, matrix)
