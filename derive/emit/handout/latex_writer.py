@@ -7,7 +7,7 @@ from functools import singledispatchmethod
 
 from derive.emit import templating
 from derive.emit.escape import latex_text
-from derive.emit.figure import latex_writer as drawings
+from derive.emit.figure.latex_writer import PREAMBLE, latex_drawing
 from derive.emit.handout.document import (
     Blank,
     Block,
@@ -51,7 +51,7 @@ def latex(document: Document, text: Text) -> str:
         footer=words(document.footer),
         landscape=any(rows.landscape for rows in _all_rows(blocks)),
         figures=any(isinstance(block, Figure) for block in blocks),
-        figure_preamble=drawings.PREAMBLE.rstrip(),
+        figure_preamble=PREAMBLE.rstrip(),
         sections=[
             {"title": words(section.title), "blocks": writer.blocks(section.blocks)} for section in document.sections
         ],
@@ -160,7 +160,7 @@ class _Writer:
     @block.register
     def _figure(self, block: Figure) -> str:
         caption = f"{{\\small {words(block.caption)}\\par}}"
-        body = f"\\centering\n{drawings.latex(block.drawing)}\\par\n\\smallskip\n{caption}"
+        body = f"\\centering\n{latex_drawing(block.drawing)}\\par\n\\smallskip\n{caption}"
         return f"\\begin{{minipage}}{{\\linewidth}}\n{body}\n\\end{{minipage}}\\par"
 
     @block.register
