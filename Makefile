@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 
-.PHONY: all setup models test test-fast check errata generated-check wheel wheel-smoke clean
+.PHONY: all setup models test test-fast check errata generated-check messages wheel wheel-smoke clean
 
 all: models
 
@@ -34,6 +34,10 @@ check: $(READY)
 
 errata: $(READY)
 	$(BIN)/python -m tests.docs.errata
+
+# The texts of the handout, for translators.
+messages: $(READY)
+	$(BIN)/python -m tests.docs.messages
 
 generated-check: $(READY)
 	$(BIN)/derive build --check --jobs 2

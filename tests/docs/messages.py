@@ -24,7 +24,7 @@ TEMPLATE = LOCALE / "derive.pot"
 HEADER = "# Texts of the handout; see derive/emit/handout/languages.py."
 WIDTH = 100
 
-TRANSLATED = ("_", "_label", "_text")
+TRANSLATED = ("_", "_label", "_text", "text")
 """Names by which code calls `derive.emit.handout.text.Text`."""
 
 Found = tuple[str, str]
