@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from derive.emit.page.markup import Node, find, rebuild
+from derive.emit.page.tree import Node, find, rebuild
 
 STACK = "stack"
 """Class of elements that lie over each other, each with a shift."""

@@ -14,7 +14,7 @@ from typing import Any
 
 from derive.emit.page.compact import CENTERED, STACK
 from derive.emit.page.katex import asset
-from derive.emit.page.markup import Node, elements
+from derive.emit.page.tree import Node, elements
 
 ELEMENT = "b"
 """What a span becomes: three letters shorter, twice."""
@@ -24,7 +24,7 @@ ITALIC = "mathnormal"
 
 _RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
 _CLASS = re.compile(r"\.([A-Za-z][\w-]*)")
-_ROOTS = frozenset(("katex", "katex-display"))
+_ROOTS = frozenset(("katex", "katex-display", "katex-mathml"))
 _FONTS = (
     ("Main-Regular", "KaTeX_Main", 400, "normal", ()),
     ("Main-Bold", "KaTeX_Main", 700, "normal", ("mathbf", "textbf")),
@@ -115,17 +115,14 @@ def _short_names(number: int) -> list[str]:
 def write(node: Node, names: Names) -> str:
     """The tree as HTML with the short names."""
     inner = "".join(child if isinstance(child, str) else write(child, names) for child in node.children)
-    if node.tag in ("svg", "path", "line"):
-        attributes = "".join(f' {name}="{value}"' for name, value in node.attributes)
-        style = f' style="{node.style}"' if node.style else ""
-        return f"<{node.tag}{attributes}{style}>{inner}</{node.tag}>"
+    attributes = "".join(f' {name}="{value}"' for name, value in node.attributes)
     tag, classes = node.tag, [names.classes.get(name, name) for name in node.classes]
     if tag == "span" and node.classes == (ITALIC,):
         tag, classes = "i", []
     if node.style and names.usual.get(tag) != node.style:
         classes.append(names.styles[node.style])
     tag = ELEMENT if tag == "span" else tag
-    return f"<{tag}{_class(classes)}>{inner}</{tag}>"
+    return f"<{tag}{_class(classes)}{attributes}>{inner}</{tag}>"
 
 
 def _class(classes: list[str]) -> str:

@@ -1,0 +1,148 @@
+"""Blocks of a document as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import singledispatchmethod
+from html import escape
+
+from derive.emit import templating
+from derive.emit.escape import one_line
+from derive.emit.figure.svg_writer import svg_drawing
+from derive.emit.handout.document import Blank, Block, Figure, Formula, Paragraph, Rows, Steps, Table
+from derive.emit.handout.markup import Kind, spans
+from derive.emit.handout.text import Text
+from derive.emit.page.formulas import Collector
+from derive.emit.page.names import plain
+
+_MOST_SHARED = 6
+"""Blanks of an exercise that share the room of one answer."""
+
+_NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'
+"""What SVG needs in a file of its own and not in a page."""
+
+
+def html_text(text: str) -> str:
+    """Text for HTML, inside of elements and of quoted attributes; spaces at its ends stay."""
+    body = escape(one_line(text))
+    if not body:
+        return " " if text else ""
+    return f"{' ' if text[0].isspace() else ''}{body}{' ' if text[-1].isspace() else ''}"
+
+
+class BlockWriter:
+    """Writes blocks in one language.
+
+    Args:
+        text: Translates the words of the page itself.
+        formulas: Takes every formula and gives it a place.
+    """
+
+    def __init__(self, text: Text, formulas: Collector) -> None:
+        self._text = text
+        self._formulas = formulas
+
+    def blocks(self, blocks: Iterable[Block]) -> str:
+        """Several blocks."""
+        return "\n".join(self.block(block) for block in blocks)
+
+    def words(self, text: str) -> str:
+        """A text with its mathematics and its code."""
+        return "".join(self._span(kind, part) for kind, part in spans(text))
+
+    def _span(self, kind: Kind, part: str) -> str:
+        if kind is Kind.MATHEMATICS:
+            return self._formulas.place(part)
+        if kind is Kind.CODE:
+            return f"<code>{html_text(part)}</code>"
+        return html_text(part)
+
+    @singledispatchmethod
+    def block(self, block: Block) -> str:
+        """One block."""
+        raise TypeError(block)
+
+    @block.register
+    def _paragraph(self, block: Paragraph) -> str:
+        return f"<p>{self.words(block.text)}</p>"
+
+    @block.register
+    def _rows(self, block: Rows) -> str:
+        return self._displays(block.lines)
+
+    def _displays(self, lines: Iterable[str]) -> str:
+        """Displayed lines in a box that scrolls, by keys too."""
+        body = "\n".join(self._formulas.place(line, display=True) for line in lines)
+        return f'<div class=display tabindex=0 role=group aria-label="{self._label("Formula")}">\n{body}\n</div>'
+
+    def _label(self, message: str) -> str:
+        return html_text(self._text(message))
+
+    @block.register
+    def _formula(self, block: Formula) -> str:
+        _ = self._text
+        parts: list[str] = []
+        if block.named:
+            parts += [f"<p>{self.words(_('With the abbreviations'))}</p>", self._displays(block.named)]
+            parts.append(f"<p>{self.words(_('the entries are as follows.'))}</p>")
+        parts += [self._rows(rows) for rows in block.rows if rows.lines]
+        parts += self._omitted(block)
+        if block.note:
+            parts.append(f"<p class=note>{self.words(block.note)}</p>")
+        if block.entries:
+            parts.append(self._tools(block))
+        return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
+
+    def _omitted(self, block: Formula) -> list[str]:
+        if not block.omitted:
+            return []
+        _ = self._text
+        message = _(
+            "Too long to print; multiplied out the numbers of terms are as follows, and `model_numpy.py` computes them "
+            "in `%(function)s`:",
+            function=block.function,
+        )
+        return [f"<p>{self.words(message)}</p>", self._displays(block.omitted)]
+
+    def _tools(self, block: Formula) -> str:
+        entries = [
+            {"name": html_text(plain(entry.name)), "latex": escape(entry.latex), "python": escape(entry.python)}
+            for entry in block.entries
+        ]
+        return templating.render(
+            "page/tools.html.jinja", _=self._label, entries=entries, function=html_text(block.function)
+        ).rstrip()
+
+    @block.register
+    def _blank(self, block: Blank) -> str:
+        lines = max(1, round(block.lines / max(1, min(len(block.names), _MOST_SHARED))))
+        answers = (
+            f"<div class=answer>{self._formulas.place(name + ' =')}"
+            f'<div class=ruled style="--lines:{lines}" role=presentation></div></div>'
+            for name in block.names
+        )
+        return "\n".join(answers)
+
+    @block.register
+    def _table(self, block: Table) -> str:
+        head = "".join(self._cell("th scope=col", "th", cell) for cell in block.header)
+        rows = "\n".join(f"<tr>{self._row(row)}</tr>" for row in block.rows)
+        table = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>"
+        return f'<div class=scroll tabindex=0 role=group aria-label="{self._label("Table")}">\n{table}\n</div>'
+
+    def _row(self, row: tuple[str, ...]) -> str:
+        first = (self._cell("th scope=row", "th", cell) for cell in row[:1])
+        return "".join((*first, *(self._cell("td", "td", cell) for cell in row[1:])))
+
+    def _cell(self, start: str, end: str, text: str) -> str:
+        inner = self.words(text)
+        return f"<{start}>{inner}</{end}>" if inner.strip() else "<td></td>"
+
+    @block.register
+    def _figure(self, block: Figure) -> str:
+        picture = svg_drawing(block.drawing).replace(_NAMESPACE, "", 1)
+        return f"<figure>\n{picture}\n<figcaption>{self.words(block.caption)}</figcaption>\n</figure>"
+
+    @block.register
+    def _steps(self, block: Steps) -> str:
+        return f"<details>\n<summary>{self.words(block.title)}</summary>\n{self.blocks(block.blocks)}\n</details>"
