@@ -28,8 +28,11 @@ Triple = tuple[int, int, int]
 KINETIC = Box("\\mathcal{T}", 8.0)
 POTENTIAL = Box("\\mathcal{U}", 8.0)
 
-FIRST_BODY_GROUP = 80
+FIRST_BODY_GROUP = 1000
 """Groups of intermediate terms from here on belong to single bodies; those before to quantities and transforms."""
+
+KINETIC_GROUP = FIRST_BODY_GROUP - 1
+DERIVATIVE_GROUP = FIRST_BODY_GROUP - 2
 
 _ARGUMENTS = {"g": "(\\mathbf{q})", "C": "(\\mathbf{q}, \\dot{\\mathbf{q}})", "N": "(\\mathbf{q}, \\dot{\\mathbf{q}})"}
 
@@ -135,7 +138,7 @@ class DynamicsLayout:
         def write() -> Any:
             return sympy.Add(*(inertia.entry(i, j) * self._rates(i, j) for i, j in above))
 
-        return self._scalar(KINETIC, sum(inertia.terms(i, j) for i, j in above), write, 79)
+        return self._scalar(KINETIC, sum(inertia.terms(i, j) for i, j in above), write, KINETIC_GROUP)
 
     def _rates(self, i: int, j: int) -> Any:
         first, second = (sympy.Symbol(velocity_name(self.robot.joints[k - 1].variable)) for k in (i, j))
@@ -218,4 +221,4 @@ def is_short(quantity: Quantity, limit: int) -> bool:
 
 
 def _body_policy(policy: SheetPolicy) -> SheetPolicy:
-    return replace(policy, flat_terms=40, quantity_entries=4, entry_lines=6, quantity_lines=24)
+    return replace(policy, flat_terms=40, quantity_entries=4, entry_lines=6, quantity_lines=24, landscape_total=0)

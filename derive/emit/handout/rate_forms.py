@@ -14,7 +14,7 @@ from typing import Any
 import sympy
 
 from derive.algebra.to_sympy import expression_to_sympy
-from derive.emit.handout.dynamics import DynamicsLayout, Triple, is_short, key
+from derive.emit.handout.dynamics import DERIVATIVE_GROUP, DynamicsLayout, Triple, is_short, key
 from derive.emit.latex.layout import EQUALS, Equation, equation_lines
 from derive.emit.latex.lines import break_lines
 from derive.emit.latex.metrics import EMPTY, Box, concatenate, italic
@@ -170,7 +170,7 @@ class RateForms:
 
         limit = self.layout.layouter.policy.grouped_terms
         return self.layout.layouter.block(
-            symbol, entry, self.layout.quantities["Bdot"], group=78, symmetric=True, limit=limit
+            symbol, entry, self.layout.quantities["Bdot"], group=DERIVATIVE_GROUP, symmetric=True, limit=limit
         )
 
     def is_skew(self) -> bool:

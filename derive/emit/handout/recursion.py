@@ -16,7 +16,7 @@ from derive.emit.latex.lines import break_lines
 from derive.emit.latex.metrics import RELATION_WIDTH, Box, concatenate, italic, script
 from derive.emit.latex.pieces import Break, Piece, binary
 from derive.emit.latex.printer import MINUS
-from derive.robot.handout import FrameIndices
+from derive.emit.latex.symbols import Symbols
 
 TIMES = Box(" \\times ", RELATION_WIDTH)
 OPEN, CLOSE = Box("(", 5.0), Box(")", 5.0)
@@ -38,6 +38,7 @@ class Subject:
         rate: Its velocity.
         acceleration: Its acceleration.
         torque: Its torque or force.
+        last: Whether no link follows.
     """
 
     index: str
@@ -48,6 +49,7 @@ class Subject:
     rate: Box
     acceleration: Box
     torque: Box
+    last: bool = False
 
     @classmethod
     def anyone(cls, revolute: bool) -> Subject:
@@ -62,20 +64,17 @@ class Recursion:
 
     Attributes:
         standard: Whether the convention is the standard one.
-        frames: Where the frames of a rotation are written.
+        symbols: Names of matrices.
     """
 
     standard: bool
-    frames: FrameIndices = FrameIndices.RIGHT
+    symbols: Symbols
 
     # -- symbols
 
     def rotation(self, frame: str, reference: str) -> Box:
         """R, from the axes of one frame into those of another."""
-        letter, below, above = Box("\\mathbf{R}", 9.0), italic(frame), italic(reference)
-        if self.frames is FrameIndices.LEFT:
-            return concatenate(script(Box("{}", 0.0), sup=above), script(letter, below))
-        return script(letter, below, above)
+        return self.symbols.frame("R", frame, reference)
 
     def offset(self, index: str) -> Box:
         """The vector between the origins."""
@@ -136,16 +135,13 @@ class Recursion:
         p, r = self.offset(s.index if self.standard else s.after), self.com(s.index)
         arm = concatenate(OPEN, p, Box(" + ", 12.3), r, CLOSE) if self.standard else r
         resultant, spin = vector("F", s.index), vector("N", s.index)
-        yield force, [(1, pushed), (1, resultant)]
-        yield (
-            moment,
-            [
-                (1, concatenate(back, vector("n", s.after))),
-                (1, concatenate(p, TIMES, OPEN, pushed, CLOSE)),
-                (1, concatenate(arm, TIMES, resultant)),
-                (1, spin),
-            ],
-        )
+        own = [(1, concatenate(arm, TIMES, resultant)), (1, spin)]
+        after = [
+            (1, concatenate(back, vector("n", s.after))),
+            (1, concatenate(p, TIMES, OPEN, pushed, CLOSE)),
+        ]
+        yield force, [(1, resultant)] if s.last else [(1, pushed), (1, resultant)]
+        yield moment, own if s.last else [*after, *own]
         axis = concatenate(self.rotation(s.before, s.index), vector("z", "0")) if self.standard else vector("z", "0")
         received = moment if s.revolute else force
         yield s.torque, [(s.sign, concatenate(Box(f"{received.tex}^{{T}}", received.width + 5.0), axis))]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from derive.emit.handout.bodies import bodies
-from derive.emit.handout.body_formula import body_formula
+from derive.emit.handout.body_formula import BodyItem, body_formulas
 from derive.emit.handout.context import Context
 from derive.emit.handout.document import Block, Paragraph, Rows, Section, Steps
 from derive.emit.handout.formula import formula
@@ -76,7 +76,7 @@ def _potential(context: Context) -> Iterator[Block]:
     yield Rows((_weights(any(body.is_rotor for body in bodies(context.robot))),))
     yield Rows(tuple(gravity_rows(context)))
     if context.steps:
-        yield Steps(_("Centres of mass in the world"), tuple(_places(context)))
+        yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, _places(context))))
     yield formula(context, context.dynamics.potential(), "gravity_vector")
 
 
@@ -102,7 +102,7 @@ def gravity_rows(context: Context) -> Iterator[str]:
         yield from equation_lines([Equation(script(italic("g"), italic(f"0{axis}")), cell)])
 
 
-def _places(context: Context) -> Iterator[Block]:
+def _places(context: Context) -> Iterator[BodyItem]:
     for index, body in enumerate(bodies(context.robot)):
         link = context.robot.links[body.index - 1]
         if body.is_rotor and (link.motor is None or link.motor.mass == ZERO):
@@ -110,5 +110,4 @@ def _places(context: Context) -> Iterator[Block]:
         if not body.is_rotor and link.mass == ZERO:
             continue
         symbol = script(bold("p"), italic(f"{body.letter}_{{{body.index}}}"))
-        block = context.dynamics.body(symbol, f"p_{body.point}[{body.index}]", 5 * index + 3)
-        yield from body_formula(context, block)
+        yield BodyItem(symbol, f"p_{body.point}[{body.index}]", 5 * index + 3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from derive.emit.handout.bodies import bodies
-from derive.emit.handout.body_formula import body_formula
+from derive.emit.handout.body_formula import BodyItem, body_formulas
 from derive.emit.handout.context import Context
 from derive.emit.handout.document import Block, Paragraph, Rows, Section, Steps
 from derive.emit.handout.formula import formula
@@ -51,10 +51,11 @@ def _steps(context: Context) -> Iterator[Block]:
     letter, found = context.dynamics.letter, bodies(context.robot)
     yield Paragraph(_("Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians."))
     yield Rows(tuple(construction(letter, rotors=any(body.is_rotor for body in found))))
+    items = []
     for index, body in enumerate(found):
         symbol = context.dynamics.part_symbol(letter, body.letter, body.index)
-        block = context.dynamics.body(symbol, f"B_{body.kind}[{body.index}]", 5 * index, symmetric=True)
-        yield from body_formula(context, block)
+        items.append(BodyItem(symbol, f"B_{body.kind}[{body.index}]", 5 * index, symmetric=True))
+    yield from body_formulas(context, items)
     armatures = list(_armatures(context))
     if armatures:
         yield Paragraph(_("The reflected inertia of a motor's armature adds to the diagonal alone."))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from derive.emit.handout.bodies import bodies
-from derive.emit.handout.body_formula import body_formula
+from derive.emit.handout.bodies import Body, bodies
+from derive.emit.handout.body_formula import BodyItem, body_formulas
 from derive.emit.handout.context import Context
 from derive.emit.handout.document import Block, Paragraph, Rows, Section
 from derive.emit.latex.metrics import italic, script
@@ -28,11 +28,13 @@ def _blocks(context: Context) -> Iterator[Block]:
     yield from _links(context)
     if any(body.is_rotor for body in found):
         yield from _rotors(context)
-    for index, body in enumerate(found):
-        for half, letter, place in _HALVES:
-            symbol = script(bold("J"), italic(letter), italic(f"{body.letter}_{{{body.index}}}"))
-            block = context.dynamics.body(symbol, f"J{half}_{body.point}[{body.index}]", 5 * index + place)
-            yield from body_formula(context, block)
+    yield from body_formulas(context, [item for index, body in enumerate(found) for item in _halves(body, index)])
+
+
+def _halves(body: Body, index: int) -> Iterator[BodyItem]:
+    for half, letter, place in _HALVES:
+        symbol = script(bold("J"), italic(letter), italic(f"{body.letter}_{{{body.index}}}"))
+        yield BodyItem(symbol, f"J{half}_{body.point}[{body.index}]", 5 * index + place)
 
 
 def _links(context: Context) -> Iterator[Block]:

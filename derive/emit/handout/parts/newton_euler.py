@@ -27,7 +27,7 @@ def section(context: Context) -> Section | None:
         return None
     _ = context.text
     standard = context.robot.convention is Convention.STANDARD
-    recursion = Recursion(standard, context.options.notation.frames)
+    recursion = Recursion(standard, context.symbols)
     blocks = (
         Paragraph(_introduction(context)),
         *_start(context),
@@ -45,8 +45,8 @@ def _introduction(context: Context) -> str:
         "All vectors of link $i$ are in the axes of its own frame: $\\boldsymbol{\\omega}_i$ and "
         "$\\dot{\\boldsymbol{\\omega}}_i$ of the link, $\\mathbf{a}_i$ the acceleration of $\\mathbf{o}_i$ less "
         "gravity, $\\mathbf{a}_{c_i}$ that of the centre of mass, which is at $\\mathbf{r}_{c_i}$ from "
-        "$\\mathbf{o}_i$; $\\mathbf{F}_i$ and $\\mathbf{N}_i$ are what the motion of the link takes, $\\mathbf{f}_i$ and "
-        "$\\mathbf{n}_i$ the force and the moment that it receives through joint $i$, "
+        "$\\mathbf{o}_i$; $\\mathbf{F}_i$ and $\\mathbf{N}_i$ are what the motion of the link takes, "
+        "$\\mathbf{f}_i$ and $\\mathbf{n}_i$ the force and the moment that it receives through joint $i$, "
         "$\\mathbf{I}_i$ is its inertia about the centre of mass."
     )
     if context.robot.convention is Convention.STANDARD:
@@ -175,4 +175,5 @@ def _subject(context: Context, i: int) -> Subject:
         rate=glyph(velocity_name(joint.variable)).box,
         acceleration=glyph(acceleration_name(joint.variable)).box,
         torque=context.symbols.torque(i),
+        last=i == context.robot.n,
     )
