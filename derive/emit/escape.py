@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import unicodedata
@@ -95,6 +96,11 @@ _RISKY_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
 def c_comment(text: str) -> str:
     """Text for a C comment of either kind; no end of comment, no trigraph, no continued line."""
     return _RISKY_PAIR.sub(lambda match: match[0] + " ", one_line(text).replace("\\", "/"))
+
+
+def html_text(text: str) -> str:
+    """Text for an HTML element or a quoted attribute."""
+    return html.escape(one_line(text))
 
 
 def javascript_string(text: str) -> str:

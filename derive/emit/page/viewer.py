@@ -151,7 +151,7 @@ def _assumed(values: Mapping[str, float], text: Text) -> str:
     if not values:
         return ""
     pairs = ", ".join(f"{html_symbol(name)} = {value:.4g}" for name, value in values.items())
-    message = html_text(text("Symbols without a number are drawn with %(values)s (SI units).", values="\ue010"))
+    message = html_text(text("Symbols without a number are drawn with %(values)s (metres, radians).", values="\ue010"))
     return message.replace("\ue010", pairs)
 
 
