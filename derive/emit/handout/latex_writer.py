@@ -28,6 +28,10 @@ from derive.emit.latex.layout import displays
 LONGEST_WORD = 16
 """Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
 
+_DISPLAY = "\\begin{align*}"
+_OPEN = "%"
+"""Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph."""
+
 _SHARED_ROOM = 6
 """Blanks of an exercise that share the room of one answer."""
 
@@ -101,7 +105,18 @@ class _Writer:
         self._text = text
 
     def blocks(self, blocks: Iterable[Block]) -> list[str]:
-        return [self.block(block) for block in blocks]
+        """Blocks one after the other; a display joins the paragraph before it."""
+        written: list[str] = []
+        for block in blocks:
+            text = self.block(block)
+            if text.startswith(_DISPLAY) and not (written and written[-1].endswith(_OPEN)):
+                text = f"\\begingroup\\abovedisplayskip=0pt\n{text}\n\\endgroup"
+            elif written and written[-1].endswith(_OPEN) and not text.startswith(_DISPLAY):
+                text = f"\\par\n{text}"
+            written.append(text)
+        if written and written[-1].endswith(_OPEN):
+            written.append("\\par")
+        return written
 
     @singledispatchmethod
     def block(self, block: Block) -> str:
@@ -109,7 +124,7 @@ class _Writer:
 
     @block.register
     def _paragraph(self, block: Paragraph) -> str:
-        return f"{words(block.text)}\\par"
+        return words(block.text) + _OPEN
 
     @block.register
     def _rows(self, block: Rows) -> str:
@@ -120,7 +135,7 @@ class _Writer:
     def _formula(self, block: Formula) -> str:
         parts = [*self._named(block), *(self._rows(rows) for rows in block.rows if rows.lines), *self._omitted(block)]
         if block.note:
-            parts.append(f"{words(block.note)}\\par")
+            parts.append(words(block.note) + _OPEN)
         return "\n".join(parts)
 
     def _named(self, block: Formula) -> list[str]:
@@ -165,4 +180,5 @@ class _Writer:
 
     @block.register
     def _steps(self, block: Steps) -> str:
-        return "\n".join([f"\\medskip\\textit{{{words(block.title)}}}\\par", *self.blocks(block.blocks)])
+        title = f"\\medskip\\textit{{{words(block.title)}}}{_OPEN}"
+        return "\n".join([title, *self.blocks((Paragraph(""), *block.blocks))[1:]])
