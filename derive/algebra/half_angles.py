@@ -16,7 +16,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 
-MAX_TERMS = 4_000
+MAX_TERMS = 1_500
 """Polynomials with more terms in t are not factored."""
 
 

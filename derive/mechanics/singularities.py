@@ -27,7 +27,7 @@ from derive.robot.style import Contraction, Style
 Expr = Any
 Matrix = Any
 
-MAX_TERMS = 3_000
+MAX_TERMS = 20_000
 """Budget of any polynomial on the way to the determinant."""
 
 MAX_JOINTS = 6
@@ -170,8 +170,9 @@ class _Search:
         rest = [f for f in powers.values() if f.value != 1]
         return [Factor(number, 1)] * (number != 1) + sorted(rest, key=self._rank)
 
-    def _rank(self, factor: Factor) -> tuple[bool, bool]:
-        return bool(Solver(self.domain).moving(factor.value)), factor.kind is not None
+    def _rank(self, factor: Factor) -> tuple[int, ...]:
+        """What does not move first, then from the base outwards."""
+        return Solver(self.domain).moving(factor.value)
 
     def _factor(self, factor: Factor, has_wrist: bool) -> SingularFactor:
         expression = self.form.kinematic(factor.value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -72,7 +72,8 @@ class SingularFormulas:
             return formula(self.context, self.context.layouter.entries([item], group=self.group + 1, limit=limit))
         product = sympy.Mul(*(self._short(f) ** f.exponent for f in self.found.factors))
         lines = break_lines(concatenate(left, EQUALS), self._printer.pieces(product))
-        long = (omitted(Item(self._symbols[name], f.terms, lambda: None)) for name, f in self._named.items())
+        word = self.context.layouter.terms_word
+        long = (omitted(Item(self._symbols[name], f.terms, lambda: None), word) for name, f in self._named.items())
         return Formula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)), blanks=(left.tex,))
 
     def conditions(self) -> Formula:

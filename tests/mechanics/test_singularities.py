@@ -1,0 +1,248 @@
+"""Singularities: det J in factors against the Jacobian of the independent recursion, in numbers."""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from derive.algebra.to_sympy import expression_to_sympy
+from derive.check.oracle import Oracle
+from derive.mechanics.kinematic_model import KinematicModel
+from derive.mechanics.singular_conditions import Posture
+from derive.mechanics.singularities import Block, Outcome, Singularities
+from derive.robot.catalogue import catalogue_names
+from derive.robot.names import number_of, robot_symbols
+from derive.robot.robot import Robot
+from tests.evaluate import evaluate
+from tests.random_robots import random_robot
+
+CATALOGUE = catalogue_names()
+ARTICULATED = ["anthropomorphic-arm", "anthropomorphic-wrist", "puma560-corke", "puma560-usp", "puma560-laschi"]
+
+
+class Arm:
+    """A model, numbers for its symbols, and its singularities."""
+
+    def __init__(self, robot: Robot, seed: int = 1) -> None:
+        rng = random.Random(seed)
+        self.model = KinematicModel(robot)
+        known = {name: float(expression_to_sympy(value)) for name, value in number_of(robot).items()}
+        free = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in known}
+        self.oracle = Oracle.of(robot, free)
+        self.values = known | free
+        self.found: Singularities = self.model.singularities
+        self.q = {symbol.name: rng.uniform(-2, 2) for symbol in self.model.q}
+
+    def value(self, expression: Any, q: dict[str, float]) -> Any:
+        return evaluate(expression, self.values | q)
+
+    def jacobian(self, q: dict[str, float]) -> np.ndarray[Any, Any]:
+        return np.asarray(self.oracle.evaluate("jacobian", np.array([q[s.name] for s in self.model.q])))
+
+    def block(self, q: dict[str, float]) -> np.ndarray[Any, Any]:
+        """The part of J whose determinant is printed, from the recursion where it is taken at the end effector."""
+        block = self.found.blocks[0]
+        if len(self.found.blocks) > 1 or self.model.n == 6:
+            return self.jacobian(q)
+        if at_end_effector(block):
+            return self.jacobian(q)[[row - 1 for row in block.rows], :]
+        return np.asarray(self.value(block.matrix, q))
+
+
+def at_end_effector(block: Block) -> bool:
+    return block.reference.point is None and block.reference.frame is None
+
+
+def smallest(matrix: np.ndarray[Any, Any]) -> float:
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return float(values[-1] / max(values[0], 1e-6))
+
+
+def check_determinant(arm: Arm) -> None:
+    if arm.found.outcome in (Outcome.FOUND, Outcome.NEVER) and arm.found.blocks:
+        theirs = np.linalg.det(arm.block(arm.q))
+        ours = arm.value(arm.found.determinant, arm.q)
+        scale = max(1.0, abs(theirs))
+        assert ours == pytest.approx(theirs, abs=1e-9 * scale)
+    if arm.found.outcome is Outcome.EVERYWHERE and arm.model.n <= 6:
+        assert smallest(arm.jacobian(arm.q)) < 1e-9
+
+
+# -- every robot of the catalogue
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_the_factors_multiply_to_the_determinant_of_the_recursion(name: str) -> None:
+    for seed in range(3):
+        check_determinant(Arm(Robot.load(name), seed))
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_the_determinant_is_that_of_the_model_exactly(name: str) -> None:
+    model = KinematicModel(Robot.load(name))
+    found = model.singularities
+    if not found.blocks or found.determinant is None:
+        return
+    rows = tuple(range(1, 7)) if model.n == 6 else found.blocks[0].rows
+    if model.n == 6 or at_end_effector(found.blocks[0]):
+        assert equal(found.determinant, model.det_J(rows), model)
+
+
+def equal(a: Any, b: Any, model: KinematicModel) -> bool:
+    """Whether two expressions are equal as Laurent polynomials in exp(i q)."""
+    units = {q: sympy.Symbol(f"z_{q.name}") for q in model.q}
+
+    def laurent(angle: Any) -> Any:
+        coefficients = {q: angle.coeff(q) for q in units}
+        rest = sympy.expand(angle - sympy.Add(*(k * q for q, k in coefficients.items())))
+        return sympy.exp(sympy.I * rest) * sympy.Mul(*(units[q] ** k for q, k in coefficients.items()))
+
+    def cosine(x: Any) -> Any:
+        return (laurent(x) + 1 / laurent(x)) / 2
+
+    def sine(x: Any) -> Any:
+        return (laurent(x) - 1 / laurent(x)) / (2 * sympy.I)
+
+    difference = (a - b).replace(sympy.cos, cosine).replace(sympy.sin, sine)
+    return bool(sympy.expand(difference) == 0)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_rank_drops_where_it_is_stated(name: str) -> None:
+    arm = Arm(Robot.load(name))
+    for condition in arm.found.conditions:
+        for value in condition.values:
+            assert condition.variable is not None
+            q = dict(arm.q)
+            angles = sorted(s.name for s in condition.variable.free_symbols)
+            others = sum(q[name] * float(condition.variable.coeff(sympy.Symbol(name))) for name in angles[1:])
+            sign = float(condition.variable.coeff(sympy.Symbol(angles[0])))
+            q[angles[0]] = sign * (arm.value(value, q) - others)
+            assert smallest(arm.block(q)) < 1e-9
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_rank_is_full_elsewhere(name: str) -> None:
+    for seed in range(5):
+        arm = Arm(Robot.load(name), seed)
+        if arm.found.outcome is Outcome.FOUND:
+            zeros = [abs(arm.value(c.expression, arm.q)) for c in arm.found.conditions]
+            assert min(zeros) == 0 or smallest(arm.block(arm.q)) > 1e-9
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_the_catalogue_takes_less_than_a_second(name: str) -> None:
+    model = KinematicModel(Robot.load(name))
+    start = time.process_time()
+    assert model.singularities is model.singularities
+    assert time.process_time() - start < 1
+
+
+# -- what the books say
+
+
+def determinant(name: str) -> Any:
+    return KinematicModel(Robot.load(name)).singularities.determinant
+
+
+A1, A2, A3, D4 = sympy.symbols("a1 a2 a3 d4")
+Q1, Q2, Q3, Q4, Q5 = sympy.symbols("q1 q2 q3 q4 q5")
+
+
+@pytest.mark.parametrize(
+    ("name", "printed"),
+    [
+        ("planar-2r-perugia", A1 * A2 * sympy.sin(Q2)),
+        ("planar-3r", A1 * A2 * sympy.sin(Q2)),
+        ("scara-perugia", A1 * A2 * sympy.sin(Q2)),
+        ("anthropomorphic-arm", -A2 * A3 * sympy.sin(Q3) * (A2 * sympy.cos(Q2) + A3 * sympy.cos(Q2 + Q3))),
+        ("spherical-arm", -(Q3**2) * sympy.sin(Q2)),
+        ("spherical-wrist", -sympy.sin(Q5)),
+        ("stanford-deluca", Q3**2 * sympy.sin(Q2) * sympy.sin(Q5)),
+        (
+            "puma560-corke",
+            A2
+            * sympy.sin(Q5)
+            * (A3 * sympy.sin(Q3) + D4 * sympy.cos(Q3))
+            * (A2 * sympy.cos(Q2) + A3 * sympy.cos(Q2 + Q3) - D4 * sympy.sin(Q2 + Q3)),
+        ),
+    ],
+)
+def test_the_determinants_are_those_of_the_books(name: str, printed: Any) -> None:
+    assert determinant(name) == printed
+
+
+@pytest.mark.parametrize("name", ARTICULATED)
+def test_an_articulated_arm_has_a_shoulder_and_an_elbow(name: str) -> None:
+    found = KinematicModel(Robot.load(name)).singularities
+    postures = {c.posture for c in found.conditions}
+    wrist = {Posture.WRIST} if len(found.blocks) > 1 else set()
+    assert postures == {Posture.SHOULDER, Posture.ELBOW} | wrist
+
+
+def test_the_coefficients_of_a_factor_are_lengths_of_the_robot() -> None:
+    elbow = next(c for c in KinematicModel(Robot.load("puma560-laschi")).singularities.conditions if c.joints == (3,))
+    coefficients = {abs(float(k)) for k in elbow.expression.as_coefficients_dict().values()}
+    assert coefficients == {0.43307, 0.02032}
+
+
+def test_a_redundant_arm_is_said_to_be_one() -> None:
+    found = KinematicModel(Robot.load("kuka-lwr4")).singularities
+    assert found.outcome is Outcome.REDUNDANT
+    assert found.determinant is None
+
+
+def arm_of(joints: list[str], base: str = "") -> KinematicModel:
+    rows = "".join(f"  - {{{row}}}\n" for row in joints)
+    return KinematicModel(Robot.from_text(f"name: arm\ntitle: Arm\nconvention: standard\njoints:\n{rows}{base}"))
+
+
+def test_an_arm_with_two_joints_on_one_axis_is_singular_everywhere() -> None:
+    model = arm_of(["type: revolute, a: a1", "type: revolute, alpha: pi/2", "type: revolute, a: a3"])
+    assert arm_of(["type: revolute", "type: revolute, a: a1"]).singularities.outcome is Outcome.EVERYWHERE
+    assert model.singularities.outcome is not Outcome.EVERYWHERE
+
+
+def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
+    joints = ["type: revolute, a: a1", "type: revolute, a: a2, alpha: pi", "type: prismatic", "type: revolute"]
+    base = "base: [[1, 0, 0, 0], [0, 3/5, -4/5, 0], [0, 4/5, 3/5, 1], [0, 0, 0, 1]]\n"
+    found = arm_of(joints, base).singularities
+    assert found.blocks[0].rows == (1, 2, 3, 6)
+    assert found.blocks[0].reference.frame == 0
+    assert found.conditions[0].values == (0, sympy.pi)
+
+
+def test_a_cartesian_arm_is_never_singular() -> None:
+    joints = ["type: prismatic, alpha: -pi/2", "type: prismatic, theta: pi/2, alpha: -pi/2", "type: prismatic"]
+    found = arm_of(joints).singularities
+    assert found.outcome is Outcome.NEVER
+    assert abs(found.determinant) == 1
+
+
+# -- robots never seen
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 6))
+def test_random_arms_have_the_determinant_of_the_recursion(seed: int, n: int) -> None:
+    text = random_robot(random.Random(seed), n, dynamics=False).text
+    check_determinant(Arm(Robot.from_text(text), seed))
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 6))
+def test_random_arms_lose_rank_where_it_is_stated(seed: int, n: int) -> None:
+    arm = Arm(Robot.from_text(random_robot(random.Random(seed), n, dynamics=False).text), seed)
+    for condition in arm.found.conditions:
+        if len(condition.joints) == 1:
+            for value in condition.values:
+                q = arm.q | {arm.model.q[condition.joints[0] - 1].name: arm.value(value, arm.q)}
+                assert math.isclose(smallest(arm.block(q)), 0, abs_tol=1e-8)
