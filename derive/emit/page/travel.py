@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import Expression
+from derive.robot.expression import Expression, names
 from derive.robot.names import number_of
 from derive.robot.robot import Joint, Robot
 
@@ -39,7 +39,7 @@ class Travel:
 def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
     """A number for every symbol: the caller's, else the robot file's, else 1."""
     known = {name: evaluate(number, {}) for name, number in number_of(robot).items()}
-    return dict.fromkeys(_kinematic_names(robot), _FALLBACK) | dict.fromkeys(parameters, _FALLBACK) | known | dict(values)
+    return dict.fromkeys((*_kinematic_names(robot), *parameters), _FALLBACK) | known | dict(values)
 
 
 def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] | None) -> tuple[Travel, ...]:
@@ -66,8 +66,6 @@ def upwards(robot: Robot, numbers: Mapping[str, float]) -> list[float]:
 
 
 def _kinematic_names(robot: Robot) -> list[str]:
-    from derive.robot.expression import names
-
     cells = [cell for joint in robot.joints for cell in (joint.theta, joint.d, joint.a, joint.alpha)]
     cells += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
     cells += [*(robot.gravity or ()), *(limit for joint in robot.joints for limit in joint.limits or ())]

@@ -151,15 +151,15 @@ def _assumed(values: Mapping[str, float], text: Text) -> str:
     if not values:
         return ""
     pairs = ", ".join(f"{html_symbol(name)} = {value:.4g}" for name, value in values.items())
-    message = html_text(text("Symbols without a number are drawn with %(values)s (metres, radians).", values="\ue010"))
-    return message.replace("\ue010", pairs)
+    message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
+    return html_text(message).replace("@values@", pairs)
 
 
 def _words(_: Text) -> dict[str, str]:
     """Every text of the figure."""
     return {
         "canvas": _("The robot in three dimensions, in the configuration of the sliders"),
-        "hint": _("Drag to turn, drag with the right button to move, click and scroll to zoom; arrow keys, + and - do the same."),
+        "hint": _("Drag to turn, right button to shift; click, then scroll to zoom. Arrow keys, + and - work too."),
         "missing": _("This browser cannot draw in three dimensions (WebGL); sliders and pose work all the same."),
         "joints": _("Joint variables"),
         "exact": _("value"),
