@@ -77,7 +77,7 @@ class SingularityQuantity:
 
     def terms(self, row: int, column: int) -> int:
         """Terms of all factors together."""
-        return sum(factor.terms for factor in self.factors)
+        return sum(factor.terms for factor in self.factors) or int(self.determinant not in (None, 0))
 
     def entry(self, row: int, column: int) -> Any:
         """The determinant in factors."""
