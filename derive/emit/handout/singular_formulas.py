@@ -46,8 +46,13 @@ class SingularFormulas:
     @cached_property
     def _named(self) -> dict[str, SingularFactor]:
         """Factors too long to be printed, under names."""
-        limit = self.context.policy.flat_terms
-        return {f"_f{k}": f for k, f in enumerate(self.found.factors, 1) if f.terms > limit}
+        return {f"_f{k}": f for k, f in enumerate(self.found.factors, 1) if self._is_long(f)}
+
+    def _is_long(self, factor: SingularFactor) -> bool:
+        policy = self.context.policy
+        if factor.terms > policy.flat_terms:
+            return True
+        return len(break_lines(EMPTY, self.context.printer.pieces(factor.expression))) > policy.entry_lines
 
     @cached_property
     def _symbols(self) -> dict[str, Box]:
