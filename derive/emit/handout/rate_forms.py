@@ -115,10 +115,32 @@ class RateForms:
     def motion(self) -> Block:
         """Each equation: inertia, centrifugal and Coriolis terms, gravity, friction."""
         lines: list[str] = []
-        for i in self._joints:
-            head = concatenate(self.layout.symbols.torque(i), EQUALS)
-            lines += break_lines(head, self._motion_terms(i))
-        return Block(tuple(lines), blanks=tuple(self.layout.symbols.torque(i).tex for i in self._joints))
+        names = [self.layout.symbols.torque(i) for i in self._joints]
+        for i, name in zip(self._joints, names, strict=True):
+            lines += break_lines(concatenate(name, EQUALS), self._motion_terms(i))
+        values = ((name, self._motion_value(i)) for i, name in zip(self._joints, names, strict=True))
+        return Block(
+            tuple(lines),
+            values=tuple((name, value) for name, value in values if value is not None),
+            blanks=tuple(name.tex for name in names),
+        )
+
+    def _motion_value(self, i: int) -> Any:
+        """One equation with everything put in, for copying; None where it is long."""
+        layout, quantities = self.layout, self.layout.quantities
+        if quantities["tau"].terms(i, 1) > layout.layouter.policy.flat_terms:
+            return None
+        accelerations = (sympy.Symbol(acceleration_name(joint.variable)) for joint in layout.robot.joints)
+        inertial = (quantities["B"].entry(i, j) * growth for j, growth in zip(self._joints, accelerations, strict=True))
+        velocity = (
+            (1 if j == k else 2)
+            * quantities[key((row, j, k))].entry(1, 1)
+            * self._rate_symbol(j)
+            * self._rate_symbol(k)
+            for row, j, k in layout.triples
+            if row == i
+        )
+        return sympy.Add(*inertial, *velocity, quantities["g"].entry(i, 1), self._friction_value(i))
 
     def _motion_terms(self, i: int) -> tuple[Piece, ...]:
         layout = self.layout
@@ -142,10 +164,7 @@ class RateForms:
         return (italic("2"), symbol, self._rate(j), self._rate(k))
 
     def _friction(self, i: int, follows: bool) -> tuple[Piece, ...]:
-        link = self.layout.robot.links[i - 1]
-        rate = self._rate_symbol(i)
-        viscous, coulomb = expression_to_sympy(link.viscous), expression_to_sympy(link.coulomb)
-        friction = viscous * rate + coulomb * sympy.sign(rate)
+        friction = self._friction_value(i)
         if friction == 0:
             return ()
         pieces = self.layout.layouter.printer.pieces(friction)
@@ -154,6 +173,10 @@ class RateForms:
         if pieces[0] == MINUS:
             return (binary("-", 0), *pieces[1:])
         return (binary("+", 0), *pieces)
+
+    def _friction_value(self, i: int) -> Any:
+        link, rate = self.layout.robot.links[i - 1], self._rate_symbol(i)
+        return expression_to_sympy(link.viscous) * rate + expression_to_sympy(link.coulomb) * sympy.sign(rate)
 
     # -- the check that N is skew-symmetric
 

@@ -48,16 +48,17 @@ def _links(context: Context) -> Iterator[Block]:
     )
     k = _axis(context)
     revolute, prismatic = (joint_types(context)[flag] for flag in (True, False))
+    words = {True: _("revolute"), False: _("prismatic")}
     rows = []
     if revolute:
         rows.append(
-            f"\\text{{{_('revolute')}}}\\colon\\quad \\mathbf{{J}}_{{v,j}}^{{l_i}} = "
+            f"\\text{{{words[True]}}}\\colon\\quad \\mathbf{{J}}_{{v,j}}^{{l_i}} = "
             f"\\mathbf{{z}}_{{{k}}} \\times (\\mathbf{{p}}_{{l_i}} - \\mathbf{{o}}_{{{k}}}), \\qquad "
             f"\\mathbf{{J}}_{{\\omega,j}}^{{l_i}} = \\mathbf{{z}}_{{{k}}}"
         )
     if prismatic:
         rows.append(
-            f"\\text{{{_('prismatic')}}}\\colon\\quad \\mathbf{{J}}_{{v,j}}^{{l_i}} = \\mathbf{{z}}_{{{k}}}, "
+            f"\\text{{{words[False]}}}\\colon\\quad \\mathbf{{J}}_{{v,j}}^{{l_i}} = \\mathbf{{z}}_{{{k}}}, "
             "\\qquad \\mathbf{J}_{\\omega,j}^{l_i} = \\mathbf{0}"
         )
     yield Rows(tuple(rows))
