@@ -99,8 +99,11 @@ def c_comment(text: str) -> str:
 
 
 def html_text(text: str) -> str:
-    """Text for an HTML element or a quoted attribute."""
-    return html.escape(one_line(text))
+    """Text for an HTML element or a quoted attribute; a space at either end stays."""
+    body = html.escape(one_line(text))
+    if not body:
+        return " " if text else ""
+    return f"{' ' if text[0].isspace() else ''}{body}{' ' if text[-1].isspace() else ''}"
 
 
 def javascript_string(text: str) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import html
+import json
 import re
 import string
 
@@ -43,6 +45,30 @@ def test_comments_end_where_the_line_ends(text: str) -> None:
     assert "??" not in comment
     assert "\\" not in comment
     assert len(comment.splitlines()) <= 1
+
+
+@given(hostile)
+def test_javascript_strings_are_json_without_tags(text: str) -> None:
+    literal = escape.javascript_string(text)
+    assert json.loads(literal) == text
+    assert literal.isascii()
+    assert not set(literal) & set("<>\n")
+
+
+@given(hostile)
+def test_javascript_comments_end_where_they_should(text: str) -> None:
+    comment = escape.javascript_comment(text)
+    assert "*/" not in comment
+    assert "</" not in comment
+    assert "<!" not in comment
+    assert len(comment.splitlines()) <= 1
+
+
+@given(hostile)
+def test_html_has_no_markup(text: str) -> None:
+    escaped = escape.html_text(text)
+    assert html.unescape(escaped).strip() == escape.one_line(text)
+    assert not set(escaped) & set("<>\"'")
 
 
 @given(hostile)
