@@ -1,0 +1,98 @@
+"""Assembles the handout of a robot: LaTeX, PDF and web page from one document."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from derive.build.latex import compile_latex
+from derive.build.poses import RobotPoses
+from derive.build.render import source_of
+from derive.emit.handout.assemble import context_of, document
+from derive.emit.handout.context import Context
+from derive.emit.handout.document import Document
+from derive.emit.handout.exercise import exercise, solutions
+from derive.emit.handout.latex_writer import latex
+from derive.emit.source import Source
+from derive.robot.handout import HandoutOptions
+from derive.robot.robot import Robot
+
+
+class Format(StrEnum):
+    """A form of the handout; the value is the ending of its file."""
+
+    TEX = "tex"
+    PDF = "pdf"
+    HTML = "html"
+
+
+@dataclass(frozen=True, slots=True)
+class Handout:
+    """A finished handout.
+
+    Attributes:
+        files: Contents by file name.
+        pages: Pages of each PDF by file name.
+        parts: The parts that it has.
+    """
+
+    files: dict[str, bytes] = field(default_factory=dict)
+    pages: dict[str, int] = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
+
+
+def handout_files(
+    robot: Robot, options: HandoutOptions, formats: Collection[Format], *, exercise_sheets: bool = False
+) -> Handout:
+    """Makes the files of a handout, in memory.
+
+    Args:
+        robot: The robot.
+        options: What the handout shows.
+        formats: Which forms.
+        exercise_sheets: Whether an exercise and its solutions are made instead of one sheet.
+
+    Raises:
+        TargetError: There is no such language, or a package for the web page is missing.
+        LatexError: LaTeX is missing or refused the document.
+    """
+    source = source_of(robot, ())
+    context = context_of(source, options)
+    whole = document(context)
+    handout = Handout(parts=tuple(section.part for section in whole.sections))
+    for name, sheet in _sheets(whole, context, exercise_sheets):
+        for form in (form for form in Format if form in formats):
+            _add(handout, f"{name}.{form.value}", form, sheet, context, source)
+    return handout
+
+
+def _sheets(whole: Document, context: Context, exercise_sheets: bool) -> Iterator[tuple[str, Document]]:
+    """File names without their endings, and what stands on each sheet."""
+    name = context.robot.name
+    if not exercise_sheets:
+        yield name, whole
+        return
+    yield f"{name}-exercise", exercise(whole, context.text)
+    yield f"{name}-solutions", solutions(whole, context.text)
+
+
+def _add(handout: Handout, name: str, form: Format, sheet: Document, context: Context, source: Source) -> None:
+    match form:
+        case Format.TEX:
+            handout.files[name] = latex(sheet, context.text).encode()
+        case Format.PDF:
+            compiled = compile_latex(latex(sheet, context.text), name.removesuffix(".pdf"))
+            handout.files[name], handout.pages[name] = compiled.pdf, compiled.log.pages
+        case Format.HTML:
+            handout.files[name] = _page(sheet, context, source).encode()
+
+
+def _page(sheet: Document, context: Context, source: Source) -> str:
+    from derive.emit.page.viewer import viewer
+    from derive.emit.page.writer import page
+
+    assumed = {name: value for name, value, _ in RobotPoses(source.robot).assumed}
+    figure = viewer(source.robot, source.program, assumed, context.text)
+    mark = f"<!DOCTYPE html>\n<!-- written by derive {source.version} -->"
+    return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
