@@ -8,13 +8,14 @@ Oriolo, Robotics, section 3.1).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from derive.emit.handout.context import Context
-from derive.emit.handout.kinematics import Whole, whole
-from derive.emit.handout.submatrix import column
+from derive.emit.handout.kinematics import Whole, axes_group, whole
+from derive.emit.handout.submatrix import column, total_terms
 from derive.emit.latex.layout import EQUALS, fits, matrix
 from derive.emit.latex.metrics import BINARY_WIDTH, BRACKET_WIDTH, MINUS_WIDTH, Box, concatenate, italic, script
-from derive.emit.latex.quantity import Namer
+from derive.emit.latex.quantity import Block, Namer
 from derive.emit.latex.symbols import bold
 from derive.emit.quantity import Quantity
 from derive.robot.robot import Convention
@@ -31,11 +32,13 @@ class Vector:
 
     Attributes:
         box: ``symbol = ...`` without its entries, where these are too long.
-        whole: The vector with its entries; None where these are too long.
+        whole: The vector with its entries; None where these are too wide.
+        entries: Its entries one by one, in that case; None where these are too long, or stand elsewhere.
     """
 
     box: Box
-    whole: Whole | None
+    whole: Whole | None = None
+    entries: Block | None = None
 
 
 @dataclass(frozen=True)
@@ -63,23 +66,23 @@ class JointAxes:
     def axis(self, i: int) -> Vector:
         """The axis of joint i, from 1."""
         symbol = script(bold("z"), italic(str(self._frame(i))))
-        return self._vector(symbol, symbol, column(self._quantity(i), 3, _UPPER))
+        return self._of_frame(symbol, i, 3)
 
     def origin(self, i: int) -> Vector:
         """The origin on the axis of joint i, from 1."""
         symbol = script(bold("o"), italic(str(self._frame(i))))
-        return self._vector(symbol, symbol, column(self._quantity(i), 4, _UPPER))
+        return self._of_frame(symbol, i, 4)
 
     def end(self) -> Vector:
         """The origin of the end effector."""
-        return self._vector(bold("p"), bold("p"), column(self.context.quantities["T"], 4, _UPPER))
+        return Vector(bold("p"), self._whole(bold("p"), bold("p"), column(self.context.quantities["T"], 4, _UPPER)))
 
     def column(self, i: int) -> Vector:
         """Column i of J, from 1."""
         symbol = script(bold("J"), italic(str(i)))
         upper, lower = self._halves(i)
         box = concatenate(symbol, EQUALS, matrix([[upper], [lower]]))
-        return self._vector(symbol, box, column(self.context.quantities["J"], i, _ALL))
+        return Vector(box, self._whole(symbol, box, column(self.context.quantities["J"], i, _ALL)))
 
     @property
     def _standard(self) -> bool:
@@ -92,15 +95,33 @@ class JointAxes:
     def _frame(self, i: int) -> int:
         return i - 1 if self._standard else i
 
-    def _quantity(self, i: int) -> Quantity:
-        return self.context.quantities[f"frame[{self._frame(i)}]"]
+    def _of_frame(self, symbol: Box, i: int, index: int) -> Vector:
+        frame = self._frame(i)
+        if frame > self._last_short:
+            return Vector(symbol)
+        quantity = column(self.context.quantities[f"frame[{frame}]"], index, _UPPER)
+        found = self._whole(symbol, symbol, quantity)
+        if found is not None or total_terms(quantity) > self.context.policy.matrix_terms:
+            return Vector(symbol, found)
+        namer, group = _component_namer(symbol), axes_group(self.context.robot, frame, index)
+        block = self.context.layouter.block(symbol, namer, quantity, group=group)
+        return Vector(symbol, entries=block)
+
+    @cached_property
+    def _last_short(self) -> int:
+        """The last frame before one without a column that could be printed; not even derived are those behind it."""
+        for frame in range(self.context.robot.n + 1):
+            quantity = self.context.quantities[f"frame[{frame}]"]
+            if min(total_terms(column(quantity, k, _UPPER)) for k in (3, 4)) > self.context.policy.matrix_terms:
+                return frame - 1
+        return self.context.robot.n
 
     def _halves(self, i: int) -> tuple[Box, Box]:
         joint = self.context.robot.joints[i - 1]
         return _halves(str(self._frame(i)), revolute=joint.is_revolute, negative=joint.sign < 0)
 
-    def _vector(self, symbol: Box, box: Box, quantity: Quantity) -> Vector:
-        return Vector(box, whole(self.context, box, quantity, _component_namer(symbol)))
+    def _whole(self, symbol: Box, box: Box, quantity: Quantity) -> Whole | None:
+        return whole(self.context, box, quantity, _component_namer(symbol))
 
 
 def _component_namer(symbol: Box) -> Namer:

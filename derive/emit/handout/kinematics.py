@@ -54,6 +54,11 @@ def step_group(frame: int) -> int:
     return rows_group(frame + 1) + 2
 
 
+def axes_group(robot: Robot, frame: int, column: int) -> int:
+    """Group of the intermediate terms of axis (column 3) or origin (column 4) of a frame from 0; above all others."""
+    return rows_group(robot.n + 3) + 2 * frame + column - 3
+
+
 def entry_namer(symbol: Box, comma: str = "") -> Namer:
     """Entries of a matrix that has no letter of its own: (A)_{12}."""
 

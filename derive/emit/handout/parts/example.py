@@ -43,9 +43,7 @@ def _blocks(context: Context, numbers: Numbers) -> Iterator[Block]:
     yield from _configuration(context, chosen)
     yield Paragraph(_("The end effector; lengths are in metres:"))
     yield matrix_formula(context, bold("T"), numbers("T", chosen.q), "forward_kinematics")
-    yield Paragraph(
-        _("The Jacobian; rows 1 to 3 are in m for a revolute joint, the entries of a prismatic joint without unit:")
-    )
+    yield Paragraph(_jacobian_text(context))
     yield matrix_formula(context, bold("J"), numbers("J", chosen.q), "jacobian")
     if context.robot.has_dynamics:
         yield from _dynamics(context, numbers, chosen.q)
@@ -100,7 +98,29 @@ def _figure_values(context: Context) -> list[Equation]:
     ]
 
 
+def _jacobian_text(context: Context) -> str:
+    _ = context.text
+    if all(joint.is_revolute for joint in context.robot.joints):
+        return _("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:")
+    return _("The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:")
+
+
 # -- dynamics
+
+
+def _inertia_text(context: Context) -> str:
+    _ = context.text
+    square = "\\mathrm{kg\\,m^2}"
+    kinds = {joint.is_revolute for joint in context.robot.joints}
+    if kinds == {True}:
+        return _("The inertia matrix, in $%(square)s$:", square=square)
+    if kinds == {False}:
+        return _("The inertia matrix, in kg:")
+    return _(
+        "The inertia matrix; in $%(square)s$ between revolute joints, in kg between prismatic joints, "
+        "in kg m between one and the other:",
+        square=square,
+    )
 
 
 def _dynamics(context: Context, numbers: Numbers, q: Sequence[float]) -> Iterator[Block]:
@@ -111,13 +131,7 @@ def _dynamics(context: Context, numbers: Numbers, q: Sequence[float]) -> Iterato
         return
     letter = context.symbols.inertia_letter
     if context.robot.n <= LARGEST:
-        yield Paragraph(
-            _(
-                "The inertia matrix; in $%(square)s$ between revolute joints, in kg between prismatic joints, "
-                "in kg m between one and the other:",
-                square="\\mathrm{kg\\,m^2}",
-            )
-        )
+        yield Paragraph(_inertia_text(context))
         yield matrix_formula(context, bold(letter), numbers("B", q), "inertia_matrix")
     else:
         yield Paragraph(_("The inertia matrix is too large to print; `inertia_matrix` computes it."))

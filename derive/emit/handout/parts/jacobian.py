@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from derive.emit.handout.axes import JointAxes
+from derive.emit.handout.angles import euler_zyz
+from derive.emit.handout.axes import JointAxes, Vector
 from derive.emit.handout.context import Context
 from derive.emit.handout.document import Block, Paragraph, Rows, Section, Steps
 from derive.emit.handout.formula import formula
@@ -82,18 +83,28 @@ def _step_blocks(context: Context) -> Iterator[Block]:
     _ = context.text
     axes = JointAxes(context)
     joints = range(1, context.robot.n + 1)
+    turning = [i for i in joints if context.robot.joints[i - 1].is_revolute]
+    origins = [*(axes.origin(i) for i in turning), axes.end()] if turning else []
     for title, vectors in (
         (_("Axes:"), [axes.axis(i) for i in joints]),
-        (_("Origins, and that of the end effector:"), [*(axes.origin(i) for i in joints), axes.end()]),
+        (_("Origins, and that of the end effector:"), origins),
         (_("Columns:"), [axes.column(i) for i in joints]),
     ):
-        printed = [vector for vector in vectors if vector.whole is not None]
-        yield Paragraph(title)
-        yield formula(context, packed([vector.whole for vector in printed if vector.whole is not None]))
-        left = [vector.box for vector in vectors if vector.whole is None]
-        if left:
-            yield Paragraph(_("Too long for a step:"))
-            yield Rows(tuple(pack(left)))
+        if vectors:
+            yield Paragraph(title)
+            yield from _vectors(context, vectors)
+
+
+def _vectors(context: Context, vectors: Sequence[Vector]) -> Iterator[Block]:
+    """Those that fit share lines; then those by their entries, and those whose entries are too long."""
+    fitting = [vector.whole for vector in vectors if vector.whole is not None]
+    if fitting:
+        yield formula(context, packed(fitting))
+    yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
+    left = [vector.box for vector in vectors if vector.whole is None and vector.entries is None]
+    if left:
+        yield Paragraph(context.text("Too long for a step:"))
+        yield Rows(tuple(pack(left)))
 
 
 # -- analytic
@@ -105,18 +116,19 @@ def _analytic(context: Context) -> Iterator[Block]:
     if not (end.terms(1, 3) or end.terms(2, 3)):
         return
     _ = context.text
+    phi, theta, psi = (name.tex.strip() for name in euler_zyz(context).names)
     yield Paragraph(
         _(
             "The analytic Jacobian for Euler angles ZYZ, $%(angles)s$, has the same linear rows; its angular rows are "
             "those of $%(jacobian)s$ multiplied from the left by the inverse of",
-            angles="\\varphi, \\vartheta, \\psi",
+            angles=f"{phi}, {theta}, {psi}",
             jacobian="\\mathbf{J}",
         )
     )
-    yield Rows((_ZYZ_RATES,))
-
-
-_ZYZ_RATES = (
-    r"\begin{bmatrix} 0 & -\sin\varphi & \cos\varphi\,\sin\vartheta \\ 0 & \cos\varphi & \sin\varphi\,\sin\vartheta "
-    r"\\ 1 & 0 & \cos\vartheta \end{bmatrix}"
-)
+    rows = (
+        f"0 & -\\sin {phi} & \\cos {phi}\\,\\sin {theta}",
+        f"0 & \\cos {phi} & \\sin {phi}\\,\\sin {theta}",
+        f"1 & 0 & \\cos {theta}",
+    )
+    body = " \\\\ ".join(rows)
+    yield Rows((f"\\begin{{bmatrix}} {body} \\end{{bmatrix}}",))
