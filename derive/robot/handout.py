@@ -115,11 +115,11 @@ class HandoutOptions:
 
 @dataclass(frozen=True, slots=True)
 class FigureOptions:
-    """The configuration that is drawn.
+    """The configuration that is drawn and computed.
 
     Attributes:
         q: Value of every joint variable [rad or m]; None for none but the zero configuration.
-        values: Numbers for symbols that have none, for drawing only.
+        values: Numbers for symbols that have none [SI units, rad], for the drawing and the numeric example only.
     """
 
     q: tuple[Expression, ...] | None = None

@@ -119,13 +119,14 @@ class HandoutRow(Strict):
 
 
 class FigureRow(Strict):
-    """Which configuration is drawn beside the zero configuration."""
+    """Which configuration is drawn and computed in numbers."""
 
     q: list[Cell] | None = Field(
         default=None, description="A number for every joint variable, in the units of the file as limits are."
     )
     values: dict[str, Cell] = Field(
-        default={}, description="Numbers, in SI units and radians, for symbols without one; for drawing only."
+        default={},
+        description="Numbers, in SI units and radians, for symbols without one; for drawing and example only.",
     )
 
 
@@ -163,7 +164,7 @@ class RobotFile(Strict):
         default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
     )
     handout: HandoutRow = Field(default=HandoutRow(), description="Parts, language and notation of the handout.")
-    figure: FigureRow = Field(default=FigureRow(), description="The configuration that is drawn.")
+    figure: FigureRow = Field(default=FigureRow(), description="The configuration that is drawn and computed.")
 
 
 def json_schema() -> dict[str, Any]:
