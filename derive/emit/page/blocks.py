@@ -72,11 +72,9 @@ class BlockWriter:
 
     def _displays(self, lines: Iterable[str]) -> str:
         """Displayed lines in a box that scrolls, by keys too."""
+        _ = self._text
         body = "\n".join(self._formulas.place(line, display=True) for line in lines)
-        return f'<div class=display tabindex=0 role=group aria-label="{self._label("Formula")}">\n{body}\n</div>'
-
-    def _label(self, message: str) -> str:
-        return html_text(self._text(message))
+        return f'<div class=display tabindex=0 role=group aria-label="{html_text(_("Formula"))}">\n{body}\n</div>'
 
     @block.register
     def _formula(self, block: Formula) -> str:
@@ -110,8 +108,13 @@ class BlockWriter:
             for entry in block.entries
         ]
         return templating.render(
-            "page/tools.html.jinja", _=self._label, entries=entries, function=html_text(block.function)
+            "page/tools.html.jinja", words=self._tool_words(), entries=entries, function=html_text(block.function)
         ).rstrip()
+
+    def _tool_words(self) -> dict[str, str]:
+        _ = self._text
+        words = {"entry": _("Entry"), "latex": _("Copy LaTeX"), "python": _("Copy Python")}
+        return {name: html_text(word) for name, word in words.items()}
 
     @block.register
     def _blank(self, block: Blank) -> str:
@@ -125,10 +128,11 @@ class BlockWriter:
 
     @block.register
     def _table(self, block: Table) -> str:
+        _ = self._text
         head = "".join(self._cell("th scope=col", "th", cell) for cell in block.header)
         rows = "\n".join(f"<tr>{self._row(row)}</tr>" for row in block.rows)
         table = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>"
-        return f'<div class=scroll tabindex=0 role=group aria-label="{self._label("Table")}">\n{table}\n</div>'
+        return f'<div class=scroll tabindex=0 role=group aria-label="{html_text(_("Table"))}">\n{table}\n</div>'
 
     def _row(self, row: tuple[str, ...]) -> str:
         first = (self._cell("th scope=row", "th", cell) for cell in row[:1])

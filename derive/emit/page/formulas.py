@@ -118,7 +118,9 @@ def _plain(node: Node) -> str:
     return f"<{node.tag}{attributes}>{inner}</{node.tag}>"
 
 
-def within(drawn: Mapping[Mathematics, Drawn], counts: Mapping[Mathematics, int], budget: int) -> dict[Mathematics, str]:
+def within(
+    drawn: Mapping[Mathematics, Drawn], counts: Mapping[Mathematics, int], budget: int
+) -> dict[Mathematics, str]:
     """The form of every formula: with MathML as far as the budget goes, the longest displays lose it first.
 
     Args:

@@ -50,7 +50,7 @@ def _content(document: Document, text: Text, viewer: Viewer | None, formulas: Co
         for section in document.sections
     ]
     return {
-        "_": lambda message: html_text(text(message)),
+        "words": {name: html_text(word) for name, word in _words(text).items()},
         "title": html_text(document.title),
         "subtitle": writer.words(document.subtitle),
         "sections": sections,
@@ -60,6 +60,22 @@ def _content(document: Document, text: Text, viewer: Viewer | None, formulas: Co
         "name": html_text(document.name),
         "digest": html_text(document.digest),
         "version": html_text(document.version),
+    }
+
+
+def _words(text: Text) -> dict[str, str]:
+    """What the page itself says."""
+    _ = text
+    return {
+        "skip": _("Skip to the content"),
+        "contents": _("Contents"),
+        "motion": _("The robot in motion"),
+        "open_steps": _("Open all steps"),
+        "close_steps": _("Close all steps"),
+        "dark": _("Dark page"),
+        "light": _("Light page"),
+        "copied": _("Copied"),
+        "failed": _("The browser does not allow copying"),
     }
 
 
