@@ -27,7 +27,7 @@ ASSUMED_ANGLE = math.pi / 6
 """Drawn for an angle without a number [rad]."""
 
 PATTERNS = ((1.0, 0.8, 0.6, 0.9, 0.7, 0.5), (1.0, 0.5, 1.3, 0.3, 1.6, 0.2), (0.9, 0.4, 0.5, 0.2, 0.15, 0.1))
-"""Lengths drawn for symbols without a number, in units of the longest known one; the next row if a cell has no value."""
+"""Lengths for symbols without a number, in units of the longest known one; the next row if a cell has no value."""
 
 _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 
@@ -55,7 +55,15 @@ class RobotPoses:
     def configuration(self) -> tuple[float, ...] | None:
         """The configuration that the robot file asks to draw [rad or m]."""
         q = self.robot.figure.q
-        return None if q is None else tuple(to_float(value, self._values) for value in q)
+        return None if q is None else self.numbers(q)
+
+    def numbers(self, cells: Sequence[Expression]) -> tuple[float, ...]:
+        """The values of cells with the numbers of the drawing.
+
+        Raises:
+            ExpressionError: A value does not exist.
+        """
+        return tuple(to_float(cell, self._values) for cell in cells)
 
     @property
     def assumed(self) -> tuple[tuple[str, float, str], ...]:
@@ -89,6 +97,17 @@ class RobotPoses:
 
         *_, end = self._frames(self._joints(q, np.cos, np.sin))
         return np.stack([np.broadcast_to(value, q.shape[1:]) for value in end.position])
+
+    @property
+    def first_axis(self) -> tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]:
+        """Rotation and origin in the world of the frame in which joint 1 moves about (along) z."""
+        frame = self._chain.base @ self._chain.joints[0].fixed
+        return frame.rotation, frame.position
+
+    @property
+    def longest(self) -> float:
+        """The longest length of the table [m], 1 m if there is none."""
+        return _longest(self.robot, self._values)
 
     def _joints(self, q: Any, cosine: Any, sine: Any) -> Iterator[ChainJoint[Any]]:
         for value, row, joint in zip(q, self._chain.joints, self.robot.joints, strict=True):

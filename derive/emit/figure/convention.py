@@ -68,7 +68,7 @@ def _standard(sketch: _Sketch) -> None:
     sketch.arc(foot, x_before, _Z, _THETA, r"\theta_{i}")
     sketch.arc(second, _Z, _X, _ALPHA, r"\alpha_{i}")
     sketch.length(origin, foot, -24.0, "d_{i}")
-    sketch.length(foot, second, 20.0, "a_{i}")
+    sketch.length(foot, second, -20.0, "a_{i}")
 
 
 def _modified(sketch: _Sketch) -> None:
@@ -83,14 +83,15 @@ def _modified(sketch: _Sketch) -> None:
     sketch.dashes(foot, foot + 62 * _Z)
     sketch.dashes(second, second + 60 * _X)
     sketch.line(origin, foot)
+    sketch.line(foot, second)
+    sketch.beside(foot, second, "d_{i}")
     sketch.axis(origin, _Z, 2, "z_{i-1}")
     sketch.axis(origin, _X, 0, "x_{i-1}")
     sketch.axis(second, z_after, 2, "z_{i}")
     sketch.axis(second, x_after, 0, "x_{i}")
     sketch.arc(second, _X, z_after, _THETA, r"\theta_{i}")
     sketch.arc(foot, _Z, _X, _ALPHA, r"\alpha_{i-1}")
-    sketch.length(foot, second, -26.0, "d_{i}")
-    sketch.length(origin, foot, -22.0, "a_{i-1}")
+    sketch.length(origin, foot, 18.0, "a_{i-1}")
 
 
 @dataclass
@@ -138,6 +139,12 @@ class _Sketch:
                 self.paper.draw(path)
         middle, heart = points[12], self.flat(center)
         self.paper.label(latex, around(middle, (middle[0] - heart[0], middle[1] - heart[1]), 9.0))
+
+    def beside(self, start: Array, end: Array, latex: str) -> None:
+        """The name of a part of a line, to its left."""
+        a, b = self.flat(start), self.flat(end)
+        across = (-(b[1] - a[1]), b[0] - a[0])
+        self.paper.label(latex, around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), across, 9.0))
 
     def length(self, start: Array, end: Array, offset: float, latex: str) -> None:
         """A length beside what it measures."""

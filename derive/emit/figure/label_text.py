@@ -16,11 +16,13 @@ LABEL_HEIGHT = 9.0
 """Height of a label with a subscript [pt]."""
 
 _GREEK = {
-    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ϵ", "varepsilon": "ε", "zeta": "ζ", "eta": "η",
-    "theta": "θ", "vartheta": "ϑ", "iota": "ι", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ",
-    "pi": "π", "rho": "ρ", "sigma": "σ", "tau": "τ", "upsilon": "υ", "phi": "ϕ", "varphi": "φ", "chi": "χ",
-    "psi": "ψ", "omega": "ω", "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π",
-    "Sigma": "Σ", "Upsilon": "Υ", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
+    "alpha": "\N{GREEK SMALL LETTER ALPHA}", "beta": "β", "gamma": "\N{GREEK SMALL LETTER GAMMA}", "delta": "δ",
+    "epsilon": "ϵ", "varepsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ", "vartheta": "ϑ",
+    "iota": "\N{GREEK SMALL LETTER IOTA}", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "\N{GREEK SMALL LETTER NU}",
+    "xi": "ξ", "pi": "π", "rho": "\N{GREEK SMALL LETTER RHO}", "sigma": "\N{GREEK SMALL LETTER SIGMA}", "tau": "τ",
+    "upsilon": "\N{GREEK SMALL LETTER UPSILON}", "phi": "ϕ", "varphi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω",
+    "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ",
+    "Upsilon": "\N{GREEK CAPITAL LETTER UPSILON}", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
 }  # fmt: skip
 _SYMBOLS = {"cdot": "·", "ldots": "…", "circ": "°", "equiv": "≡", "times": "\N{MULTIPLICATION SIGN}", "sqrt": "√"}
 _SPACES = {",": "\N{THIN SPACE}", ";": " ", " ": " ", "quad": "  ", "!": ""}

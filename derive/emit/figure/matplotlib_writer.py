@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path as File
+from io import BytesIO
 from typing import Any
 
 from derive.emit.figure.drawing import Drawing, Label, Path
@@ -16,10 +16,12 @@ POINTS_PER_INCH = 72.27
 RESOLUTION = 300
 """Of a PNG [dots per inch]."""
 
+CREATOR = "derive"
+
 STYLE = {
     "svg.hashsalt": "derive",
     "svg.fonttype": "path",
-    "pdf.fonttype": 42,
+    "pdf.fonttype": 3,
     "mathtext.fontset": "cm",
     "font.family": "serif",
     "path.simplify": False,
@@ -45,12 +47,11 @@ def require_matplotlib() -> Any:
     return matplotlib
 
 
-def write_drawing(drawing: Drawing, path: File, suffix: str, scale: float = 1.0) -> None:
-    """Writes a drawing to a file.
+def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
+    """A drawing as the contents of a file.
 
     Args:
         drawing: What to draw.
-        path: The file.
         suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
         scale: How much larger than in the drawing.
 
@@ -71,18 +72,20 @@ def write_drawing(drawing: Drawing, path: File, suffix: str, scale: float = 1.0)
                 axes.add_patch(_patch(item, order, scale))
             else:
                 _text(axes, item, order, scale)
-        save(figure, path, suffix, drawing.title)
+        return figure_bytes(figure, suffix, drawing.title)
 
 
-def save(figure: Any, path: File, suffix: str, title: str) -> None:
-    """Writes a figure of matplotlib without date or version in it."""
+def figure_bytes(figure: Any, suffix: str, title: str) -> bytes:
+    """A figure of matplotlib as the contents of a file, without date or version in it."""
     form = suffix.removeprefix(".")
     metadata = {
-        "svg": {"Date": None, "Creator": None, "Title": title},
-        "pdf": {"CreationDate": None, "Creator": None, "Producer": None, "Title": title},
-        "png": {"Software": None, "Title": title},
+        "svg": {"Date": None, "Creator": CREATOR, "Title": title},
+        "pdf": {"CreationDate": None, "Creator": CREATOR, "Producer": None, "Title": title},
+        "png": {"Software": CREATOR, "Title": title},
     }[form]
-    figure.savefig(path, format=form, dpi=RESOLUTION, metadata=metadata, facecolor="white")
+    file = BytesIO()
+    figure.savefig(file, format=form, dpi=RESOLUTION, metadata=metadata, facecolor="white")
+    return file.getvalue()
 
 
 def _patch(item: Path, order: int, scale: float) -> Any:
