@@ -26,4 +26,6 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'derive' has no attribute {name!r}")
     from importlib import import_module
 
+    if name == "Model":
+        import_module("derive.notebook").install()
     return getattr(import_module(_HOMES[name]), name)

@@ -24,6 +24,9 @@ from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction, Style
 
+SHORT_ROOT = 8
+"""Most terms under the roots of the orientation angles that are worth simplifying."""
+
 Expr = Any
 Matrix = Any
 
@@ -56,6 +59,9 @@ class KinematicModel:
         self.q = tuple(sympy.Symbol(v) for v in variables)
         self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
         self.qdd = tuple(sympy.Symbol(acceleration_name(v)) for v in variables)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.robot.name}, {self.n} joints>"
 
     @property
     def n(self) -> int:
@@ -125,7 +131,7 @@ class KinematicModel:
 
         Singular at pitch = +-pi/2, where only the sum or difference of roll and yaw is determined.
         """
-        return rpy(self.R)
+        return rpy(self.R, self._length((2, 1), (2, 2)))
 
     @cached_property
     def euler_zyz(self) -> Matrix:
@@ -133,7 +139,18 @@ class KinematicModel:
 
         Singular at theta = 0 and pi, where only the sum or difference of phi and psi is determined.
         """
-        return euler_zyz(self.R)
+        return euler_zyz(self.R, self._length((0, 2), (1, 2)))
+
+    def _length(self, *places: tuple[int, int]) -> Expr:
+        """Square root of the sum of squares of entries of R, simplified where they are short; None otherwise."""
+        if self._long.is_long(0, self.n):
+            return None
+        entries = [self.kinematics.end.rotation[i][j] for i, j in places]
+        if sum(map(len, entries)) > SHORT_ROOT:
+            return None
+        square = self.form.kinematic(entries[0] * entries[0] + entries[1] * entries[1])
+        plain = sympy.Add(*(self.R[i, j] ** 2 for i, j in places))
+        return sympy.sqrt(min(plain, square, key=lambda e: e.count_ops()))
 
     # -- Jacobians
 

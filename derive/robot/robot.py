@@ -167,6 +167,12 @@ class Robot:
         """Whether the file gives link parameters."""
         return bool(self.links)
 
+    def _repr_html_(self) -> str:
+        """The DH table, for notebooks."""
+        from derive.robot.html_table import html_table
+
+        return html_table(self)
+
     @classmethod
     def load(cls, path_or_name: str | Path) -> Robot:
         """Load a robot file, or a robot of the catalogue by name.
