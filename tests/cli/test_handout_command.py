@@ -1,0 +1,180 @@
+"""``derive handout`` as teachers use it: files, exercises, fragments, options over the file, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import PENDULUM, Outcome, derive, is_one_message
+from tests.emit.latex_runner import require_latex, run_latex
+
+BARE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n%s\n\\end{document}\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a robot file."""
+    (tmp_path / "arm.yaml").write_text(PENDULUM)
+    return tmp_path
+
+
+def handout(folder: Path, *arguments: str, **variables: str) -> Outcome:
+    return derive("handout", "arm.yaml", *arguments, folder=folder, **variables)
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()} - {"arm.yaml"}
+
+
+def test_the_latex_file_is_written_by_default(folder: Path) -> None:
+    outcome = handout(folder)
+    assert outcome.status == 0, outcome.stderr
+    assert names(folder) == {"pendulum.tex"}
+    assert outcome.stdout.startswith("pendulum.tex\n")
+    log = run_latex((folder / "pendulum.tex").read_text(), folder)
+    assert not log.errors
+    assert log.overfull <= 1
+
+
+def test_a_pdf_comes_with_its_source_and_the_number_of_pages(folder: Path) -> None:
+    require_latex()
+    outcome = handout(folder, "--pdf", "--out", "sheets/new", "--json")
+    assert outcome.status == 0, outcome.stderr
+    assert names(folder / "sheets" / "new") == {"pendulum.tex", "pendulum.pdf"}
+    report = json.loads(outcome.stdout)
+    assert [Path(file["path"]).name for file in report["files"]] == ["pendulum.tex", "pendulum.pdf"]
+    assert report["files"][1]["pages"] >= 1
+    assert "inertia" in report["parts"]
+    assert (folder / "sheets" / "new" / "pendulum.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_same_robot_gives_the_same_bytes(folder: Path) -> None:
+    require_latex()
+    for out in ("one", "two"):
+        assert handout(folder, "--pdf", "--out", out, "--quiet").stdout == ""
+    for name in ("pendulum.tex", "pendulum.pdf"):
+        assert (folder / "one" / name).read_bytes() == (folder / "two" / name).read_bytes()
+
+
+def test_a_web_page_is_one_file(folder: Path) -> None:
+    pytest.importorskip("py_mini_racer")
+    outcome = handout(folder, "--html")
+    assert outcome.status == 0, outcome.stderr
+    assert names(folder) == {"pendulum.html"}
+    assert "http-equiv" in (folder / "pendulum.html").read_text()
+
+
+def test_our_own_files_are_replaced_and_no_others(folder: Path) -> None:
+    require_latex()
+    assert handout(folder, "--pdf").status == 0
+    assert handout(folder, "--pdf").status == 0
+    for name in ("pendulum.tex", "pendulum.pdf"):
+        (folder / name).write_text("my own notes")
+        outcome = handout(folder, "--pdf")
+        assert outcome.status == 2
+        assert is_one_message(outcome.stderr)
+        assert name in outcome.stderr
+        assert (folder / name).read_text() == "my own notes"
+        assert handout(folder, "--pdf", "--force").status == 0
+    assert names(folder) == {"pendulum.tex", "pendulum.pdf"}
+
+
+def test_a_refusal_of_latex_leaves_what_was_there(folder: Path) -> None:
+    assert handout(folder).status == 0
+    before = (folder / "pendulum.tex").read_bytes()
+    outcome = handout(folder, "--pdf", "--notation", "inertia=M", PATH=str(folder))
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr)
+    assert "texlive-latex-recommended latexmk" in outcome.stderr
+    assert (folder / "pendulum.tex").read_bytes() == before
+    assert names(folder) == {"pendulum.tex"}
+
+
+def test_an_exercise_asks_for_what_its_solutions_tell(folder: Path) -> None:
+    require_latex()
+    assert handout(folder, "--exercise", "--pdf", "--derivation", "steps").status == 0
+    sheets = {f"pendulum-{kind}.{form}" for kind in ("exercise", "solutions") for form in ("tex", "pdf")}
+    assert names(folder) == sheets
+    question, answer = ((folder / f"pendulum-{kind}.tex").read_text() for kind in ("exercise", "solutions"))
+    solved = re.compile(r"b_\{11\}\s*=|\\mathbf\{B\}\(\\mathbf\{q\}\) = \\begin")
+    assert "\\mathbf{B}" in question
+    assert solved.search(answer)
+    assert not solved.search(question)
+    assert "Exercise" in question
+    assert "Solutions" in answer
+
+
+@pytest.mark.parametrize("name", ["B", "inertia", "A[1]", "T[0,1]", "B[1,1]", "g", "tau", "christoffel[1,1,1]", "rpy"])
+def test_fragments_go_into_notes_that_load_amsmath(name: str, folder: Path) -> None:
+    outcome = handout(folder, "--fragment", name)
+    assert outcome.status == 0, outcome.stderr
+    assert outcome.stdout.startswith("%")
+    assert "documentclass" not in outcome.stdout
+    assert r"needs \usepackage{amsmath}" in outcome.stdout.splitlines()[0]
+    assert not run_latex(BARE % outcome.stdout, folder).errors
+
+
+def test_a_fragment_goes_to_a_file(folder: Path) -> None:
+    outcome = handout(folder, "--fragment", "B", "-o", "notes/b.tex")
+    assert (outcome.status, outcome.stdout) == (0, "")
+    assert "align*" in (folder / "notes" / "b.tex").read_text()
+
+
+def test_options_win_over_the_robot_file(folder: Path) -> None:
+    with (folder / "arm.yaml").open("a") as file:
+        file.write("handout: {parts: [inertia, gravity], language: it, notation: {inertia: D}}\n")
+    assert handout(folder).status == 0
+    text = (folder / "pendulum.tex").read_text()
+    assert "\\mathbf{D}" in text
+    assert text.count("\\section") == 2
+    options = ("--parts", "gravity,inertia,table", "--lang", "en", "--notation", "inertia=M,angle=vartheta")
+    assert handout(folder, *options).status == 0
+    text = (folder / "pendulum.tex").read_text()
+    assert "\\mathbf{M}" in text
+    assert "\\vartheta" in text
+    assert "Inertia matrix" in text
+    assert text.count("\\section") == 3
+
+
+def test_a_configuration_is_computed(folder: Path) -> None:
+    assert handout(folder, "-q", "pi/2", "--parts", "example").status == 0
+    default = (folder / "pendulum.tex").read_text()
+    assert handout(folder, "-q=-1/4", "--parts", "example").status == 0
+    assert (folder / "pendulum.tex").read_text() != default
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--parts", "inerta"], ["inerta", "newton-euler", "did you mean 'inertia'"]),
+        (["--parts", ","], ["allowed"]),
+        (["--notation", "angel=q"], ["angel", "did you mean 'angle'"]),
+        (["--notation", "inertia=X"], ["X", "B, M, D"]),
+        (["--lang", "klingon"], ["klingon", "en", "it", "pt"]),
+        (["--derivation", "proofs"], ["proofs", "steps"]),
+        (["--fragment", "inerta"], ["inerta", "did you mean 'inertia'"]),
+        (["--fragment", "B[2,2]"], ["rows 1 to 1"]),
+        (["--fragment", "B", "--pdf"], ["--fragment with --pdf"]),
+        (["-o", "x.tex"], ["-o without --fragment"]),
+        (["-q", "1,2"], ["2 joint values"]),
+        (["--out", "arm.yaml"], ["arm.yaml"]),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(options: list[str], words: list[str], folder: Path) -> None:
+    outcome = handout(folder, *options)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+    assert all(word in outcome.stderr for word in words)
+    assert names(folder) == set()
+
+
+def test_dynamics_of_a_robot_without_links_is_refused_as_a_fragment(folder: Path) -> None:
+    (folder / "arm.yaml").write_text("name: bare\nconvention: standard\njoints: [{type: revolute}]\n")
+    for name in ("B", "inertia"):
+        outcome = handout(folder, "--fragment", name)
+        assert outcome.status == 2
+        assert "links" in outcome.stderr
+    assert handout(folder).status == 0

@@ -1,0 +1,86 @@
+"""Handouts of all kinds of arms compile in every language, keep to their margins and stay short."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from derive.build.render import source_of
+from derive.emit.handout.assemble import context_of, document
+from derive.emit.handout.exercise import exercise, solutions
+from derive.emit.handout.languages import languages
+from derive.emit.handout.latex_writer import latex
+from derive.emit.source import Source
+from derive.robot.catalogue import catalogue_names
+from derive.robot.handout import (
+    AngleLetter,
+    Derivation,
+    FrameIndices,
+    Functions,
+    HandoutOptions,
+    InertiaLetter,
+    NotationOptions,
+    SliderLetter,
+)
+from derive.robot.robot import Robot
+from tests.emit.latex_runner import run_latex
+from tests.random_robots import robot_text
+
+pytestmark = pytest.mark.slow
+
+WORST_OVERFULL = 1.0
+MOST_PAGES = 40
+LANGUAGES = languages()
+RANDOM_ROBOTS = 50
+
+
+def options_of(number: int, language: str) -> HandoutOptions:
+    """Each robot has notations of its own; every option occurs many times."""
+    pick = random.Random(number).choice
+    notation = NotationOptions(
+        pick(list(AngleLetter)),
+        pick(list(SliderLetter)),
+        pick(list(Functions)),
+        pick(list(FrameIndices)),
+        pick(list(InertiaLetter)),
+    )
+    return HandoutOptions(derivation=pick(list(Derivation)), language=language, notation=notation)
+
+
+def assert_is_clean(source: Source, options: HandoutOptions, folder: Path, *, sheets: bool = False) -> None:
+    """No error, nothing outside of the margins, no more pages than anybody prints; nothing in it needs a second run."""
+    context = context_of(source, options)
+    whole = document(context)
+    made = (exercise(whole, context.text), solutions(whole, context.text)) if sheets else (whole,)
+    for sheet in made:
+        log = run_latex(latex(sheet, context.text), folder)
+        assert not log.errors
+        assert log.status == 0
+        assert log.overfull <= WORST_OVERFULL
+        assert 1 <= log.pages <= MOST_PAGES
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_the_catalogue_in_all_languages(name: str, tmp_path: Path) -> None:
+    """As the robot file says, but for the language."""
+    robot = Robot.load(name)
+    source = source_of(robot, ())
+    for language in LANGUAGES:
+        assert_is_clean(source, replace(robot.handout, language=language), tmp_path)
+
+
+@pytest.mark.parametrize("seed", range(RANDOM_ROBOTS))
+def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
+    """One to seven joints of all kinds; language, steps and notation change from one to the next."""
+    robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
+    assert_is_clean(source_of(robot, ()), options_of(seed, LANGUAGES[seed % len(LANGUAGES)]), tmp_path)
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "planar-2r-perugia", "stanford-deluca", "kuka-lwr4"])
+def test_exercises_and_solutions(name: str, tmp_path: Path) -> None:
+    """Both sheets, with steps where there are solutions."""
+    options = HandoutOptions(derivation=Derivation.STEPS, language="it")
+    assert_is_clean(source_of(Robot.load(name), ()), options, tmp_path, sheets=True)
