@@ -93,6 +93,6 @@ def _page(sheet: Document, context: Context, source: Source) -> str:
     from derive.emit.page.writer import page
 
     assumed = {name: value for name, value, _ in RobotPoses(source.robot).assumed}
-    figure = viewer(source.robot, source.program, assumed, context.text)
+    figure = viewer(source.robot, source.program, assumed, context.text, notation=context.notation)
     mark = f"<!DOCTYPE html>\n<!-- written by derive {source.version} -->"
     return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)

@@ -15,6 +15,7 @@ from derive.algebra.program import Program
 from derive.emit.escape import html_text
 from derive.emit.handout.text import Text
 from derive.emit.javascript_target import javascript_body
+from derive.emit.latex.notation import Notation
 from derive.emit.page.html_symbol import html_symbol
 from derive.emit.page.travel import Travel, base_pose, symbol_values, travels, upwards
 from derive.emit.templating import render
@@ -60,7 +61,7 @@ def viewer(
     text: Text,
     *,
     start: Sequence[float] | None = None,
-    labels: Sequence[str] | None = None,
+    notation: Notation | None = None,
 ) -> Viewer:
     """The figure of a robot.
 
@@ -71,12 +72,13 @@ def viewer(
         text: Translates messages.
         start: Configuration at first [rad, m]; None for the robot's figure configuration, else zero, prismatic joints
             half way out.
-        labels: How the joint variables are written, HTML; None for letter and index.
+        notation: How symbols are written; None for the robot file's way.
     """
     numbers = symbol_values(robot, program.parameters, values)
     rows = travels(robot, numbers, start)
+    written = notation or Notation.of(robot, robot.handout.notation)
     return Viewer(
-        html=render("page/viewer/viewer.html.jinja", **_content(robot, rows, values, text, labels)),
+        html=render("page/viewer/viewer.html.jinja", **_content(rows, written, robot, values, text)),
         css=render("page/viewer/viewer.css.jinja"),
         script="\n".join((three(), _script(robot, program, numbers, rows))),
     )
@@ -125,20 +127,23 @@ def _json(value: object) -> str:
 
 
 def _content(
-    robot: Robot, travels: Sequence[Travel], values: Mapping[str, float], text: Text, labels: Sequence[str] | None
+    rows: Sequence[Travel], notation: Notation, robot: Robot, values: Mapping[str, float], text: Text
 ) -> dict[str, object]:
     """What the element's template asks for."""
     names = [joint.variable for joint in robot.joints]
-    written = labels or [html_symbol(name) for name in names]
     return {
         "rows": [
-            _row(place, name, label, travel)
-            for place, (name, label, travel) in enumerate(zip(names, written, travels, strict=True))
+            _row(place, name, _symbol(name, notation), travel)
+            for place, (name, travel) in enumerate(zip(names, rows, strict=True))
         ],
         "words": {name: html_text(word) for name, word in _words(text).items()},
-        "assumed": _assumed(values, text),
+        "assumed": _assumed(values, notation, text),
         "entries": range(4),
     }
+
+
+def _symbol(name: str, notation: Notation) -> str:
+    return html_symbol(notation.glyph(name).box.tex)
 
 
 def _row(place: int, name: str, label: str, travel: Travel) -> _Row:
@@ -146,11 +151,11 @@ def _row(place: int, name: str, label: str, travel: Travel) -> _Row:
     return _Row(place, label, html_text(name), "deg" if travel.revolute else "m", lower, upper, start)
 
 
-def _assumed(values: Mapping[str, float], text: Text) -> str:
+def _assumed(values: Mapping[str, float], notation: Notation, text: Text) -> str:
     """States what is drawn for symbols without a number, as HTML; empty if there are none."""
     if not values:
         return ""
-    pairs = ", ".join(f"{html_symbol(name)} = {value:.4g}" for name, value in values.items())
+    pairs = ", ".join(f"{_symbol(name, notation)} = {value:.4g}" for name, value in values.items())
     message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
     return html_text(message).replace("@values@", pairs)
 
