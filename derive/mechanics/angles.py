@@ -15,8 +15,12 @@ from derive.errors import QuantityError
 Matrix = Any
 
 
-def rpy(r: Matrix) -> Matrix:
+def rpy(r: Matrix, cosine: Any = None) -> Matrix:
     """(roll, pitch, yaw), 3x1 [rad], pitch in (-pi/2, pi/2).
+
+    Args:
+        r: The rotation, 3x3.
+        cosine: A shorter form of sqrt(r32^2 + r33^2), the cosine of pitch.
 
     Singular where r11 = r21 = 0 (pitch = +-pi/2): only yaw - roll or yaw + roll is then determined. Where that holds in
     every configuration, roll is taken as 0.
@@ -26,14 +30,18 @@ def rpy(r: Matrix) -> Matrix:
     return sympy.ImmutableMatrix(
         [
             sympy.atan2(r[2, 1], r[2, 2]),
-            sympy.atan2(-r[2, 0], sympy.sqrt(r[2, 1] ** 2 + r[2, 2] ** 2)),
+            sympy.atan2(-r[2, 0], sympy.sqrt(r[2, 1] ** 2 + r[2, 2] ** 2) if cosine is None else cosine),
             sympy.atan2(r[1, 0], r[0, 0]),
         ]
     )
 
 
-def euler_zyz(r: Matrix) -> Matrix:
+def euler_zyz(r: Matrix, sine: Any = None) -> Matrix:
     """(phi, theta, psi), 3x1 [rad], theta in (0, pi).
+
+    Args:
+        r: The rotation, 3x3.
+        sine: A shorter form of sqrt(r13^2 + r23^2), the sine of theta.
 
     Singular where r13 = r23 = 0 (theta = 0 or pi): only phi + psi or phi - psi is then determined. Where that holds in
     every configuration, as for planar arms, psi is taken as 0.
@@ -45,7 +53,7 @@ def euler_zyz(r: Matrix) -> Matrix:
     return sympy.ImmutableMatrix(
         [
             sympy.atan2(r[1, 2], r[0, 2]),
-            sympy.atan2(sympy.sqrt(r[0, 2] ** 2 + r[1, 2] ** 2), r[2, 2]),
+            sympy.atan2(sympy.sqrt(r[0, 2] ** 2 + r[1, 2] ** 2) if sine is None else sine, r[2, 2]),
             sympy.atan2(r[2, 1], -r[2, 0]),
         ]
     )

@@ -24,7 +24,7 @@ from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction, Style
 
-SHORT_ROOT = 8
+SHORT_ROOT = 4
 """Most terms under the roots of the orientation angles that are worth simplifying."""
 
 Expr = Any

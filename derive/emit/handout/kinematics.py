@@ -24,6 +24,7 @@ FEW_FACTORS = 8
 _DOTS = Box("\\cdots ", 15.0)
 _FIRST_GROUP = 8
 _GROUPS_PER_FRAME = 3
+_FIRST_AXES_GROUP = 90
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,7 @@ def step_group(frame: int) -> int:
 
 def axes_group(robot: Robot, frame: int, column: int) -> int:
     """Group of the intermediate terms of axis (column 3) or origin (column 4) of a frame from 0; above all others."""
-    return rows_group(robot.n + 3) + 2 * frame + column - 3
+    return max(_FIRST_AXES_GROUP, rows_group(robot.n + 3)) + 2 * frame + column - 3
 
 
 def entry_namer(symbol: Box, comma: str = "") -> Namer:
