@@ -12,7 +12,7 @@ from typing import NoReturn
 from derive import __version__
 from derive.commands.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error
 
-COMMANDS = ("list", "show", "build", "handout", "check", "verify", "new", "schema")
+COMMANDS = ("list", "show", "plot", "build", "handout", "check", "verify", "new", "schema")
 
 _DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
 _EPILOG = """\

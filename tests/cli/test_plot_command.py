@@ -1,0 +1,122 @@
+"""``derive plot``: figures of arms and workspaces."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from derive.build.poses import RobotPoses
+from derive.build.workspace import sample_workspace
+from derive.cli import main
+from derive.emit.figure.workspace_plot import outline
+from derive.robot.robot import Robot
+from tests.cli.command import PENDULUM, derive, is_one_message
+
+pytest.importorskip("matplotlib")
+
+
+@pytest.mark.parametrize("suffix", ["pdf", "svg", "png"])
+def test_figure_is_written_and_the_same_again(suffix: str, tmp_path: Path) -> None:
+    out = tmp_path / f"arm.{suffix}"
+    contents = []
+    for _ in range(2):
+        assert main(["plot", "planar-2r-perugia", "-q", "0.5,pi/4", "-o", str(out)]) == 0
+        contents.append(out.read_bytes())
+    assert contents[0] == contents[1]
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.parametrize("option", [(), ("--workspace", "--samples", "500")])
+def test_svg_does_not_depend_on_the_process(option: tuple[str, ...], tmp_path: Path) -> None:
+    for index, seed in enumerate(("1", "2")):
+        arguments = ("plot", "scara-perugia", *option, "-o", f"{index}.svg")
+        assert derive(*arguments, folder=tmp_path, PYTHONHASHSEED=seed).status == 0
+    assert (tmp_path / "0.svg").read_bytes() == (tmp_path / "1.svg").read_bytes()
+
+
+def test_report_states_configuration_and_assumed_lengths(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plot", "scara-perugia", "-o", str(tmp_path / "a.svg")]) == 0
+    text = capsys.readouterr().out
+    assert "zero configuration" in text
+    assert "a1 = 1 m" in text
+
+
+def test_values_are_in_the_units_of_the_robot_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "arm.yaml").write_text(PENDULUM + "units: {angle: deg}\n")
+    assert main(["plot", str(tmp_path / "arm.yaml"), "-q=-90", "-o", str(tmp_path / "a.svg")]) == 0
+    assert "q1 = -1.571 rad" in capsys.readouterr().out
+
+
+WRONG = {
+    "too few values": ("-q", "1", "-o", "a.svg"),
+    "too many values": ("-q", "1,2,3", "-o", "a.svg"),
+    "empty value": ("-q", "1,", "-o", "a.svg"),
+    "name as value": ("-q", "1,a1", "-o", "a.svg"),
+    "no number": ("-q", "1,1/0", "-o", "a.svg"),
+    "root of a negative number": ("-q", "1,sqrt(-1)", "-o", "a.svg"),
+    "unknown suffix": ("-o", "a.eps"),
+    "no suffix": ("-o", "a"),
+    "no output": (),
+    "configuration and workspace": ("-q", "1,2", "--workspace", "-o", "a.svg"),
+    "no samples": ("--workspace", "--samples", "0", "-o", "a.svg"),
+    "too many samples": ("--workspace", "--samples", "10000000", "-o", "a.svg"),
+    "seed": ("--workspace", "--seed", "-1", "-o", "a.svg"),
+    "size": ("--size", "nan", "-o", "a.svg"),
+}
+
+
+@pytest.mark.parametrize("arguments", WRONG.values(), ids=WRONG.keys())
+def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    outcome = derive("plot", "planar-2r-perugia", *arguments, folder=tmp_path)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unwritable_output_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "a.svg").mkdir()
+    outcome = derive("plot", "planar-2r-perugia", "-o", "a.svg", folder=tmp_path)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["a.svg"]
+
+
+def test_missing_matplotlib_says_how_to_install_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert main(["plot", "planar-2r-perugia", "-o", str(tmp_path / "a.svg")]) == 2
+    assert "pip install 'derive-robot[handout]'" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_workspace_of_a_planar_arm_is_its_annulus() -> None:
+    workspace = sample_workspace(RobotPoses(Robot.load("planar-2r-perugia")), 4000, 1)
+    radius = np.hypot(*workspace.points[:2])
+    a1, a2 = 1.0, 0.8
+    assert radius.min() >= a1 - a2 - 1e-9
+    assert radius.max() <= a1 + a2 + 1e-9
+    assert radius.max() > 0.99 * (a1 + a2)
+    assert np.abs(workspace.points[2]).max() < 1e-12
+    assert [a.variable for a in workspace.assumed] == ["q1", "q2"]
+
+
+def test_joint_limits_bound_the_workspace() -> None:
+    poses = RobotPoses(Robot.load("puma560-corke"))
+    workspace = sample_workspace(poses, 2000, 0)
+    assert workspace.assumed == ()
+    np.testing.assert_array_equal(workspace.points, sample_workspace(poses, 2000, 0).points)
+    reach = np.linalg.norm(workspace.points, axis=0).max()
+    assert 0.8 < reach < 0.4318 + 0.0203 + 0.15005 + 0.4318
+
+
+def test_outline_of_a_disc_lies_on_its_rim_and_a_line_has_none() -> None:
+    rng = np.random.default_rng(0)
+    angle, radius = rng.uniform(0, 2 * np.pi, 20000), np.sqrt(rng.uniform(0, 1, 20000))
+    lines = outline(radius * np.cos(angle), radius * np.sin(angle))
+    assert len(lines) == 1
+    assert np.abs(np.hypot(*lines[0].T) - 1.0).max() < 0.08
+    assert outline(np.linspace(0, 1, 100), np.zeros(100)) == []
