@@ -29,7 +29,7 @@ VOID = {"meta", "link", "br", "img", "input", "hr"}
 FORMULAS = (
     MATRIX,
     LONG,
-    r"\dot{q}_{1}^{2} + \ddot{\vartheta}_{2} = \frac{1}{2}m_{1}\dot{\mathbf{q}}^{\mathsf{T}}\mathbf{B}(\mathbf{q})\dot{\mathbf{q}}",
+    r"\dot{q}_{1}^{2} + \ddot{\vartheta}_{2} = \frac{1}{2}m_{1}\dot{\mathbf{q}}^{\mathsf{T}}\mathbf{B}\dot{\mathbf{q}}",
     r"\sum_{i=1}^{n} x_i^{2} + \sqrt{a_1^2 + a_2^2} + \operatorname{atan2}(r_{11}, \pm\sqrt{r_{13}^2}) + {}^{0}\!A_1",
     r"\begin{cases} a & b > 0 \\ c & d \end{cases}\quad\left(\frac{1}{2}\right)^2\,\hat{z}_{i-1}\times\vec{p}",
 )
