@@ -140,6 +140,8 @@ def test_options_win_over_the_robot_file(folder: Path) -> None:
 
 
 def test_a_configuration_is_computed(folder: Path) -> None:
+    with (folder / "arm.yaml").open("a") as file:
+        file.write("parameters: {a1: 0.5, l1: 0.2, m1: 2, I1: 0.1, g: 9.81}\n")
     assert handout(folder, "-q", "pi/2", "--parts", "example").status == 0
     default = (folder / "pendulum.tex").read_text()
     assert handout(folder, "-q=-1/4", "--parts", "example").status == 0
