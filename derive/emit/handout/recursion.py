@@ -14,15 +14,15 @@ from dataclasses import dataclass
 from derive.emit.latex.layout import EQUALS
 from derive.emit.latex.lines import break_lines
 from derive.emit.latex.metrics import RELATION_WIDTH, Box, concatenate, italic, script
-from derive.emit.latex.pieces import Break, Piece, binary
+from derive.emit.latex.pieces import Piece, binary
 from derive.emit.latex.printer import MINUS
 from derive.emit.latex.symbols import Symbols
 
 TIMES = Box(" \\times ", RELATION_WIDTH)
 OPEN, CLOSE = Box("(", 5.0), Box(")", 5.0)
 
-Term = tuple[int, Box]
-"""Sign and absolute value."""
+Term = tuple[int, "Box | tuple[Piece, ...]"]
+"""Sign and absolute value, which may be broken over lines where it is in pieces."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Recursion:
         if s.revolute:
             yield w, [(1, _turned(turn, [(1, w0), (s.sign, rate)]))]
             yield wd, [(1, _turned(turn, [(1, wd0), (s.sign, growth), (s.sign, swing)]))]
-            start = concatenate(turn, a0)
+            start: tuple[Piece, ...] = (Piece(concatenate(turn, a0)),)
         else:
             yield w, [(1, concatenate(turn, w0))]
             yield wd, [(1, concatenate(turn, wd0))]
@@ -135,8 +135,8 @@ class Recursion:
         p, r = self.offset(s.index if self.standard else s.after), self.com(s.index)
         arm = concatenate(OPEN, p, Box(" + ", 12.3), r, CLOSE) if self.standard else r
         resultant, spin = vector("F", s.index), vector("N", s.index)
-        own = [(1, concatenate(arm, TIMES, resultant)), (1, spin)]
-        after = [
+        own: list[Term] = [(1, concatenate(arm, TIMES, resultant)), (1, spin)]
+        after: list[Term] = [
             (1, concatenate(back, vector("n", s.after))),
             (1, concatenate(p, TIMES, OPEN, pushed, CLOSE)),
         ]
@@ -173,17 +173,17 @@ def _swept(w: Box, wd: Box, r: Box) -> list[Term]:
     return [(1, concatenate(wd, TIMES, r)), (1, concatenate(w, TIMES, OPEN, w, TIMES, r, CLOSE))]
 
 
-def _turned(turn: Box, terms: list[Term]) -> Box:
-    return concatenate(turn, OPEN, *(piece.box for piece in _pieces(terms)), CLOSE)
+def _turned(turn: Box, terms: list[Term]) -> tuple[Piece, ...]:
+    return (Piece(concatenate(turn, OPEN)), *_pieces(terms, depth=1), Piece(CLOSE))
 
 
-def _pieces(terms: Iterable[Term]) -> Iterator[Piece]:
-    for index, (sign, box) in enumerate(terms):
+def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[Piece]:
+    for index, (sign, value) in enumerate(terms):
         if index:
-            yield binary("+" if sign > 0 else "-", 0)
+            yield binary("+" if sign > 0 else "-", depth)
         elif sign < 0:
             yield MINUS
-        yield Piece(box, Break.NEVER)
+        yield from (Piece(value),) if isinstance(value, Box) else value
 
 
 def _equation(left: Box, terms: list[Term]) -> list[str]:
