@@ -2,8 +2,8 @@
 
 With c = (1 - t^2)/(1 + t^2) and s = 2t/(1 + t^2) a polynomial of degree d in an angle is one of degree at most 2d in t
 over (1 + t^2)^d. Polynomials in t have unique factors. One of even degree 2k stands, over (1 + t^2)^k, for a
-trigonometric polynomial again, by t^j/(1 + t^2)^k = sin(q/2)^j cos(q/2)^(2k - j); those of odd degree, and the roots at
-infinity (q = pi), stay together in a remainder.
+trigonometric polynomial again, by t^j/(1 + t^2)^k = sin(q/2)^j cos(q/2)^(2k - j), and so does the square of one of odd
+degree; what is left of those stays together in a remainder. Roots at infinity are factors 1 + c.
 """
 
 from __future__ import annotations
@@ -41,23 +41,33 @@ class HalfAngles:
         content, parts = numerator.factor()
         rest = self._ring.context.constant(content)
         found = []
-        for part, exponent in parts:
-            halves = self._half_degrees(part)
-            if halves is None:
-                rest = rest * part ** int(exponent)
-                continue
-            found.append((self._in_angles(part, halves), int(exponent)))
-            bounds = [bound - int(exponent) * half for bound, half in zip(bounds, halves, strict=True)]
-        return found, self._in_angles(rest, bounds)
+        for part, power in parts:
+            even, exponent = (part, int(power)) if self._is_even(part) else (part**2, int(power) // 2)
+            if int(power) % 2 and even is not part:
+                rest = rest * part
+            if exponent:
+                halves = self._halves(even)
+                found.append((self._in_angles(even, halves), exponent))
+                bounds = [bound - exponent * half for bound, half in zip(bounds, halves, strict=True)]
+        found += self._at_infinity([bound - half for bound, half in zip(bounds, self._halves(rest), strict=True)])
+        return found, self._in_angles(rest, self._halves(rest))
+
+    def _at_infinity(self, powers: list[int]) -> list[tuple[Polynomial, int]]:
+        """1/(1 + t^2) = (1 + c)/2 to the power that an angle has left."""
+        generators = self._ring.context.gens()
+        pairs = zip(self._pairs, powers, strict=True)
+        return [(self._ring.wrap((1 + generators[c]) / 2), power) for (_, c), power in pairs if power]
 
     def _degree(self, p: Polynomial, pair: tuple[int, int]) -> int:
         sine, cosine = pair
         return max((e[sine] + e[cosine] for e, _ in p.terms()), default=0)
 
-    def _half_degrees(self, part: fmpq_mpoly) -> list[int] | None:
-        """Half the degree in every tangent; None if one is odd."""
-        degrees = [int(part.degrees()[cosine]) for _, cosine in self._pairs]
-        return None if any(d % 2 for d in degrees) else [d // 2 for d in degrees]
+    def _is_even(self, part: fmpq_mpoly) -> bool:
+        return not any(int(part.degrees()[cosine]) % 2 for _, cosine in self._pairs)
+
+    def _halves(self, part: fmpq_mpoly) -> list[int]:
+        """Half the degree in every tangent, rounded up."""
+        return [(int(part.degrees()[cosine]) + 1) // 2 for _, cosine in self._pairs]
 
     def _in_tangents(self, p: Polynomial, bounds: list[int]) -> fmpq_mpoly:
         """p times the (1 + t^2)^bound of every angle; t takes the place of the cosine."""
