@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from derive.build.latex import compile_latex
-from derive.build.poses import RobotPoses
 from derive.build.render import source_of
 from derive.emit.handout.assemble import context_of, document
 from derive.emit.handout.context import Context
@@ -92,7 +91,9 @@ def _page(sheet: Document, context: Context, source: Source) -> str:
     from derive.emit.page.viewer import viewer
     from derive.emit.page.writer import page
 
-    assumed = {name: value for name, value, _ in RobotPoses(source.robot).assumed}
-    figure = viewer(source.robot, source.program, assumed, context.text, notation=context.notation)
+    figure = None
+    if context.poses is not None:
+        assumed = {name: value for name, value, _ in context.poses.assumed}
+        figure = viewer(source.robot, source.program, assumed, context.text, notation=context.notation)
     mark = f"<!DOCTYPE html>\n<!-- written by derive {source.version} -->"
     return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)

@@ -17,6 +17,7 @@ from derive.emit.interface import operations_of
 from derive.emit.readme_target import package_name
 from derive.emit.source import Source
 from derive.emit.target import Target
+from derive.errors import DeriveError
 from derive.mechanics.programs import build_program
 from derive.robot.robot import Robot
 
@@ -62,9 +63,17 @@ def source_of(robot: Robot, targets: Sequence[Target]) -> Source:
         ModelQuantities(robot),
         __version__,
         tuple(sorted(names)),
-        poses=RobotPoses(robot),
+        poses=_poses(robot),
         numbers=Example(robot),
     )
+
+
+def _poses(robot: Robot) -> RobotPoses | None:
+    """Where its frames are; None if no numbers are found with which it could be drawn."""
+    try:
+        return RobotPoses(robot)
+    except DeriveError:
+        return None
 
 
 def _package(source: Source) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -14,10 +13,8 @@ from derive.build.render import source_of
 from derive.emit.handout.assemble import context_of, document
 from derive.emit.handout.latex_writer import latex
 from derive.emit.latex.policy import POLICY, SheetPolicy
-from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from tests.emit.latex_runner import run_latex
-from tests.random_robots import robot_text
 
 WORST_OVERFULL = 1.0
 MOST_PAGES = 40
@@ -46,20 +43,6 @@ def assert_is_clean(text: str, folder: Path) -> None:
     assert log.status == 0
     assert log.overfull <= WORST_OVERFULL
     assert 1 <= log.pages <= MOST_PAGES
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue_names())
-def test_sheets_of_the_catalogue_are_clean(name: str, tmp_path: Path) -> None:
-    """Every built-in robot."""
-    assert_is_clean(sheet(Robot.load(name)), tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(24))
-def test_sheets_of_random_robots_are_clean(seed: int, tmp_path: Path) -> None:
-    """One to five joints of all kinds, with motors, odd angles and numbers of every length."""
-    assert_is_clean(sheet(Robot.from_text(robot_text(random.Random(seed), 1 + seed % 5))), tmp_path)
 
 
 @pytest.mark.parametrize("title", TITLES, ids=range(len(TITLES)))

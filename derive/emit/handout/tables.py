@@ -11,7 +11,7 @@ import sympy
 from derive.algebra.to_sympy import expression_to_sympy
 from derive.emit.escape import latex_text
 from derive.emit.handout.text import Text
-from derive.emit.latex.layout import Equation, displays, equation_lines
+from derive.emit.latex.layout import Equation, equation_lines
 from derive.emit.latex.metrics import Box, italic, script
 from derive.emit.latex.names import Glyph
 from derive.emit.latex.notation import Notation
@@ -38,13 +38,13 @@ class JointTable:
 
     Attributes:
         rows: Cells of each row as LaTeX; empty if the table is too wide for the page.
-        displays: The cells joint by joint, in that case.
+        lines: The cells joint by joint, in that case.
         limits: Whether any joint has limits.
         long: Whether it may need more than a page.
     """
 
     rows: tuple[tuple[str, ...], ...]
-    displays: tuple[str, ...]
+    lines: tuple[str, ...]
     limits: bool
     long: bool
 
@@ -117,7 +117,7 @@ def joint_table(data: DataPrinter) -> JointTable:
         cells = tuple(tuple(box.tex.strip() for box in row) for row in boxes)
         return JointTable(cells, (), limits, len(rows) > LONGEST_TABLE)
     lines = [line for i, row in enumerate(rows, 1) for line in equation_lines(_row_equations(data.robot, i, row))]
-    return JointTable((), tuple(displays(lines)), limits, long=False)
+    return JointTable((), tuple(lines), limits, long=False)
 
 
 def _row(data: DataPrinter, joint: Joint) -> list[tuple[Piece, ...]]:
