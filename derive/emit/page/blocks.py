@@ -7,7 +7,7 @@ from functools import singledispatchmethod
 from html import escape
 
 from derive.emit import templating
-from derive.emit.escape import one_line
+from derive.emit.escape import html_text
 from derive.emit.figure.svg_writer import svg_drawing
 from derive.emit.handout.document import Blank, Block, Figure, Formula, Paragraph, Rows, Steps, Table
 from derive.emit.handout.markup import Kind, spans
@@ -20,14 +20,6 @@ _MOST_SHARED = 6
 
 _NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'
 """What SVG needs in a file of its own and not in a page."""
-
-
-def html_text(text: str) -> str:
-    """Text for HTML, inside of elements and of quoted attributes; spaces at its ends stay."""
-    body = escape(one_line(text))
-    if not body:
-        return " " if text else ""
-    return f"{' ' if text[0].isspace() else ''}{body}{' ' if text[-1].isspace() else ''}"
 
 
 class BlockWriter:

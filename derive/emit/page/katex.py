@@ -84,9 +84,8 @@ def _evaluate(argument: str) -> str:
             remedy="run: pip install 'derive-robot[handout]'",
         ) from None
     with MiniRacer() as engine:
-        run = engine.eval  # JavaScript of ours; formulas reach it as JSON only
-        run(_script())
-        return str(run(f"{_RENDER}({argument})", max_memory=MEMORY))
+        engine.eval(_script())
+        return str(engine.eval(f"{_RENDER}({argument})", max_memory=MEMORY))
 
 
 @cache

@@ -6,9 +6,10 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from derive.emit import templating
+from derive.emit.escape import html_text
 from derive.emit.handout.document import Document, Steps, blocks_of
 from derive.emit.handout.text import Text
-from derive.emit.page.blocks import BlockWriter, html_text
+from derive.emit.page.blocks import BlockWriter
 from derive.emit.page.formulas import Collector, size
 
 if TYPE_CHECKING:
