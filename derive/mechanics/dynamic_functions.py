@@ -1,0 +1,79 @@
+"""Generated functions of the links' inertia, each with its candidate formulations."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from derive.algebra.tape_domain import QD, QDD, TAU, Q
+from derive.algebra.tape_value import Value
+from derive.mechanics.composite_inertia import inertia_matrix
+from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.forward_dynamics import forward_dynamics
+from derive.mechanics.gravity import gravity_vector
+from derive.mechanics.newton_euler import inverse_dynamics
+from derive.mechanics.specification import Candidate, Specification
+from derive.mechanics.trace import Trace, flat
+
+BASE = "in base parameters"
+
+
+def dynamic_functions(trace: Trace) -> tuple[Specification, ...]:
+    """Inertia, Coriolis and gravity, and the torques that they make."""
+    n = trace.n
+    return (
+        Specification("inertia_matrix", (Q,), (n, n), _inertia_candidates(trace)),
+        Specification("coriolis_matrix", (Q, QD), (n, n), _coriolis_candidates(trace)),
+        Specification("gravity_vector", (Q,), (n,), _gravity_candidates(trace)),
+        Specification("inverse_dynamics", (Q, QD, QDD), (n,), _torque_candidates(trace)),
+    )
+
+
+def accelerations(trace: Trace) -> Specification:
+    """Forward dynamics."""
+    words = "inertia matrix and Newton-Euler, factorised without roots"
+    return Specification(
+        "forward_dynamics", (Q, QD, TAU), (trace.n,), (Candidate(words, lambda: _accelerations(trace)),)
+    )
+
+
+def no_accelerations(trace: Trace) -> Specification:
+    """Forward dynamics of an arm whose inertia matrix is singular everywhere."""
+    words = "the inertia matrix is singular everywhere"
+    return Specification(
+        "forward_dynamics", (Q, QD, TAU), (trace.n,), (Candidate(words, lambda: _divided_by_zero(trace)),)
+    )
+
+
+def _inertia_candidates(trace: Trace) -> tuple[Candidate, ...]:
+    return (Candidate(f"composite bodies {BASE}", lambda: flat(inertia_matrix(trace.regrouped))),)
+
+
+def _coriolis_candidates(trace: Trace) -> tuple[Candidate, ...]:
+    return (Candidate(f"moving composite bodies {BASE}", lambda: _coriolis(trace)),)
+
+
+def _coriolis(trace: Trace) -> list[Value]:
+    half = trace.domain.number(Fraction(1, 2))
+    return flat(coriolis_matrix(trace.regrouped, trace.arguments(QD), half))
+
+
+def _gravity_candidates(trace: Trace) -> tuple[Candidate, ...]:
+    return (Candidate(f"composite first moments {BASE}", lambda: gravity_vector(trace.regrouped)),)
+
+
+def _torque_candidates(trace: Trace) -> tuple[Candidate, ...]:
+    return (Candidate(f"Newton-Euler {BASE}", lambda: _torques(trace)),)
+
+
+def _torques(trace: Trace) -> list[Value]:
+    rates, gains = trace.arguments(QD), trace.arguments(QDD)
+    return trace.with_friction(inverse_dynamics(trace.regrouped, rates, gains))
+
+
+def _accelerations(trace: Trace) -> list[Value]:
+    bias = trace.with_friction(inverse_dynamics(trace.regrouped, trace.arguments(QD), trace.zeros()))
+    return forward_dynamics(inertia_matrix(trace.regrouped), bias, trace.arguments(TAU))
+
+
+def _divided_by_zero(trace: Trace) -> list[Value]:
+    return [torque / trace.chain.zero for torque in trace.arguments(TAU)]

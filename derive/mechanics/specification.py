@@ -1,0 +1,38 @@
+"""A generated function before its tape is chosen: its interface, and the formulations that compute it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from derive.algebra.tape_value import Value
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """One way to compute a function.
+
+    Attributes:
+        formulation: In words, for the generated file.
+        values: The outputs, row by row.
+    """
+
+    formulation: str
+    values: Callable[[], Sequence[Value]]
+
+
+@dataclass(frozen=True, slots=True)
+class Specification:
+    """A function before its tape is chosen.
+
+    Attributes:
+        name: For instance ``inverse_dynamics``.
+        arguments: Kinds of its arguments, in order; may be empty.
+        shape: Of the result for one configuration.
+        candidates: Formulations of the same values; the one with the fewest operations is emitted, the first of equals.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    shape: tuple[int, ...]
+    candidates: tuple[Candidate, ...]

@@ -1,0 +1,54 @@
+"""One robot's graph, and what all functions that are traced on it start from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+from derive.algebra.tape_domain import QD, TapeDomain
+from derive.algebra.tape_graph import Graph
+from derive.algebra.tape_value import Value
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.regrouping import regroup
+from derive.robot.robot import Robot
+
+
+class Trace:
+    """The graph of one robot and its chain of tape values, shared by all functions.
+
+    Args:
+        robot: The robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.graph = Graph()
+        self.domain = TapeDomain(robot, self.graph)
+        self.n = robot.n
+        self.chain: Chain[Value] = build_chain(robot, self.domain)
+
+    @cached_property
+    def regrouped(self) -> Chain[Value]:
+        """The chain in base parameters."""
+        return regroup(self.chain)
+
+    def arguments(self, kind: str) -> list[Value]:
+        """The n entries of an argument: ``q``, ``qd``, ``qdd`` or ``tau``."""
+        return [self.domain.argument(kind, i) for i in range(self.n)]
+
+    def zeros(self) -> list[Value]:
+        """An argument that vanishes."""
+        return [self.chain.zero] * self.n
+
+    def with_friction(self, torques: Sequence[Value]) -> list[Value]:
+        """Torques and b*qd + f*sign(qd)."""
+        friction = [
+            joint.viscous * rate + joint.coulomb * rate.sign()
+            for joint, rate in zip(self.chain.joints, self.arguments(QD), strict=True)
+        ]
+        return [torque + loss for torque, loss in zip(torques, friction, strict=True)]
+
+
+def flat(rows: Sequence[Sequence[Value]]) -> list[Value]:
+    """The entries of a matrix, row by row."""
+    return [value for row in rows for value in row]
