@@ -45,6 +45,9 @@ class Layer(IntEnum):
     BODY = 2
 
 
+FUNCTION_COST = 25
+"""Operations that a sine or a cosine is worth."""
+
 PARAMETER = "parameter"
 """Kind of the inputs that are run-time parameters; any other kind is the name of an argument, such as ``q``."""
 
@@ -109,6 +112,15 @@ class Operations:
     def total(self) -> int:
         """All of them."""
         return sum(self.as_dict().values())
+
+    @property
+    def cost(self) -> int:
+        """By which candidates are compared: operations, with sines and cosines at `FUNCTION_COST` each.
+
+        Vectorised over configurations, a sine and a cosine of one angle take as long as 50 to 100 multiplications and
+        additions, so one more pair must save many of them.
+        """
+        return self.arithmetic + self.sqrt + FUNCTION_COST * (self.sin + self.cos)
 
     def as_dict(self) -> dict[str, int]:
         """Counts by name, in the order of the manifest."""

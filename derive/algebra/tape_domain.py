@@ -8,6 +8,7 @@ costs less than the addition theorem.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 from derive.algebra.angles import decompose
@@ -15,7 +16,7 @@ from derive.algebra.tape import PARAMETER
 from derive.algebra.tape_cells import CellReader, substitute
 from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
-from derive.robot.expression import Expression, Pi
+from derive.robot.expression import Expression, Number, Pi, Product, Sum
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Joint, Robot
 
@@ -31,6 +32,7 @@ class TapeDomain(CellReader):
     def __init__(self, robot: Robot, graph: Graph) -> None:
         symbols = robot_symbols(robot)
         super().__init__(graph, {name: Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(symbols)})
+        self._joints = robot.joints
         self._numbers = {k: v for k, v in number_of(robot).items() if k not in robot.runtime}
 
     def argument(self, kind: str, index: int) -> Value:
@@ -44,6 +46,21 @@ class TapeDomain(CellReader):
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:
         """Cosine and sine of ``sign*q + theta`` of revolute joint ``index`` (from 0)."""
         return self._cosine_sine(self._signed(index, joint), joint.theta)
+
+    def cosine_sine_of_sum(self, turns: Sequence[tuple[int, int]]) -> tuple[Value, Value]:
+        """Cosine and sine of a signed sum of the angles ``sign*q + theta`` of revolute joints; of none 1 and 0.
+
+        The angles are added, which costs one addition each and no further sine and cosine.
+
+        Args:
+            turns: Joint indices (from 0), each with the sign +1 or -1 of its angle.
+        """
+        variable, offset = self.number(0), []
+        for index, direction in turns:
+            joint = self._joints[index]
+            variable = variable + direction * self._signed(index, joint)
+            offset.append(Product((Number(Fraction(direction)), joint.theta)))
+        return self._cosine_sine(variable, Sum(tuple(offset)))
 
     def joint_offset(self, index: int, joint: Joint) -> Value:
         """``sign*q + d`` of prismatic joint ``index`` (from 0)."""

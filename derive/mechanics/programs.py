@@ -37,7 +37,7 @@ def _function(specification: Specification, finisher: Finisher) -> Function:
         (finisher.tape([value.ref for value in candidate.values()]), candidate.formulation)
         for candidate in specification.candidates
     ]
-    tape, formulation = min(tapes, key=lambda pair: pair[0].operations.total)
+    tape, formulation = min(tapes, key=lambda pair: pair[0].operations.cost)
     return Function(specification.name, specification.arguments, specification.shape, tape, formulation)
 
 

@@ -29,7 +29,7 @@ class Specification:
         name: For instance ``inverse_dynamics``.
         arguments: Kinds of its arguments, in order; may be empty.
         shape: Of the result for one configuration.
-        candidates: Formulations of the same values; the one with the fewest operations is emitted, the first of equals.
+        candidates: Formulations of the same values; the one of least `Operations.cost` is emitted, the first of equals.
     """
 
     name: str

@@ -9,6 +9,7 @@ from derive.algebra.tape_domain import QD, TapeDomain
 from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
 from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.parallel_axes import Run, parallel_runs
 from derive.mechanics.regrouping import regroup
 from derive.robot.robot import Robot
 
@@ -26,6 +27,11 @@ class Trace:
         self.domain = TapeDomain(robot, self.graph)
         self.n = robot.n
         self.chain: Chain[Value] = build_chain(robot, self.domain)
+
+    @cached_property
+    def runs(self) -> tuple[Run, ...]:
+        """The joints in runs of parallel axes, with the sums of their angles."""
+        return parallel_runs(self.chain, self.domain.cosine_sine_of_sum)
 
     @cached_property
     def regrouped(self) -> Chain[Value]:

@@ -75,6 +75,11 @@ def column(m: Matrix[S], j: int) -> Vector[S]:
     return (m[0][j], m[1][j], m[2][j])
 
 
+def identity(zero: S, one: S) -> Matrix[S]:
+    """The unit matrix."""
+    return ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+
+
 def matmul(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
     """a b."""
     c = [multiply(a, column(b, j)) for j in range(3)]
