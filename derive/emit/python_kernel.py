@@ -21,6 +21,8 @@ class PythonFunction:
     Attributes:
         name: Its name.
         arguments: ``q, qd``.
+        signature: ``q, qd, params=None, out=None``.
+        kernel_arguments: ``functions, k, q, qd``.
         arguments_tuple: The same as the inside of a tuple.
         argument_names: Quoted, as the inside of a tuple.
         symbol: How the notes write its result.
@@ -42,6 +44,8 @@ class PythonFunction:
 
     name: str
     arguments: str
+    signature: str
+    kernel_arguments: str
     arguments_tuple: str
     argument_names: str
     symbol: str
@@ -71,6 +75,8 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
     return PythonFunction(
         name=function.name,
         arguments=", ".join(function.arguments),
+        signature=", ".join((*function.arguments, "params=None", "out=None")),
+        kernel_arguments=", ".join(("functions", "k", *function.arguments)),
         arguments_tuple=python_tuple(function.arguments),
         argument_names=python_tuple([f'"{name}"' for name in function.arguments]),
         symbol=WORDING[function.name].symbol,
@@ -139,6 +145,7 @@ def _documentation(function: Function) -> tuple[str, ...]:
         "Args:",
         *(f"    {name}: {ARGUMENTS[name]}, (..., n)." for name in function.arguments),
         "    params: Numbers of the free parameters; see the module's docstring.",
+        "    out: Where to write the result, if not to a new array.",
         "",
         "Returns:",
         f"    {wording.symbol}, (..., {shape}):",

@@ -5,13 +5,30 @@ from __future__ import annotations
 import ast
 import math
 import random
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
+from derive.algebra.program import Function, Program
+from derive.algebra.tape import PARAMETER
+from derive.algebra.tape_build import cut
+from derive.algebra.tape_graph import Graph
+from derive.algebra.tape_value import Value
 from derive.emit.numpy_target import render_numpy
 from derive.robot.robot import Robot
-from tests.emit.generated_models import FUNCTIONS, PARAMETERS, call, load, numpy_model, planar, source_of
+from tests.emit.generated_models import (
+    FUNCTIONS,
+    PARAMETERS,
+    call,
+    casadi_model,
+    load,
+    numpy_model,
+    planar,
+    source_of,
+)
 from tests.random_robots import random_robot
 
 MODEL = numpy_model(planar())
@@ -160,6 +177,124 @@ def test_batches_that_do_not_fit_are_refused() -> None:
         MODEL.gravity_vector(np.zeros((3, 2)), params={"m1": np.ones(4), "m2": 1})
 
 
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("batch", [(), (3,), (20,), (2, 3)])
+def test_results_are_written_where_the_caller_says(name: str, batch: tuple[int, ...]) -> None:
+    wanted = call(MODEL, name, arguments(*batch), params=PARAMETERS)
+    out = np.full(wanted.shape, np.nan)
+    assert call(MODEL, name, arguments(*batch), params=PARAMETERS, out=out) is out
+    assert np.array_equal(out, wanted)
+    wide = np.full((*wanted.shape, 3), 7.0)
+    call(MODEL, name, arguments(*batch), params=PARAMETERS, out=wide[..., 1])
+    assert np.array_equal(wide[..., 1], wanted)
+    assert (wide[..., ::2] == 7.0).all()
+
+
+@pytest.mark.parametrize("batch", [(), (5,), (20_000,)])
+def test_results_may_overwrite_arguments(batch: tuple[int, ...]) -> None:
+    a = arguments(*batch)
+    wanted = MODEL.inverse_dynamics(a["q"], a["qd"], a["qdd"], params=PARAMETERS)
+    MODEL.inverse_dynamics(a["q"], a["qd"], a["qdd"], params=PARAMETERS, out=a["qdd"])
+    assert np.array_equal(a["qdd"], wanted)
+
+
+def test_results_may_overlap_arguments() -> None:
+    line = np.random.default_rng(1).uniform(-2, 2, (9002, 2))
+    wanted = MODEL.gravity_vector(line[:-1].copy(), params=PARAMETERS)
+    MODEL.gravity_vector(line[:-1], params=PARAMETERS, out=line[1:])
+    assert np.array_equal(line[1:], wanted)
+
+
+@pytest.mark.parametrize("batch", [(), (3,)])
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda out: out.tolist(), "float64 of shape .*; got list"),
+        (lambda out: out[..., :1], r"float64 of shape .*\(\d*,? ?2,?\); got float64 of shape"),
+        (lambda out: out.astype(np.float32), "got float32"),
+        (lambda out: out.astype(">f8"), "got >f8"),
+        (lambda out: np.broadcast_to(out, out.shape), "read-only"),
+    ],
+)
+def test_a_place_that_does_not_fit_is_refused_and_left_alone(
+    batch: tuple[int, ...], spoil: Callable[[np.ndarray], object], message: str
+) -> None:
+    place = spoil(np.full((*batch, 2), 7.0))
+    with pytest.raises(ValueError, match=message):
+        MODEL.gravity_vector(np.zeros((*batch, 2)), params=PARAMETERS, out=place)
+    assert (np.asarray(place) == 7.0).all()
+
+
+def test_a_refused_call_leaves_the_place_alone() -> None:
+    place = np.full(2, 7.0)
+    for q, params in (([0.0], PARAMETERS), ([0.0, 0.0], None)):
+        with pytest.raises(ValueError, match="gravity_vector"):
+            MODEL.gravity_vector(q, params=params, out=place)
+    assert (place == 7.0).all()
+
+
+def test_precomputed_parameters_give_what_parameters_give() -> None:
+    given = dict(PARAMETERS)
+    prepared = MODEL.precompute(given)
+    wanted = {name: call(MODEL, name, arguments(3), params=PARAMETERS) for name in FUNCTIONS}
+    given["m1"] = 1e3
+    for name in FUNCTIONS:
+        assert np.array_equal(call(MODEL, name, arguments(3), params=prepared), wanted[name])
+    table = MODEL.precompute({"m1": np.array([2.0, 3.0, 4.0]), "m2": 1.5})
+    assert MODEL.gravity_vector(arguments(3)["q"], params=table)[0] == pytest.approx(wanted["gravity_vector"][0])
+    with pytest.raises(ValueError, match="precompute: unknown in params: m9"):
+        MODEL.precompute({"m9": 1.0})
+    with pytest.raises(ValueError, match="gravity_vector: missing in params: m2"):
+        MODEL.gravity_vector([0.0, 0.0], params=MODEL.precompute({"m1": 1.0}))
+
+
+def test_threads_do_not_disturb_each_other() -> None:
+    model = numpy_model(planar())
+    many = [arguments(20_000, seed=seed) for seed in range(8)]
+
+    def torques(a: dict[str, np.ndarray]) -> np.ndarray:
+        return model.inverse_dynamics(a["q"], a["qd"], a["qdd"], params=PARAMETERS)
+
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(torques, many))
+    assert all(np.array_equal(a, torques(b)) for a, b in zip(found, many, strict=True))
+
+
+@pytest.mark.parametrize("scale", [1e-8, 1.0, 1e3, 1e6])
+def test_sines_and_cosines_of_batches_are_exact_to_four_ulps(scale: float) -> None:
+    robot = Robot.from_text("name: bar\nconvention: standard\njoints:\n  - {type: revolute}\n")
+    turns = np.pi / 2 * np.random.default_rng(0).integers(-3, 4, 5000)
+    q = np.random.default_rng(1).uniform(-scale, scale, 5000) + turns
+    found = numpy_model(robot).forward_kinematics(q[:, None])
+    assert np.abs(found[:, 0, 0] - np.cos(q)).max() < 4.5e-16
+    assert np.abs(found[:, 1, 0] - np.sin(q)).max() < 4.5e-16
+    small = np.abs(q) < 1e-3
+    assert found[small, 1, 0] == pytest.approx(np.sin(q[small]), rel=1e-15)
+
+
+def test_functions_of_parameters_alone_have_the_batch_of_the_parameters() -> None:
+    graph = Graph()
+    a, b = (Value(graph, graph.input(PARAMETER, i)) for i in range(2))
+    tape = cut(graph, [value.ref for value in (a * b, a + b, a)])
+    program = Program((Function("gravity_vector", (), (3,), tape, "by hand"),), ("a", "b"))
+    model = numpy_model(planar(), program)
+    assert model.gravity_vector({"a": 2.0, "b": 3.0}).tolist() == [6.0, 5.0, 2.0]
+    table = model.gravity_vector(params={"a": np.full((4, 30), 2.0), "b": 3.0}, out=np.empty((4, 30, 3)))
+    assert (table == [6.0, 5.0, 2.0]).all()
+    assert model.gravity_vector(params={"a": np.array([2.0, 4.0]), "b": 3}).tolist() == [
+        [6.0, 5.0, 2.0],
+        [12.0, 7.0, 4.0],
+    ]
+
+
+def test_functions_of_nothing_are_constants() -> None:
+    graph = Graph()
+    tape = cut(graph, [graph.number(Fraction(k)) for k in (1, 2)])
+    model = numpy_model(planar(), Program((Function("gravity_vector", (), (2,), tape, "by hand"),), ()))
+    assert model.gravity_vector().tolist() == [1.0, 2.0]
+    assert casadi_model(planar(), Program((Function("gravity_vector", (), (2,), tape, "by hand"),), ())) is not None
+
+
 @pytest.mark.parametrize(
     ("params", "message"),
     [
@@ -187,16 +322,16 @@ def test_the_module_says_what_it_is() -> None:
     assert list(MODEL.LIMITS) == [(-math.pi, 2.0), None]
     assert MODEL.PARAMETERS == ("m1", "m2")
     assert set(MODEL.OPERATIONS) == set(FUNCTIONS) == set(MODEL.__all__) - {
-        "DOF", "JOINT_NAMES", "JOINT_TYPES", "LIMITS", "OPERATIONS", "PARAMETERS",
+        "DOF", "JOINT_NAMES", "JOINT_TYPES", "LIMITS", "OPERATIONS", "PARAMETERS", "precompute",
     }  # fmt: skip
     for name in FUNCTIONS:
         assert "Args:" in getattr(MODEL, name).__doc__
 
 
-def test_the_module_imports_numpy_and_math_alone() -> None:
+def test_the_module_imports_numpy_and_the_standard_library_alone() -> None:
     tree = ast.parse(render_numpy(source_of(planar()))["model_numpy.py"])
-    imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
-    assert sorted(alias.name for node in imports for alias in node.names) == ["math", "numpy"]
+    imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert [alias.name for node in imports for alias in node.names] == ["math", "operator", "struct", "numpy"]
 
 
 def test_lines_are_clean() -> None:
