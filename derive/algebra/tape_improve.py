@@ -18,6 +18,7 @@ from derive.algebra.tape import LEAVES, Layer, Op
 from derive.algebra.tape_build import copy_leaf, cost, reachable
 from derive.algebra.tape_distribute import distribute
 from derive.algebra.tape_graph import ONE, ZERO, Graph, Ref
+from derive.algebra.tape_search import share
 
 _ROUNDS = 4
 _LARGE = 20_000
@@ -35,8 +36,12 @@ def improve(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...
         if now >= spent:
             break
         best, results, spent = fresh, moved, now
-    fresh, moved = distribute(best, results)
-    return (fresh, moved) if cost(fresh, moved) < spent else (best, results)
+    for step in (distribute, share):
+        fresh, moved = step(best, results)
+        now = cost(fresh, moved)
+        if now < spent:
+            best, results, spent = fresh, moved, now
+    return best, results
 
 
 @dataclass(frozen=True, slots=True)

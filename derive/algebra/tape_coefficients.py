@@ -1,0 +1,124 @@
+"""Factors that cost nothing per evaluation: numbers, and what depends on run-time parameters alone.
+
+Two of them are the same if they agree as functions: each is known by its value at one random point, modulo a large
+prime. Polynomials of degree d that differ agree there with probability d / 2**61 (Schwartz 1980), so sums that cancel
+and products in another order are recognised without being expanded.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from derive.algebra import tape_constant
+from derive.algebra.tape import Op, Source
+from derive.algebra.tape_graph import ONE, ZERO, Graph, Ref
+
+PRIME = 2**61 - 1
+
+
+def scatter(*key: object) -> int:
+    """A fixed pseudo-random residue for a key of strings and whole numbers."""
+    text = repr(key).encode()
+    value = 0x9E3779B97F4A7C15
+    for byte in text:
+        value = (value ^ byte) * 0x100000001B3 % PRIME
+        value ^= value >> 29
+    return value % PRIME
+
+
+class Coefficients:
+    """Arithmetic on the hoisted references of a graph; equal values have equal references.
+
+    Args:
+        graph: Where the values live.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self._residue: dict[int, int] = {}
+        self._known: dict[int, Ref] = {0: ZERO}
+
+    def is_unit(self, ref: Ref) -> bool:
+        """Whether it is 1 or -1."""
+        return ref >> 1 == ONE >> 1
+
+    def same(self, ref: Ref) -> Ref:
+        """The reference by which this value is known."""
+        residue = self.residue(ref)
+        found = self._known.get(residue)
+        if found is not None:
+            return found
+        other = self._known.get(PRIME - residue)
+        if other is not None:
+            return other ^ 1
+        self._known[residue] = ref
+        return ref
+
+    def add(self, a: Ref, b: Ref) -> Ref:
+        """A + b."""
+        return self.same(self.graph.add(a, b))
+
+    def multiply(self, a: Ref, b: Ref) -> Ref:
+        """A times b."""
+        if a >> 1 == 1 or b >> 1 == 1:
+            return a ^ (b & 1) if b >> 1 == 1 else b ^ (a & 1)
+        return self.same(self.graph.multiply(a, b))
+
+    def ratio(self, a: Ref, b: Ref) -> Ref | None:
+        """A over b where that is a number or one; None otherwise."""
+        if a >> 1 == b >> 1:
+            return ONE ^ ((a ^ b) & 1)
+        x, y = self.graph.constant_of(a), self.graph.constant_of(b)
+        if x is None or y is None or not y:
+            return None
+        return self.graph.number(tape_constant.multiply(x, tape_constant.reciprocal(y)))
+
+    def residue(self, ref: Ref) -> int:
+        """The value at the random point."""
+        value = self._residue_of(ref >> 1)
+        return (PRIME - value) % PRIME if ref & 1 else value
+
+    def _residue_of(self, index: int) -> int:
+        found = self._residue.get(index)
+        if found is None:
+            found = self._residue[index] = self._evaluate(index)
+        return found
+
+    def _evaluate(self, index: int) -> int:
+        graph = self.graph
+        payload = graph.payload.get(index)
+        if isinstance(payload, Source):
+            return scatter(payload.kind, payload.index)
+        if payload is not None:
+            return residue_of_constant(payload)
+        return combine(graph.op[index], [self._residue_of(k) for k in graph.operands[index]])
+
+
+def residue_of_constant(value: tape_constant.Constant) -> int:
+    """A rational as it is; any other number at random."""
+    if isinstance(value, Fraction):
+        return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
+    return scatter("constant", *tape_constant.key_of(value))
+
+
+def combine(op: Op, operands: list[int]) -> int:
+    """The residue of an operation; functions are random, but know their symmetry."""
+    match op:
+        case Op.ADD:
+            return (operands[0] + operands[1]) % PRIME
+        case Op.SUBTRACT:
+            return (operands[0] - operands[1]) % PRIME
+        case Op.MULTIPLY:
+            return operands[0] * operands[1] % PRIME
+        case Op.DIVIDE if operands[1]:
+            return operands[0] * pow(operands[1], -1, PRIME) % PRIME
+        case Op.NEGATE:
+            return -operands[0] % PRIME
+        case Op.SINE | Op.SIGN:
+            low = min(operands[0], PRIME - operands[0])
+            return scatter(int(op), low) if low == operands[0] else -scatter(int(op), low) % PRIME
+        case Op.COSINE:
+            return scatter(int(op), min(operands[0], PRIME - operands[0]))
+    return scatter(int(op), *operands)
+
+

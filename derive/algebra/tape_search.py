@@ -1,0 +1,114 @@
+"""Local search for cheaper networks: variables written out where they are used, and sharing looked for again.
+
+What was shared first may stand in the way of more. So a variable is put back into the definitions that use it (all of
+them, or one), which are then searched for shared parts anew; the change is taken back if it costs operations. Changes
+that cost nothing stay: they lead to others. The order of the trials is random with a fixed seed.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+
+from derive.algebra.tape_convert import graph_of, network_of
+from derive.algebra.tape_extract import Extractor
+from derive.algebra.tape_graph import Graph, Ref
+from derive.algebra.tape_network import Network
+
+_EFFORT = 300_000
+"""Divisors looked at before the search ends: some tenths of a second."""
+
+_ROUNDS = 6
+_MAX_TERMS = 24
+"""Sums that would get longer than this are not written out."""
+
+Trial = tuple[int, int | None]
+"""A variable, and the one place where it is written out, or None for all."""
+
+
+def share(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
+    """The same values with shared parts of sums and products found by search."""
+    network = network_of(graph, outputs)
+    Search(network).run()
+    return graph_of(network, graph)
+
+
+class Search:
+    """A network that is being improved.
+
+    Args:
+        network: The network.
+        seed: Of the order of trials.
+        effort: Divisors to look at.
+    """
+
+    def __init__(self, network: Network, seed: int = 0, effort: int = _EFFORT) -> None:
+        self._network = network
+        self._extractor = Extractor(network)
+        self._random = random.Random(seed)
+        self._effort = effort
+
+    def run(self) -> None:
+        """Share what can be shared at once, then try changes."""
+        self._extractor.run()
+        for _ in range(_ROUNDS):
+            self._round(self._used_once())
+            self._round(self._used_often())
+
+    def _used_once(self) -> list[Trial]:
+        """Sums to be multiplied out: the trials that succeed most often, and the cheapest."""
+        network = self._network
+        return [(v, None) for v, p in network.polynomials() if len(p) > 1 and len(network.users[v]) == 1]
+
+    def _used_often(self) -> list[Trial]:
+        """Sums in sums, and products that serve two."""
+        users = self._network.users
+        trials: list[Trial] = []
+        for variable, polynomial in self._network.polynomials():
+            row = users[variable]
+            if len(row) > 1 and (self._is_term(variable) if len(polynomial) > 1 else len(row) == 2):
+                trials += [(variable, None), *((variable, user) for user in row)]
+        return trials
+
+    def _is_term(self, variable: int) -> bool:
+        """Whether it stands alone as a term of a sum."""
+        polynomials = map(self._network.polynomial, self._network.users[variable])
+        return any((variable,) in polynomial for polynomial in polynomials if polynomial is not None)
+
+    def _round(self, trials: list[Trial]) -> None:
+        self._random.shuffle(trials)
+        for variable, user in trials:
+            if self._network.work > self._effort:
+                return
+            self._try(variable, user)
+
+    def _try(self, variable: int, user: int | None) -> None:
+        """Write a variable out in one definition or in all, and share anew."""
+        network = self._network
+        cost, mark = network.cost, network.mark()
+        if not self._write_out(variable, user):
+            network.undo(mark)
+            return
+        network.settle()
+        self._extractor.run()
+        if network.cost > cost:
+            network.undo(mark)
+            self._extractor.drain()
+
+    def _write_out(self, variable: int, user: int | None) -> bool:
+        network = self._network
+        inner = network.polynomial(variable)
+        if inner is None:
+            return False
+        places = [u for u in network.users[variable] if user in (None, u)]
+        changed = False
+        for place in places:
+            outer = network.polynomial(place)
+            if outer is None:
+                continue
+            longer = network.expanded(outer, variable, inner)
+            if len(longer) > _MAX_TERMS:
+                return False
+            network.define(place, longer)
+            changed = True
+        return changed
