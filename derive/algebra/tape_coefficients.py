@@ -120,5 +120,3 @@ def combine(op: Op, operands: list[int]) -> int:
         case Op.COSINE:
             return scatter(int(op), min(operands[0], PRIME - operands[0]))
     return scatter(int(op), *operands)
-
-

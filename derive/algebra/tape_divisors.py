@@ -13,7 +13,7 @@ from derive.algebra.tape_coefficients import Coefficients
 from derive.algebra.tape_graph import ONE, Ref
 from derive.algebra.tape_network import Monomial
 
-Key = tuple[int, ...] | tuple[Monomial, Ref, Monomial, Ref]
+Key = tuple[int, int] | tuple[Monomial, Ref, Monomial, Ref]
 
 
 class Place(NamedTuple):

@@ -75,7 +75,7 @@ class Extractor:
             self.savings[key] -= place.saving
 
     def _divisors(self, polynomial: Polynomial) -> list[tuple[Key, Place]]:
-        """Kept, for definitions come and go; the polynomial is kept with them, lest its place in memory be used again."""
+        """Kept, for definitions come and go; and the polynomial with them, lest its address be given to another."""
         known = self._known.get(id(polynomial))
         if known is None:
             found: list[tuple[Key, Place]] = []
@@ -108,17 +108,15 @@ class Extractor:
         if len(key) == 2:
             return 1
         a, j, b, k = key
-        return term_cost(a, j) + term_cost(b, k) + 1  # type: ignore[arg-type]
+        return term_cost(a, j) + term_cost(b, k) + 1
 
     def divisor(self, key: Key) -> Polynomial:
         """The polynomial of a divisor."""
         if len(key) == 4:
             a, j, b, k = key
-            return {a: j, b: k}  # type: ignore[dict-item]
+            return {a: j, b: k}
         x, y = key
-        if x < 0:  # type: ignore[operator]
-            return {(y,): -2 * x}  # type: ignore[dict-item, operator]
-        return {(x, y): ONE}  # type: ignore[dict-item]
+        return {(y,): -2 * x} if x < 0 else {(x, y): ONE}
 
     def run(self) -> None:
         """Extract until nothing saves."""
@@ -169,4 +167,3 @@ class Extractor:
         for place in places:
             network.plus(new, tuple(sorted((*place.quotient, home))), place.coefficient)
         network.define(variable, new)
-

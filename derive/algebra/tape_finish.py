@@ -13,6 +13,14 @@ from derive.robot.expression import Expression
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
 
+_QUICK = 4_000
+"""Effort on a candidate before the close ones are known."""
+
+_CLOSE = 1.03
+"""Costs that a longer search may bring below the best one, in terms of it."""
+
+_FINALISTS = 2
+
 
 class Finisher:
     """Puts the robot's numbers into a graph traced with its symbols, improves it and cuts tapes.
@@ -28,7 +36,20 @@ class Finisher:
 
     def tape(self, outputs: Sequence[Ref]) -> Tape:
         """The tape of some outputs."""
-        return cut(*improve(*bake(self._graph, outputs, self._replacements)))
+        return self.cheapest([outputs])[1]
+
+    def cheapest(self, candidates: Sequence[Sequence[Ref]]) -> tuple[int, Tape]:
+        """The tape of least `Operations.cost` among candidates that compute the same, and which one it is.
+
+        All are improved quickly; a longer search is spent on those that are close to the best.
+        """
+        drafts = [improve(*bake(self._graph, outputs, self._replacements), _QUICK) for outputs in candidates]
+        costs = [cut(*draft).operations.cost for draft in drafts]
+        close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
+        close.sort(key=costs.__getitem__)
+        tapes = {i: cut(*improve(*drafts[i])) for i in sorted(close[:_FINALISTS])}
+        winner = min(tapes, key=lambda i: tapes[i].operations.cost)
+        return winner, tapes[winner]
 
 
 def _replacements(robot: Robot) -> dict[int, Callable[[Graph], Ref]]:

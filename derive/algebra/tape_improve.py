@@ -3,13 +3,13 @@
 Sums of sums and products of products, where the inner one serves nothing else, are taken as one. In a sum, like terms
 are merged and common factors taken out, a*b + a*c -> a*(b + c); in both, what depends on run-time parameters alone
 comes first, so that it is done once per call, and the rest is in the order of its making, so that sums that begin
-alike share. A round is kept if it saves operations.
+alike share. Then shared parts of sums and products are searched for. A step is kept if it saves operations.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -18,30 +18,40 @@ from derive.algebra.tape import LEAVES, Layer, Op
 from derive.algebra.tape_build import copy_leaf, cost, reachable
 from derive.algebra.tape_distribute import distribute
 from derive.algebra.tape_graph import ONE, ZERO, Graph, Ref
-from derive.algebra.tape_search import share
+from derive.algebra.tape_search import EFFORT, share
 
 _ROUNDS = 4
 _LARGE = 20_000
 """Operations from which one round must do: the first finds nearly all, and time grows with each."""
 
+_Step = Callable[[Graph, Sequence[Ref]], tuple[Graph, tuple[Ref, ...]]]
+
 _SUMS = (Op.ADD, Op.SUBTRACT)
 
 
-def improve(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
-    """The same values for fewer operations, where a few rounds find any."""
+def improve(graph: Graph, outputs: Sequence[Ref], effort: int = EFFORT) -> tuple[Graph, tuple[Ref, ...]]:
+    """The same values for fewer operations.
+
+    Args:
+        graph: A graph.
+        outputs: References into it.
+        effort: How long to search, see `share`.
+    """
     best, results, spent = graph, tuple(outputs), cost(graph, outputs)
-    for _ in range(_ROUNDS if sum(spent) < _LARGE else 1):
-        fresh, moved = _Round(best, results).run()
-        now = cost(fresh, moved)
-        if now >= spent:
-            break
-        best, results, spent = fresh, moved, now
-    for step in (distribute, share):
+    large = sum(spent) >= _LARGE
+    steps: list[_Step] = [*[_regroup] * (1 if large else _ROUNDS), distribute]
+    if not large:
+        steps.append(lambda g, refs: share(g, refs, effort))
+    for step in steps:
         fresh, moved = step(best, results)
         now = cost(fresh, moved)
         if now < spent:
             best, results, spent = fresh, moved, now
     return best, results
+
+
+def _regroup(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
+    return _Round(graph, outputs).run()
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ definition costs less than writing it out. What is no sum or product (a sine, a 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 

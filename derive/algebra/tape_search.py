@@ -15,8 +15,8 @@ from derive.algebra.tape_extract import Extractor
 from derive.algebra.tape_graph import Graph, Ref
 from derive.algebra.tape_network import Network
 
-_EFFORT = 300_000
-"""Divisors looked at before the search ends: some tenths of a second."""
+EFFORT = 20_000
+"""Divisors looked at by trials before the search ends: one or two tenths of a second."""
 
 _ROUNDS = 6
 _MAX_TERMS = 24
@@ -26,10 +26,16 @@ Trial = tuple[int, int | None]
 """A variable, and the one place where it is written out, or None for all."""
 
 
-def share(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
-    """The same values with shared parts of sums and products found by search."""
+def share(graph: Graph, outputs: Sequence[Ref], effort: int = EFFORT) -> tuple[Graph, tuple[Ref, ...]]:
+    """The same values with shared parts of sums and products found by search.
+
+    Args:
+        graph: A graph.
+        outputs: References into it.
+        effort: Divisors that trials may look at.
+    """
     network = network_of(graph, outputs)
-    Search(network).run()
+    Search(network, effort=effort).run()
     return graph_of(network, graph)
 
 
@@ -39,18 +45,20 @@ class Search:
     Args:
         network: The network.
         seed: Of the order of trials.
-        effort: Divisors to look at.
+        effort: Divisors that trials may look at.
     """
 
-    def __init__(self, network: Network, seed: int = 0, effort: int = _EFFORT) -> None:
+    def __init__(self, network: Network, seed: int = 0, effort: int = EFFORT) -> None:
         self._network = network
         self._extractor = Extractor(network)
         self._random = random.Random(seed)
         self._effort = effort
+        self._limit = 0
 
     def run(self) -> None:
         """Share what can be shared at once, then try changes."""
         self._extractor.run()
+        self._limit = self._network.work + self._effort
         for _ in range(_ROUNDS):
             self._round(self._used_once())
             self._round(self._used_often())
@@ -78,7 +86,7 @@ class Search:
     def _round(self, trials: list[Trial]) -> None:
         self._random.shuffle(trials)
         for variable, user in trials:
-            if self._network.work > self._effort:
+            if self._network.work > self._limit:
                 return
             self._try(variable, user)
 

@@ -33,11 +33,9 @@ def build_program(robot: Robot) -> Program:
 
 
 def _function(specification: Specification, finisher: Finisher) -> Function:
-    tapes = [
-        (finisher.tape([value.ref for value in candidate.values()]), candidate.formulation)
-        for candidate in specification.candidates
-    ]
-    tape, formulation = min(tapes, key=lambda pair: pair[0].operations.cost)
+    candidates = specification.candidates
+    chosen, tape = finisher.cheapest([[value.ref for value in candidate.values()] for candidate in candidates])
+    formulation = candidates[chosen].formulation
     return Function(specification.name, specification.arguments, specification.shape, tape, formulation)
 
 
