@@ -134,6 +134,18 @@ def test_precomputed_parameters_serve_all_libraries() -> None:
         np.testing.assert_allclose(np.asarray(found), wanted, **EXACT)
 
 
+def test_torch_tensors_stay_tensors_and_carry_gradients() -> None:
+    torch = pytest.importorskip("torch")
+    given = arguments(3)
+    q = torch.tensor(given["q"], requires_grad=True)
+    found = MODEL.inverse_dynamics(q, given["qd"], torch.tensor(given["qdd"]), params=PARAMETERS)
+    wanted = MODEL.inverse_dynamics(given["q"], given["qd"], given["qdd"], params=PARAMETERS)
+    np.testing.assert_allclose(found.detach().numpy(), wanted, **EXACT)
+    found.sum().backward()
+    assert q.grad.shape == (3, 2)
+    assert MODEL.forward_kinematics(torch.ones(2, dtype=torch.float32)).dtype == torch.float32
+
+
 @pytest.mark.parametrize("library", [strict, jnp])
 def test_what_does_not_fit_is_refused_as_for_numpy(library: object) -> None:
     with pytest.raises(ValueError, match=r"q must have shape \(2,\) or \(\.\.\., 2\); got \(3,\)"):

@@ -8,6 +8,7 @@ import random
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -99,6 +100,23 @@ def test_parameters_broadcast_against_the_batch() -> None:
     assert grid.shape == (3, 2, 2)
 
 
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("count", [3, 40])
+def test_whatever_varies_the_rest_may_stay(name: str, count: int) -> None:
+    rng = np.random.default_rng(7)
+    for varying in product((False, True), repeat=4):
+        a = arguments(count)
+        a = {kind: a[kind] if varies else a[kind][0] for kind, varies in zip(("q", "qd"), varying, strict=False)}
+        a |= {"qdd": np.full(2, 0.3), "tau": np.full((1, 2), 0.2)}
+        masses = {m: rng.uniform(1, 2, count) if v else 1.5 for m, v in zip(("m1", "m2"), varying[2:], strict=True)}
+        found = call(MODEL, name, a, params=masses)
+        found = np.broadcast_to(found, (count, *SHAPES[name]))
+        for k in (0, count - 1):
+            one = {kind: values[k] if values.shape == (count, 2) else values.reshape(2) for kind, values in a.items()}
+            wanted = call(MODEL, name, one, params={m: float(np.broadcast_to(v, count)[k]) for m, v in masses.items()})
+            assert found[k] == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
 def test_parameters_may_be_a_sequence_or_a_table_in_order() -> None:
     q = [0.4, 0.1]
     by_name = MODEL.gravity_vector(q, params=PARAMETERS)
@@ -147,6 +165,9 @@ def test_not_a_number_passes_through_and_infinity_does_not_raise() -> None:
     assert np.isfinite(batch[1]).all()
     with np.errstate(invalid="ignore"):
         assert np.isnan(MODEL.forward_kinematics([math.inf, 1.0])).any()
+        far = MODEL.forward_kinematics([[math.inf, 1.0]] + 30 * [[0.0, 1.0]])
+    assert np.isnan(far[0]).any()
+    assert np.isfinite(far[1:]).all()
 
 
 @pytest.mark.parametrize(
