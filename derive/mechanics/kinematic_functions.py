@@ -2,31 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 from derive.algebra.tape_domain import Q
 from derive.algebra.tape_value import Value
 from derive.mechanics import forward_kinematics as kinematics
+from derive.mechanics.cheapest_kinematics import cheapest_jacobian, cheapest_pose
+from derive.mechanics.cheapest_links import cheapest_links
 from derive.mechanics.jacobian import jacobian
 from derive.mechanics.specification import Candidate, Specification
 from derive.mechanics.trace import Trace, flat
+from derive.mechanics.vectors import Frame
+
+_FRAMES = "transforms of joint frames from the base outwards"
+_SEARCHED = "the shortest ways to the world frame, turned by sums of angles of parallel joints"
 
 
 def kinematic_functions(trace: Trace) -> tuple[Specification, ...]:
     """Poses and Jacobians."""
-    poses, n = "transforms of joint frames from the base outwards", trace.n
-    columns = "geometric, from axes and origins"
+    n = trace.n
     return (
-        Specification("forward_kinematics", (Q,), (4, 4), (Candidate(poses, lambda: _pose(trace)),)),
-        Specification("link_transforms", (Q,), (n, 4, 4), (Candidate(poses, lambda: _links(trace)),)),
-        Specification("jacobian", (Q,), (6, n), (Candidate(columns, lambda: flat(jacobian(trace.chain))),)),
+        Specification("forward_kinematics", (Q,), (4, 4), tuple(_poses(trace))),
+        Specification("link_transforms", (Q,), (n, 4, 4), tuple(_links(trace))),
+        Specification("jacobian", (Q,), (6, n), tuple(_jacobians(trace))),
     )
 
 
-def _pose(trace: Trace) -> list[Value]:
-    chain = trace.chain
-    return flat(kinematics.rows(kinematics.forward_kinematics(chain), chain.zero, chain.one))
+def _poses(trace: Trace) -> Iterator[Candidate]:
+    yield Candidate(_FRAMES, lambda: _entries(trace, [kinematics.forward_kinematics(trace.chain)]))
+    if (stations := trace.stations) is not None:
+        yield Candidate(f"columns of the pose by {_SEARCHED}", lambda: _entries(trace, [cheapest_pose(stations)]))
 
 
-def _links(trace: Trace) -> list[Value]:
+def _links(trace: Trace) -> Iterator[Candidate]:
+    yield Candidate(_FRAMES, lambda: _entries(trace, kinematics.link_transforms(trace.chain)))
+    if (stations := trace.stations) is not None:
+        words = "frames turned by sums of angles of parallel joints"
+        yield Candidate(words, lambda: _entries(trace, cheapest_links(stations)))
+
+
+def _jacobians(trace: Trace) -> Iterator[Candidate]:
+    yield Candidate("geometric, from axes and origins", lambda: flat(jacobian(trace.chain)))
+    if (stations := trace.stations) is not None:
+        yield Candidate(f"geometric, columns by {_SEARCHED}", lambda: flat(cheapest_jacobian(stations)))
+
+
+def _entries(trace: Trace, frames: Sequence[Frame[Value]]) -> list[Value]:
     chain = trace.chain
-    frames = kinematics.link_transforms(chain)
     return [v for frame in frames for v in flat(kinematics.rows(frame, chain.zero, chain.one))]

@@ -38,6 +38,7 @@ class Placement:
         sine: sin(phi).
         constant: C, 3x3; z goes to z or -z where the joint turns.
         origin: From the run's origin, in its axes.
+        step: The last part of ``origin``, from the joint frame before.
         direction: +1 where z_i is z of the run, -1 where it points the other way, 0 for a slide across.
     """
 
@@ -45,6 +46,7 @@ class Placement:
     sine: Value
     constant: Matrix[Value]
     origin: Vector[Value]
+    step: Vector[Value]
     direction: int
 
     def turned(self, v: Vector[Value]) -> Vector[Value]:
@@ -96,7 +98,7 @@ def _runs(chain: Chain[Value], total: SumOfTurns) -> Iterator[Run]:
     still = Frame(identity(chain.zero, chain.one), (chain.zero, chain.zero, chain.zero))
     first = 0
     while first < chain.n:
-        here = _Here(still.rotation, still.position, chain.one, chain.zero, ())
+        here = _Here(still.rotation, still.position, still.position, chain.one, chain.zero, ())
         step: _Here | None = here.after(first, chain.joints[first], still, chain, total)
         placements: list[Placement] = []
         i = first
@@ -115,6 +117,7 @@ class _Here:
 
     constant: Matrix[Value]
     origin: Vector[Value]
+    step: Vector[Value]
     cosine: Value
     sine: Value
     turns: tuple[Turn, ...]
@@ -125,21 +128,21 @@ class _Here:
         """The next joint frame; None where its joint turns about another direction."""
         constant = matmul(self.constant, fixed.rotation)
         z = column(constant, 2)
-        step = add(multiply(self.constant, fixed.position), scale(joint.offset, z))
-        origin = add(self.origin, about_z(self.cosine, self.sine, step))
+        shift = add(multiply(self.constant, fixed.position), scale(joint.offset, z))
+        step = about_z(self.cosine, self.sine, shift)
+        origin = add(self.origin, step)
         if not joint.revolute:
             constant = matmul(constant, joint.motion(chain.zero, chain.one).rotation)
-            return _Here(constant, origin, self.cosine, self.sine, self.turns)
+            return _Here(constant, origin, step, self.cosine, self.sine, self.turns)
         direction = _direction(z, chain)
         if direction == 0:
             return None
         turns = (*self.turns, Turn(index, direction))
-        return _Here(constant, origin, *total(turns), turns)
+        return _Here(constant, origin, step, *total(turns), turns)
 
     def placement(self, chain: Chain[Value]) -> Placement:
-        return Placement(
-            self.cosine, self.sine, self.constant, self.origin, _direction(column(self.constant, 2), chain)
-        )
+        direction = _direction(column(self.constant, 2), chain)
+        return Placement(self.cosine, self.sine, self.constant, self.origin, self.step, direction)
 
 
 def _direction(z: Vector[Value], chain: Chain[Value]) -> int:

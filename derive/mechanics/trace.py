@@ -9,8 +9,10 @@ from derive.algebra.tape_domain import QD, TapeDomain
 from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
 from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.exact_rotations import has_exact_rotations
 from derive.mechanics.parallel_axes import Run, parallel_runs
 from derive.mechanics.regrouping import regroup
+from derive.mechanics.stations import Stations
 from derive.robot.robot import Robot
 
 
@@ -32,6 +34,11 @@ class Trace:
     def runs(self) -> tuple[Run, ...]:
         """The joints in runs of parallel axes, with the sums of their angles."""
         return parallel_runs(self.chain, self.domain.cosine_sine_of_sum)
+
+    @cached_property
+    def stations(self) -> Stations | None:
+        """Where vectors come from on their way to the world; None where base or tool is a rotation only nearly."""
+        return Stations(self.chain, self.runs) if has_exact_rotations(self.robot) else None
 
     @cached_property
     def regrouped(self) -> Chain[Value]:

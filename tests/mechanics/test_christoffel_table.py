@@ -17,10 +17,7 @@ def test_the_coriolis_matrix_is_the_sum_of_the_symbols_in_the_table() -> None:
     assert all(j <= k and value != 0 for (_, j, k), value in table.items())
     n = range(1, model.n + 1)
     summed = sympy.Matrix(
-        [
-            [sum(table.get((i, *sorted((j, k))), 0) * model.qd[k - 1] for k in n) for j in n]
-            for i in n
-        ]
+        [[sum(table.get((i, *sorted((j, k))), 0) * model.qd[k - 1] for k in n) for j in n] for i in n]
     )
     assert sympy.expand(summed - model.C) == sympy.zeros(model.n, model.n)
 

@@ -2,51 +2,19 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
-from derive.algebra.tape import PARAMETER, Operations, evaluate
+from derive.algebra.tape import Operations
 from derive.algebra.tape_finish import Finisher
 from derive.algebra.tape_value import Value
 from derive.mechanics.forward_kinematics import joint_poses
 from derive.mechanics.trace import Trace
 from derive.mechanics.vectors import Frame, Vector, add, column, identity, multiply
-from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from tests.mechanics.recursion_values import ARITHMETIC
-
-
-def arm(seed: int) -> Trace:
-    """Many parallel axes, aligned and opposed, slides between them, both conventions, odd offsets."""
-    rng = random.Random(seed)
-    rows = []
-    for i in range(1, rng.randint(2, 6) + 1):
-        sign = rng.choice(["", "", "-"])
-        offset = rng.choice(["", "", " + pi/2", " - 0.3", " + t"])
-        cells = (
-            f"a: {rng.choice(['0', f'a{i}', '-0.4'])}, alpha: {rng.choice(['0', '0', '0', 'pi', 'pi', 'pi/2', '0.4'])}"
-        )
-        if rng.random() < 0.7:
-            cells += f", theta: '{sign}q{i}{offset}', d: {rng.choice(['0', f'd{i}'])}"
-            rows.append(f"  - {{type: revolute, q: q{i}, {cells}}}")
-        else:
-            rows.append(
-                f"  - {{type: prismatic, q: q{i}, d: '{sign}q{i}', theta: {rng.choice(['0', '0.7', 'u'])}, {cells}}}"
-            )
-    lines = ["name: arm", f"convention: {rng.choice(['standard', 'modified'])}", "joints:", *rows]
-    return Trace(Robot.from_text("\n".join(lines) + "\n"))
-
-
-def numbers(trace: Trace, values: Sequence[Value]) -> npt.NDArray[np.float64]:
-    """The values at q = 0.3, 0.7, 1.1, ... and parameters 0.5, 0.6, 0.7, ..."""
-    tape = Finisher(trace.robot, trace.graph).tape([value.ref for value in values])
-    parameters = [0.5 + 0.1 * k for k in range(len(free_symbols(trace.robot)))]
-    inputs = {"q": [0.3 + 0.4 * i for i in range(trace.n)], PARAMETER: parameters}
-    return np.array(evaluate(tape, inputs, ARITHMETIC)).real
+from tests.mechanics.parallel_arms import numbers, parallel_arm
 
 
 def by_runs(trace: Trace) -> list[Frame[Value]]:
@@ -69,16 +37,16 @@ def entries(poses: Sequence[Frame[Value]]) -> list[Value]:
     return [v for pose in poses for row in (*pose.rotation, pose.position) for v in row]
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(15))
 def test_frames_by_sums_of_angles_are_those_joint_after_joint(seed: int) -> None:
-    trace = arm(seed)
+    trace = parallel_arm(seed)
     found, wanted = (numbers(trace, entries(poses)) for poses in (by_runs(trace), joint_poses(trace.chain)))
     assert np.abs(found - wanted).max() < 1e-13
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(15))
 def test_axes_of_a_run_are_parallel_and_runs_are_as_long_as_can_be(seed: int) -> None:
-    trace = arm(seed)
+    trace = parallel_arm(seed)
     poses, joints = joint_poses(trace.chain), trace.chain.joints
     axes = numbers(trace, [v for pose in poses for v in column(pose.rotation, 2)]).reshape(-1, 3)
     last: tuple[int, int] | None = None
