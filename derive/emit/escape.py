@@ -98,6 +98,16 @@ def c_comment(text: str) -> str:
     return _RISKY_PAIR.sub(lambda match: match[0] + " ", one_line(text).replace("\\", "/"))
 
 
+_RESERVED_START = re.compile(r"(is|mem|str|to|wcs)[a-z]|[0-9_]")
+"""How names of functions begin that belong to C's library, now or later (C99 7.26), or to nobody."""
+
+
+def c_prefix(name: str) -> str:
+    """A robot's name as the beginning of C identifiers, its underscore at the end included."""
+    plain = re.sub(r"[^A-Za-z0-9]", "_", name)
+    return f"robot_{plain}_" if _RESERVED_START.match(plain) else f"{plain}_"
+
+
 def html_text(text: str) -> str:
     """Text for an HTML element or a quoted attribute; a space at either end stays."""
     body = html.escape(one_line(text))

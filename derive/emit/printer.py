@@ -104,6 +104,19 @@ class JavaScriptPrinter(InfixPrinter):
         return f"const {name} = {value.text};"
 
 
+class CPrinter(InfixPrinter):
+    """C: doubles, with ``sin``, ``cos`` and ``sqrt`` of <math.h> and a ``sign`` of our own."""
+
+    def number(self, value: Constant) -> Piece:
+        """As in Python; a negative number is no atom, since ``--2`` is an error."""
+        text = repr(to_float(value))
+        return Piece(text, SUM if text.startswith("-") else ATOM)
+
+    def assign(self, name: str, value: Piece) -> str:
+        """``const double name = value;``."""
+        return f"const double {name} = {value.text};"
+
+
 def print_operation(printer: Printer, op: Op, operands: list[Piece]) -> Piece:
     """One operation of a tape."""
     if op in FUNCTION_NAMES:

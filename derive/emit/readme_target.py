@@ -16,6 +16,8 @@ from derive.robot.robot import Robot
 FILES = {
     "model_numpy.py": "the functions for one configuration or any batch; imports NumPy alone",
     "model_casadi.py": "the same functions as `casadi.Function` objects",
+    "model.h": "the same functions in C99: what each takes and gives",
+    "model.c": "their code, without allocation or globals",
     "model.mjs": "the same functions as a JavaScript module, one configuration a call",
     "sheet.tex": "the equations, for `pdflatex sheet.tex`",
     "MANIFEST.json": "hash of the robot file, version of the tool, operation counts, hashes of the files",

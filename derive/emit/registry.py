@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from derive.emit.c_target import TARGET as C
 from derive.emit.casadi_target import TARGET as CASADI
 from derive.emit.javascript_target import TARGET as JAVASCRIPT
 from derive.emit.latex_target import TARGET as LATEX
@@ -12,7 +13,7 @@ from derive.emit.readme_target import TARGET as README
 from derive.emit.target import Target
 from derive.errors import TargetError
 
-TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, JAVASCRIPT, LATEX, README)}
+TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, C, JAVASCRIPT, LATEX, README)}
 """By name, in the order in which they are written."""
 
 

@@ -16,6 +16,7 @@ import pytest
 import derive
 from derive.build import build_many, build_robot, check_many, check_robot, folder_of, pipeline
 from derive.build.results import BuildFailure, BuildResult, CheckResult
+from derive.compiler import find_compiler
 from derive.emit.registry import targets_named
 from derive.errors import OutputError, TargetError, VerificationError
 from derive.robot.catalogue import catalogue_names
@@ -58,7 +59,7 @@ def test_a_build_writes_every_target_verified(arm: Robot, tmp_path: Path) -> Non
     assert set(found) == ALL_FILES
     assert result.report is not None
     assert result.report.worst < 1e-9
-    assert {row.target for row in result.report.rows} == {"numpy", "casadi"}
+    assert {row.target for row in result.report.rows} == {"numpy", "casadi"} | ({"c"} if find_compiler() else set())
 
 
 def test_the_manifest_tells_what_the_folder_is(arm: Robot, tmp_path: Path) -> None:
@@ -120,7 +121,7 @@ def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path:
     found = check_robot(arm, tmp_path, ["numpy", "readme"])
     assert found.stale == ("MANIFEST.json", "model_numpy.py")
     assert found.missing == ("README.md",)
-    assert found.extra == ("model_casadi.py", "sheet.tex")
+    assert found.extra == ("model.c", "model.h", "model_casadi.py", "sheet.tex")
     assert contents(folder) == before
 
 
@@ -144,7 +145,7 @@ def test_a_failed_verification_keeps_the_old_folder(
 
 def test_unknown_targets_are_refused_before_anything_is_written(arm: Robot, tmp_path: Path) -> None:
     """The message lists the targets there are."""
-    with pytest.raises(TargetError, match="numpy, casadi, javascript, latex, readme"):
+    with pytest.raises(TargetError, match="numpy, casadi, c, javascript, latex, readme"):
         build_robot(arm, tmp_path / "out", ["fortran"])
     with pytest.raises(TargetError):
         build_robot(arm, tmp_path / "out", [])

@@ -50,7 +50,7 @@ def test_build_and_verify_report_the_worst_errors(tmp_path: Path) -> None:
     assert built["verification"]["worst"] < 1e-9
     assert built["operations"]["inverse_dynamics"]["sin"] >= 0
     verified = json.loads(derive("verify", "arm.yaml", "--json", folder=tmp_path).stdout)
-    assert {row["target"] for row in verified["rows"]} == {"numpy", "casadi"}
+    assert {row["target"] for row in verified["rows"]} >= {"numpy", "casadi"}
     (checked,) = json.loads(derive("build", "arm.yaml", "--check", "--json", folder=tmp_path).stdout)
     assert checked["status"] == "current"
 

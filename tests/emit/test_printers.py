@@ -10,9 +10,12 @@ import numpy as np
 import pytest
 
 from derive.algebra import tape_constant as constants
+from derive.algebra.program import Program
 from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
+from derive.compiler import find_compiler
 from derive.robot.robot import Robot
+from tests.emit.c_models import c_model, needs_compiler
 from tests.emit.generated_models import casadi_model, numpy_model, small_program
 
 Build = Callable[[Value, Value], Value]
@@ -60,11 +63,28 @@ def values() -> dict[str, np.ndarray]:
     return {
         "floats": np.array([numpy.gravity_vector(list(point)) for point in POINTS]),
         "columns": numpy.gravity_vector(np.array(POINTS)),
+        **({} if find_compiler() is None else c_values(program)),
         "casadi": np.array([np.array(casadi.gravity_vector(list(point)))[:, 0] for point in POINTS]),
     }
 
 
-@pytest.mark.parametrize("way", ["floats", "columns", "casadi"])
+def c_values(program: Program) -> dict[str, np.ndarray]:
+    """The same in C, one by one and as a batch."""
+    model = c_model(TWO, program)
+    ones = [model.call("gravity_vector", [np.array(point)], {}) for point in POINTS]
+    return {"c": np.array(ones), "c batch": model.call("gravity_vector", [np.array(POINTS)], {})}
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        "floats",
+        "columns",
+        "casadi",
+        pytest.param("c", marks=needs_compiler),
+        pytest.param("c batch", marks=needs_compiler),
+    ],
+)
 @pytest.mark.parametrize("name", list(EXPRESSIONS))
 def test_printed_expressions_evaluate_right(values: dict[str, np.ndarray], way: str, name: str) -> None:
     column = list(EXPRESSIONS).index(name)

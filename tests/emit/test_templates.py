@@ -47,8 +47,8 @@ def test_the_registry_and_the_templates_agree() -> None:
 
 def test_targets_are_chosen_by_name() -> None:
     """In the registry's order, each once; without a choice those that a build writes unasked."""
-    assert [target.name for target in targets_named()] == ["numpy", "casadi", "latex", "readme"]
+    assert [target.name for target in targets_named()] == ["numpy", "casadi", "c", "latex", "readme"]
     assert [target.name for target in targets_named(TARGETS)] == list(TARGETS)
     assert [target.name for target in targets_named(["latex", "numpy", "latex"])] == ["numpy", "latex"]
-    with pytest.raises(TargetError, match="numpy, casadi, javascript, latex, readme"):
+    with pytest.raises(TargetError, match="numpy, casadi, c, javascript, latex, readme"):
         targets_named(["matlab"])

@@ -13,6 +13,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from derive.check.oracle.arm import Array
+from derive.check.verify.c_model import CModel, load_c_model
+from derive.compiler import Command
 from derive.errors import VerificationError
 
 Parameters = Mapping[str, Any]
@@ -49,16 +51,22 @@ class _Traceless(SourceFileLoader):
         raise OSError("byte code is not wanted")
 
 
-def load_models(folder: Path) -> tuple[GeneratedModel, ...]:
+def load_models(folder: Path, compiler: Command | None = None) -> tuple[GeneratedModel, ...]:
     """The generated modules that lie in ``folder``.
 
     Args:
         folder: A generated robot.
+        compiler: The C compiler; None leaves the C model out.
 
     Raises:
-        VerificationError: A module cannot be imported.
+        VerificationError: A module cannot be imported, or does not compile.
     """
-    return tuple(kind(_import(folder / file)) for file, kind in _KINDS.items() if (folder / file).is_file())
+    models: list[GeneratedModel] = [
+        kind(_import(folder / file)) for file, kind in _KINDS.items() if (folder / file).is_file()
+    ]
+    if compiler and (folder / CModel.file).is_file():
+        models.append(load_c_model(folder, compiler))
+    return tuple(models)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +122,7 @@ class CasadiModel:
 
 _KINDS: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {kind.file: kind for kind in (NumpyModel, CasadiModel)}
 
-MODULES = frozenset(_KINDS)
+MODULES = frozenset({*_KINDS, CModel.file})
 """Files that are verified."""
 
 

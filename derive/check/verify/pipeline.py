@@ -12,11 +12,13 @@ import numpy as np
 
 from derive.check.oracle import FUNCTIONS
 from derive.check.oracle.arm import Array
+from derive.check.verify.c_model import CModel
 from derive.check.verify.expectation import AccelerationExpectation, Expectation, expectation
 from derive.check.verify.forms import FORMS, Trial, parameter_trials
 from derive.check.verify.generated import MODULES, GeneratedModel, load_models
 from derive.check.verify.report import TOLERANCE, Report, Row
 from derive.check.verify.samples import SampleSet, sample_sets
+from derive.compiler import find_compiler
 from derive.errors import VerificationError
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
@@ -36,7 +38,8 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
 
     Args:
         robot: The robot.
-        folder: Its generated folder, with ``model_numpy.py`` and, or, ``model_casadi.py``.
+        folder: Its generated folder, with any of ``model_numpy.py``, ``model_casadi.py`` and ``model.c``; the last is
+            left out where there is no C compiler, and the report says so.
         samples: Number of configurations.
         seed: Seed of their random choice.
 
@@ -46,15 +49,17 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
     Raises:
         VerificationError: A function differs by more than 1e-9, raises, returns another shape, or is missing.
     """
-    models = load_models(folder)
+    compiler = find_compiler()
+    models = load_models(folder, compiler)
+    left_out = frozenset() if compiler else frozenset({CModel.file} & {path.name for path in folder.iterdir()})
     sets = sample_sets(robot, samples, np.random.default_rng(seed))
     rows: list[Row] = []
     for model in models:
         _check_interface(robot, folder, model)
         verifier = _Verifier(model, sets)
         rows += [verifier.row(function) for function in sets[0].oracle.functions]
-    _check_coverage(folder, models, rows, sets[0].oracle.functions)
-    return Report(robot.name, seed, tuple(rows))
+    _check_coverage(folder, models, rows, sets[0].oracle.functions, left_out)
+    return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,11 +178,18 @@ def _check_interface(robot: Robot, folder: Path, model: GeneratedModel) -> None:
             )
 
 
-def _check_coverage(folder: Path, models: tuple[GeneratedModel, ...], rows: list[Row], wanted: tuple[str, ...]) -> None:
+def _check_coverage(
+    folder: Path,
+    models: tuple[GeneratedModel, ...],
+    rows: list[Row],
+    wanted: tuple[str, ...],
+    left_out: frozenset[str],
+) -> None:
     """Every function that the robot has or the manifest lists was called: all of nothing is right, too."""
     manifest = _manifest(folder)
     listed = {*wanted, *manifest.get("operations", ())}
-    absent = {name for name in manifest.get("files", ()) if name in MODULES} - {model.file for model in models}
+    absent = {name for name in manifest.get("files", ()) if name in MODULES - left_out}
+    absent -= {model.file for model in models}
     if absent or not (models or manifest):
         missing = ", ".join(sorted(absent or MODULES))
         raise VerificationError(f"{folder.name} does not hold {missing}", remedy="build the robot again")

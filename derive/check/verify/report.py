@@ -13,7 +13,7 @@ class Row:
     """One generated function.
 
     Attributes:
-        target: Name of the target, ``numpy`` or ``casadi``.
+        target: Name of the target, ``numpy``, ``casadi`` or ``c``.
         function: Name of the function.
         samples: Number of values compared, over all ways of calling.
         worst: Worst relative error.
@@ -35,11 +35,13 @@ class Report:
         robot: Name of the robot.
         seed: Seed of the random configurations and parameters.
         rows: One per target and function.
+        left_out: Files that were not verified since there is no C compiler.
     """
 
     robot: str
     seed: int
     rows: tuple[Row, ...]
+    left_out: tuple[str, ...] = ()
 
     @property
     def worst(self) -> float:
@@ -53,6 +55,7 @@ class Report:
             "seed": self.seed,
             "tolerance": TOLERANCE,
             "worst": self.worst,
+            "left_out": list(self.left_out),
             "rows": [
                 {"target": r.target, "function": r.function, "samples": r.samples, "worst": r.worst, "note": r.note}
                 for r in self.rows

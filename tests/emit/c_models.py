@@ -1,0 +1,34 @@
+"""Generated C models, compiled and callable."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from derive.algebra.program import Program
+from derive.check.verify.c_model import CModel, load_c_model
+from derive.compiler import find_compiler
+from derive.emit.c_target import render_c
+from derive.robot.robot import Robot
+from tests.emit.generated_models import source_of
+
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+
+def write_c_model(folder: Path, robot: Robot, program: Program | None = None) -> dict[str, str]:
+    """The files of the C target, written to a folder; their texts."""
+    texts = render_c(source_of(robot, program))
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return texts
+
+
+def c_model(robot: Robot, program: Program | None = None) -> CModel:
+    """The C model of a robot."""
+    compiler = find_compiler()
+    assert compiler is not None
+    with tempfile.TemporaryDirectory() as folder:
+        write_c_model(Path(folder), robot, program)
+        return load_c_model(Path(folder), compiler)
