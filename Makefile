@@ -4,8 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.derive-ready
 SMOKE := .smoke
+BENCH := .bench
 
-.PHONY: all setup models test test-fast check errata generated-check messages wheel wheel-smoke clean
+.PHONY: all setup models test test-fast check errata generated-check messages bench wheel wheel-smoke clean
 
 all: models
 
@@ -42,6 +43,16 @@ messages: $(READY)
 generated-check: $(READY)
 	$(BIN)/derive build --check --jobs 2
 
+# Operation counts and times side by side with other tools, in an environment of their own: about ten minutes.
+# `make bench QUICK=--quick` leaves out the slow ones.
+bench: $(BENCH)/.ready
+	$(BENCH)/bin/python -m bench $(QUICK)
+
+$(BENCH)/.ready: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(BENCH)
+	$(BENCH)/bin/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	@touch $@
+
 wheel: $(READY)
 	rm -rf dist
 	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python -m build --outdir dist
@@ -58,4 +69,4 @@ wheel-smoke: wheel
 	rm -rf $(SMOKE)
 
 clean:
-	rm -rf dist $(SMOKE) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf dist $(SMOKE) bench/.build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -1,0 +1,27 @@
+"""Count, time, and write pages and plot: `python -m bench`, which `make bench` runs."""
+
+from __future__ import annotations
+
+import argparse
+
+from bench import operations, timings
+from bench.plot import write_plot
+from bench.report import PLOT, write_pages, write_readme
+from bench.results import read_json, write_json
+
+
+def main() -> int:
+    """Everything in one run."""
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="fewer tools and rounds: under three minutes")
+    options = parser.parse_args()
+    write_json("operations", operations.run(options.quick))
+    write_json("timings", timings.run(options.quick))
+    write_pages()
+    write_readme()
+    write_plot(read_json("timings"), PLOT)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

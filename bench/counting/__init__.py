@@ -1,0 +1,1 @@
+"""Operations counted in one way for all: multiplications, additions, divisions, and sines and cosines."""

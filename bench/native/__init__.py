@@ -1,0 +1,5 @@
+"""C and C++ sources of the harness."""
+
+from pathlib import Path
+
+FOLDER = Path(__file__).parent
