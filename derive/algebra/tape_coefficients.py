@@ -37,6 +37,9 @@ class Coefficients:
         self.graph = graph
         self._residue: dict[int, int] = {}
         self._known: dict[int, Ref] = {0: ZERO}
+        self._sums: dict[tuple[Ref, Ref], Ref] = {}
+        self._products: dict[tuple[Ref, Ref], Ref] = {}
+        self._ratios: dict[tuple[Ref, Ref], Ref | None] = {}
 
     def is_unit(self, ref: Ref) -> bool:
         """Whether it is 1 or -1."""
@@ -56,21 +59,34 @@ class Coefficients:
 
     def add(self, a: Ref, b: Ref) -> Ref:
         """A + b."""
-        return self.same(self.graph.add(a, b))
+        found = self._sums.get((a, b))
+        if found is None:
+            found = self._sums[a, b] = self.same(self.graph.add(a, b))
+        return found
 
     def multiply(self, a: Ref, b: Ref) -> Ref:
         """A times b."""
-        if a >> 1 == 1 or b >> 1 == 1:
-            return a ^ (b & 1) if b >> 1 == 1 else b ^ (a & 1)
-        return self.same(self.graph.multiply(a, b))
+        if b >> 1 == 1:
+            return a ^ (b & 1)
+        if a >> 1 == 1:
+            return b ^ (a & 1)
+        found = self._products.get((a, b))
+        if found is None:
+            found = self._products[a, b] = self.same(self.graph.multiply(a, b))
+        return found
 
     def ratio(self, a: Ref, b: Ref) -> Ref | None:
-        """A over b where that is a number or one; None otherwise."""
+        """A over b where that is a number; None otherwise."""
         if a >> 1 == b >> 1:
             return ONE ^ ((a ^ b) & 1)
-        x, y = self.graph.constant_of(a), self.graph.constant_of(b)
-        if x is None or y is None or not y:
+        if self.graph.op[a >> 1] is not Op.CONSTANT or self.graph.op[b >> 1] is not Op.CONSTANT:
             return None
+        if (a, b) not in self._ratios:
+            self._ratios[a, b] = self._divide(a, b)
+        return self._ratios[a, b]
+
+    def _divide(self, a: Ref, b: Ref) -> Ref:
+        x, y = self.graph.constant_of(a), self.graph.constant_of(b)
         return self.graph.number(tape_constant.multiply(x, tape_constant.reciprocal(y)))
 
     def residue(self, ref: Ref) -> int:

@@ -1,7 +1,8 @@
-"""From an interned graph to a network of polynomials and back."""
+"""From an interned graph to a network of polynomials."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from derive.algebra.tape import LEAVES, Layer, Op
@@ -10,127 +11,98 @@ from derive.algebra.tape_coefficients import Coefficients
 from derive.algebra.tape_graph import ONE, ZERO, Graph, Ref
 from derive.algebra.tape_network import ROOT, Monomial, Network, Opaque, Operand, Polynomial
 
-_POLYNOMIAL = (Op.ADD, Op.SUBTRACT, Op.MULTIPLY)
+_SUMS = (Op.ADD, Op.SUBTRACT)
 
 
 def network_of(graph: Graph, outputs: Sequence[Ref]) -> Network:
-    """The network of ``outputs``; what depends on parameters alone becomes coefficients."""
-    coefficients = Coefficients(Graph())
-    network = Network(coefficients)
-    values: dict[int, Operand] = {}
-    for i in reachable(graph, outputs):
-        if graph.op[i] in LEAVES and graph.layer[i] == Layer.BODY:
-            values[i] = Operand(network.create(Opaque(None, (), i)), ONE)
-        elif graph.layer[i] < Layer.BODY:
-            values[i] = Operand(None, _hoisted(graph, i, values, coefficients))
-        else:
-            values[i] = _body(graph, i, values, network)
-    network.define(ROOT, Opaque(None, tuple(_signed(values[r >> 1], r & 1) for r in outputs)))
-    network.settle()
-    return network
+    """The network of ``outputs``; what depends on parameters alone becomes coefficients.
+
+    Sums in sums and products in products or sums, where the inner one serves nothing else, are taken as one.
+    """
+    return _Reader(graph, outputs).run()
 
 
-def _hoisted(graph: Graph, i: int, values: dict[int, Operand], coefficients: Coefficients) -> Ref:
-    if graph.op[i] in LEAVES:
-        return coefficients.same(copy_leaf(graph, i, coefficients.graph))
-    operands = (values[k].coefficient for k in graph.operands[i])
-    return coefficients.same(coefficients.graph.apply(graph.op[i], *operands))
+class _Reader:
+    def __init__(self, graph: Graph, outputs: Sequence[Ref]) -> None:
+        self.old = graph
+        self.outputs = outputs
+        self.order = reachable(graph, outputs)
+        self.coefficients = Coefficients(Graph())
+        self.network = Network(self.coefficients)
+        self.values: dict[int, Operand] = {}
+        self.uses: Counter[int] = Counter(ref >> 1 for ref in outputs)
+        self.user: dict[int, Op] = {}
+        for i in self.order:
+            for k in graph.operands[i]:
+                self.uses[k] += 1
+                self.user[k] = graph.op[i]
 
+    def run(self) -> Network:
+        """The network."""
+        for i in self.order:
+            if not self._absorbed(i):
+                self.values[i] = self._value(i)
+        outputs = tuple(_signed(self.values[ref >> 1], ref & 1) for ref in self.outputs)
+        self.network.define(ROOT, Opaque(None, outputs))
+        self.network.settle()
+        return self.network
 
-def _body(graph: Graph, i: int, values: dict[int, Operand], network: Network) -> Operand:
-    operands = [values[k] for k in graph.operands[i]]
-    op = graph.op[i]
-    if op not in _POLYNOMIAL:
-        return Operand(network.create(Opaque(op, tuple(operands))), ONE)
-    a, b = operands
-    if op is Op.SUBTRACT:
-        b = _signed(b, 1)
-    result: Polynomial = {}
-    if op is Op.MULTIPLY:
-        coefficient = network.coefficients.multiply(a.coefficient, b.coefficient)
-        monomial = tuple(sorted((*_monomial(a), *_monomial(b))))
-        network.plus(result, monomial, coefficient)
-    else:
-        network.plus(result, _monomial(a), a.coefficient)
-        network.plus(result, _monomial(b), b.coefficient)
-    return Operand(network.create(result), ONE)
+    def _absorbed(self, i: int) -> bool:
+        """Whether a sum or product is part of a larger one and of nothing else."""
+        op, user = self.old.op[i], self.user.get(i)
+        if self.uses[i] != 1 or user is None or self.old.layer[i] < Layer.BODY:
+            return False
+        return (op in _SUMS and user in _SUMS) or (op is Op.MULTIPLY and user in (*_SUMS, Op.MULTIPLY))
 
+    def _value(self, i: int) -> Operand:
+        op = self.old.op[i]
+        if self.old.layer[i] < Layer.BODY:
+            return Operand(None, self._coefficient(i))
+        if op in LEAVES:
+            return Operand(self.network.create(Opaque(None, (), i)), ONE)
+        if op in _SUMS or op is Op.MULTIPLY:
+            return Operand(self.network.create(self._polynomial(i)), ONE)
+        return Operand(self.network.create(Opaque(op, tuple(self.values[k] for k in self.old.operands[i]))), ONE)
 
-def _monomial(operand: Operand) -> Monomial:
-    return () if operand.variable is None else (operand.variable,)
+    def _coefficient(self, i: int) -> Ref:
+        if self.old.op[i] in LEAVES:
+            return self.coefficients.same(copy_leaf(self.old, i, self.coefficients.graph))
+        operands = (self.values[k].coefficient for k in self.old.operands[i])
+        return self.coefficients.same(self.coefficients.graph.apply(self.old.op[i], *operands))
+
+    def _polynomial(self, root: int) -> Polynomial:
+        """A sum of products, or one product."""
+        result: Polynomial = {}
+        stack = [(False, root)]
+        while stack:
+            negative, i = stack.pop()
+            if self.old.op[i] in _SUMS and (i == root or self._absorbed(i)):
+                left, right = self.old.operands[i]
+                stack.append((negative ^ (self.old.op[i] is Op.SUBTRACT), right))
+                stack.append((negative, left))
+            else:
+                monomial, coefficient = self._term(i, i == root)
+                if coefficient != ZERO:
+                    self.network.plus(result, monomial, coefficient ^ negative)
+        return result
+
+    def _term(self, root: int, is_root: bool) -> tuple[Monomial, Ref]:
+        factors: list[int] = []
+        coefficient = ONE
+        stack = [root]
+        while stack:
+            i = stack.pop()
+            if self.old.op[i] is Op.MULTIPLY and ((i == root and is_root) or self._absorbed(i)):
+                stack.extend(self.old.operands[i])
+                continue
+            operand = self.values[i]
+            coefficient = self.coefficients.multiply(coefficient, operand.coefficient)
+            if operand.variable is not None:
+                factors.append(operand.variable)
+        return tuple(sorted(factors)), coefficient
 
 
 def _signed(operand: Operand, negative: int) -> Operand:
     if operand.coefficient == ZERO:
         return operand
     return Operand(operand.variable, operand.coefficient ^ (negative & 1))
-
-
-def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
-    """The operations of a network in a graph, coefficients first."""
-    return _Writer(network, old).run()
-
-
-class _Writer:
-    def __init__(self, network: Network, old: Graph) -> None:
-        self.network = network
-        self.old = old
-        self.new = network.coefficients.graph
-        self.refs: dict[int, Ref] = {}
-
-    def run(self) -> tuple[Graph, tuple[Ref, ...]]:
-        """The graph and the outputs in it."""
-        for variable in self._order():
-            self.refs[variable] = self._value(variable)
-        root = self.network.definition[ROOT]
-        assert isinstance(root, Opaque)
-        return self.new, tuple(self._operand(operand) for operand in root.operands)
-
-    def _order(self) -> list[int]:
-        """Variables after those they need, depth first from the outputs."""
-        order: list[int] = []
-        done: set[int] = set()
-        stack = [ROOT]
-        while stack:
-            variable = stack[-1]
-            waiting = [k for k in self._needs(variable) if k not in done]
-            if waiting:
-                stack.extend(reversed(waiting))
-                continue
-            stack.pop()
-            if variable not in done and variable != ROOT:
-                done.add(variable)
-                order.append(variable)
-        return order
-
-    def _needs(self, variable: int) -> list[int]:
-        definition = self.network.definition[variable]
-        if isinstance(definition, Opaque):
-            return [o.variable for o in definition.operands if o.variable is not None]
-        return list(dict.fromkeys(v for monomial in definition for v in monomial))
-
-    def _operand(self, operand: Operand) -> Ref:
-        if operand.variable is None:
-            return operand.coefficient
-        return self.refs[operand.variable] ^ (operand.coefficient & 1)
-
-    def _value(self, variable: int) -> Ref:
-        definition = self.network.definition[variable]
-        if not isinstance(definition, Opaque):
-            return self._polynomial(definition)
-        if definition.op is None:
-            return copy_leaf(self.old, definition.source, self.new)
-        return self.new.apply(definition.op, *(self._operand(operand) for operand in definition.operands))
-
-    def _polynomial(self, polynomial: Polynomial) -> Ref:
-        terms = [self._term(m, k) for m, k in polynomial.items()]
-        result = ZERO
-        for ref in sorted(terms, key=lambda ref: (self.new.layer[ref >> 1], ref)):
-            result = self.new.add(result, ref)
-        return result
-
-    def _term(self, monomial: Monomial, coefficient: Ref) -> Ref:
-        result = coefficient
-        for ref in sorted(self.refs[v] for v in monomial):
-            result = self.new.multiply(result, ref)
-        return result

@@ -6,56 +6,44 @@ and Kastner 2006), with coefficients: a*x + b*x*y is x*(a + b*y), and with numbe
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
-
 from derive.algebra.tape_coefficients import Coefficients
 from derive.algebra.tape_graph import ONE, Ref
 from derive.algebra.tape_network import Monomial
 
 Key = tuple[int, int] | tuple[Monomial, Ref, Monomial, Ref]
+"""Two factors (a negative first one is minus the index of a coefficient), or two terms."""
+
+Place = tuple[tuple[Monomial, ...], Monomial, Ref, int]
+"""Where a divisor stands in a polynomial: the monomials of the terms that hold it, what is left of them without it, the
+coefficient, and the operations that are saved there, the divisor itself not counted."""
+
+Found = list[tuple[Key, Place]]
 
 
-class Place(NamedTuple):
-    """Where a divisor stands in a polynomial: a term with a pair of factors, or two terms.
-
-    Attributes:
-        terms: Monomials of the terms.
-        quotient: What is left of the terms without the divisor.
-        coefficient: Its coefficient.
-        saving: Operations saved here, the divisor itself not counted.
-    """
-
-    terms: tuple[Monomial, ...]
-    quotient: Monomial
-    coefficient: Ref
-    saving: int
-
-
-def factor_pairs(monomial: Monomial, coefficient: Ref) -> Iterator[tuple[Key, Place]]:
-    """Pairs of factors of a term; the key of a pair with the coefficient is negative there."""
-    if not monomial:
-        return
-    unit = coefficient >> 1 == ONE >> 1
-    if len(monomial) + (not unit) < 2:
-        return
-    if not unit:
+def factor_pairs(monomial: Monomial, coefficient: Ref) -> Found:
+    """Pairs of factors of a term, the coefficient among them."""
+    found: Found = []
+    count = len(monomial)
+    here = (monomial,)
+    if count and coefficient >> 1 != 1:
+        key, rest = -(coefficient >> 1), ONE ^ (coefficient & 1)
         for i, x in enumerate(monomial):
-            if i and monomial[i - 1] == x:
-                continue
-            quotient = monomial[:i] + monomial[i + 1 :]
-            yield (-(coefficient >> 1), x), Place((monomial,), quotient, ONE ^ (coefficient & 1), 1)
+            if not (i and monomial[i - 1] == x):
+                found.append(((key, x), (here, monomial[:i] + monomial[i + 1 :], rest, 1)))
+    if count < 2:
+        return found
     seen = set()
     for i, x in enumerate(monomial):
-        for j in range(i + 1, len(monomial)):
-            key = (x, monomial[j])
-            if key not in seen:
-                seen.add(key)
-                quotient = monomial[:i] + monomial[i + 1 : j] + monomial[j + 1 :]
-                yield key, Place((monomial,), quotient, coefficient, 1)
+        for j in range(i + 1, count):
+            pair = (x, monomial[j])
+            if pair not in seen:
+                seen.add(pair)
+                left = monomial[:i] + monomial[i + 1 : j] + monomial[j + 1 :]
+                found.append((pair, (here, left, coefficient, 1)))
+    return found
 
 
-def term_pairs(a: Monomial, j: Ref, b: Monomial, k: Ref, coefficients: Coefficients) -> list[tuple[Key, Place]]:
+def term_pairs(a: Monomial, j: Ref, b: Monomial, k: Ref, coefficients: Coefficients) -> Found:
     """Two terms of a sum as divisors: as they are, and with the coefficient of the first taken out.
 
     Args:
@@ -65,25 +53,29 @@ def term_pairs(a: Monomial, j: Ref, b: Monomial, k: Ref, coefficients: Coefficie
         k: Its coefficient.
         coefficients: Arithmetic of coefficients.
     """
-    common = _common(a, b) if a and b else ()
+    common = _common(a, b) if len(a) + len(b) > 2 and a and b else ()
     terms = (a, b)
-    before = term_cost(a, j) + term_cost(b, k) + 1 - len(common)
+    saving = (len(a) - 1 + (j >> 1 != 1) if a else 0) + (len(b) - 1 + (k >> 1 != 1) if b else 0) + 1
     if common:
+        saving -= len(common)
         a, b = _less(a, common), _less(b, common)
     if a > b:
         a, j, b, k = b, k, a, j
     sign = j & 1
-    found: list[tuple[Key, Place]] = [((a, j ^ sign, b, k ^ sign), Place(terms, common, ONE ^ sign, before))]
+    found: Found = [((a, j ^ sign, b, k ^ sign), (terms, common, ONE ^ sign, saving))]
     if j >> 1 != 1:
         ratio = coefficients.ratio(k, j)
         if ratio is not None:
-            found.append(((a, ONE, b, ratio), Place(terms, common, j, before - 1)))
+            found.append(((a, ONE, b, ratio), (terms, common, j, saving - 1)))
     return found
 
 
-def term_cost(monomial: Monomial, coefficient: Ref) -> int:
-    """Multiplications of a term."""
-    return len(monomial) - 1 + (coefficient >> 1 != 1) if monomial else 0
+def price(key: Key) -> int:
+    """Operations of a divisor."""
+    if len(key) == 2:
+        return 1
+    a, j, b, k = key
+    return (len(a) - 1 + (j >> 1 != 1) if a else 0) + (len(b) - 1 + (k >> 1 != 1) if b else 0) + 1
 
 
 def _common(a: Monomial, b: Monomial) -> Monomial:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from heapq import heappop, heappush
 
-from derive.algebra.tape_divisors import Key, Place, factor_pairs, term_cost, term_pairs
+from derive.algebra.tape_divisors import Found, Key, Place, factor_pairs, price, term_pairs
 from derive.algebra.tape_graph import ONE, Ref
 from derive.algebra.tape_network import Definition, Monomial, Network, Polynomial
 
@@ -17,20 +17,17 @@ class Extractor:
 
     Args:
         network: The network; all its changes must go through it from now on.
-        turn: Which of equally good divisors comes first: the oldest (0) or another fixed order.
     """
 
-    def __init__(self, network: Network, turn: int = 0) -> None:
+    def __init__(self, network: Network) -> None:
         self.network = network
-        self.turn = turn
-        self.places: dict[Key, dict[int, list[Place]]] = {}
-        self.savings: dict[Key, int] = {}
-        self._pairs: dict[int, list[tuple[Key, Place]]] = {}
-        self._known: dict[int, tuple[Polynomial, list[tuple[Key, Place]]]] = {}
-        self._term_memory: dict[tuple[tuple[Monomial, Ref], tuple[Monomial, Ref]], list[tuple[Key, Place]]] = {}
+        self._places: dict[Key, dict[int, list[Place]]] = {}
+        self._gains: dict[Key, int] = {}
+        self._pairs: dict[int, Found] = {}
+        self._known: dict[int, tuple[Polynomial, Found]] = {}
+        self._memory: dict[tuple[tuple[Monomial, Ref], tuple[Monomial, Ref]], Found] = {}
         self._heap: list[tuple[int, int, Key]] = []
         self._count = 0
-        self.banned: Key | None = None
         for variable, polynomial in network.polynomials():
             self.learn(variable, polynomial)
         network.watcher = self
@@ -39,76 +36,65 @@ class Extractor:
         """Take up the divisors of a new definition."""
         if not isinstance(definition, dict):
             return
-        pairs = self._pairs[variable] = self._divisors(definition)
-        self.network.work += 1 + len(pairs)
-        keys, savings = self.places, self.savings
-        for key, place in pairs:
-            row = keys.get(key)
+        found = self._pairs[variable] = self._divisors(definition)
+        self.network.work += 1 + len(found)
+        places, gains = self._places, self._gains
+        for key, place in found:
+            row = places.get(key)
             if row is None:
-                keys[key] = {variable: [place]}
-                savings[key] = place.saving - self._price(key)
+                places[key] = {variable: [place]}
+                gains[key] = place[3] - price(key)
                 continue
+            gains[key] += place[3]
             spots = row.get(variable)
             if spots is None:
                 row[variable] = [place]
             else:
                 spots.append(place)
-            savings[key] += place.saving
-        for key, _ in pairs:
-            if savings[key] > 0:
-                self._offer(key)
+        for key, _ in found:
+            if gains[key] > 0:
+                self._count += 1
+                heappush(self._heap, (-gains[key], self._count, key))
 
     def forget(self, variable: int, definition: Definition) -> None:
         """Drop the divisors of a definition."""
         if not isinstance(definition, dict):
             return
+        places, gains = self._places, self._gains
         for key, place in self._pairs.pop(variable):
-            row = self.places[key]
+            row = places[key]
             spots = row[variable]
             if len(spots) > 1:
                 spots.pop()
             elif len(row) > 1:
                 del row[variable]
             else:
-                del self.places[key], self.savings[key]
+                del places[key], gains[key]
                 continue
-            self.savings[key] -= place.saving
+            gains[key] -= place[3]
 
-    def _divisors(self, polynomial: Polynomial) -> list[tuple[Key, Place]]:
+    def _divisors(self, polynomial: Polynomial) -> Found:
         """Kept, for definitions come and go; and the polynomial with them, lest its address be given to another."""
         known = self._known.get(id(polynomial))
         if known is None:
-            found: list[tuple[Key, Place]] = []
+            found: Found = []
             for monomial, coefficient in polynomial.items():
-                found += factor_pairs(monomial, coefficient)
+                if len(monomial) > 1 or coefficient >> 1 != 1:
+                    found += factor_pairs(monomial, coefficient)
             if 1 < len(polynomial) <= _LONG:
-                found += self._term_pairs(polynomial)
+                self._add_term_pairs(polynomial, found)
             known = self._known[id(polynomial)] = (polynomial, found)
         return known[1]
 
-    def _term_pairs(self, polynomial: Polynomial) -> list[tuple[Key, Place]]:
-        found: list[tuple[Key, Place]] = []
+    def _add_term_pairs(self, polynomial: Polynomial, found: Found) -> None:
         terms = sorted(polynomial.items())
-        memory = self._term_memory
+        memory = self._memory
         for i, one in enumerate(terms):
             for other in terms[i + 1 :]:
                 pair = memory.get((one, other))
                 if pair is None:
                     pair = memory[one, other] = term_pairs(*one, *other, self.network.coefficients)
                 found += pair
-        return found
-
-    def _offer(self, key: Key) -> None:
-        self._count += 1
-        order = self._count if not self.turn else (self._count * 2654435761 * self.turn) % 4294967291
-        heappush(self._heap, (-self.savings[key], order, key))
-
-    def _price(self, key: Key) -> int:
-        """What a divisor costs if it is made."""
-        if len(key) == 2:
-            return 1
-        a, j, b, k = key
-        return term_cost(a, j) + term_cost(b, k) + 1
 
     def divisor(self, key: Key) -> Polynomial:
         """The polynomial of a divisor."""
@@ -122,16 +108,14 @@ class Extractor:
         """Extract until nothing saves."""
         while self._heap:
             claimed, order, key = heappop(self._heap)
-            if key not in self.places or key == self.banned:
+            if self._gains.get(key, 0) <= 0:
                 continue
             chosen = self._disjoint(key)
-            gain = sum(p.saving for row in chosen.values() for p in row) - self._price(key)
-            if gain <= 0:
-                continue
-            if gain < -claimed:
+            gain = sum(place[3] for places in chosen.values() for place in places) - price(key)
+            if gain == -claimed:
+                self._extract(key, chosen)
+            elif gain > 0:
                 heappush(self._heap, (-gain, order, key))
-                continue
-            self._extract(key, chosen)
 
     def drain(self) -> None:
         """Forget what was on offer: nothing saves."""
@@ -140,12 +124,16 @@ class Extractor:
     def _disjoint(self, key: Key) -> dict[int, list[Place]]:
         """Places of a divisor that do not share a term."""
         chosen: dict[int, list[Place]] = {}
-        for variable, places in self.places[key].items():
+        for variable, places in self._places[key].items():
+            if len(places) == 1:
+                chosen[variable] = places
+                continue
             used: set[Monomial] = set()
+            row = chosen[variable] = []
             for place in places:
-                if used.isdisjoint(place.terms):
-                    used.update(place.terms)
-                    chosen.setdefault(variable, []).append(place)
+                if used.isdisjoint(place[0]):
+                    used.update(place[0])
+                    row.append(place)
         return chosen
 
     def _extract(self, key: Key, chosen: dict[int, list[Place]]) -> None:
@@ -160,10 +148,10 @@ class Extractor:
 
     def _replace(self, variable: int, places: list[Place], home: int) -> None:
         network = self.network
-        old = network.polynomial(variable)
-        assert old is not None
-        gone = {monomial for place in places for monomial in place.terms}
-        new = {m: k for m, k in old.items() if m not in gone}
-        for place in places:
-            network.plus(new, tuple(sorted((*place.quotient, home))), place.coefficient)
+        new = dict(network.polynomial(variable) or {})
+        for terms, _, _, _ in places:
+            for monomial in terms:
+                del new[monomial]
+        for _, quotient, coefficient, _ in places:
+            network.plus(new, tuple(sorted((*quotient, home))), coefficient)
         network.define(variable, new)

@@ -8,7 +8,7 @@ from derive.algebra.tape import PARAMETER, Tape
 from derive.algebra.tape_build import bake, cut
 from derive.algebra.tape_cells import exact_number
 from derive.algebra.tape_graph import Graph, Ref
-from derive.algebra.tape_improve import improve
+from derive.algebra.tape_improve import EFFORT, Improvement
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
@@ -43,13 +43,14 @@ class Finisher:
 
         All are improved quickly; a longer search is spent on those that are close to the best.
         """
-        drafts = [improve(*bake(self._graph, outputs, self._replacements), _QUICK) for outputs in candidates]
-        costs = [cut(*draft).operations.cost for draft in drafts]
+        drafts = [Improvement(*bake(self._graph, outputs, self._replacements)) for outputs in candidates]
+        tapes = [cut(*draft.run(_QUICK)) for draft in drafts]
+        costs = [tape.operations.cost for tape in tapes]
         close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
         close.sort(key=costs.__getitem__)
-        tapes = {i: cut(*improve(*drafts[i])) for i in sorted(close[:_FINALISTS])}
-        winner = min(tapes, key=lambda i: tapes[i].operations.cost)
-        return winner, tapes[winner]
+        finished = {i: cut(*drafts[i].run(EFFORT)) for i in sorted(close[:_FINALISTS])}
+        winner = min(finished, key=lambda i: finished[i].operations.cost)
+        return winner, finished[winner]
 
 
 def _replacements(robot: Robot) -> dict[int, Callable[[Graph], Ref]]:

@@ -8,15 +8,9 @@ that cost nothing stay: they lead to others. The order of the trials is random w
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
 
-from derive.algebra.tape_convert import graph_of, network_of
 from derive.algebra.tape_extract import Extractor
-from derive.algebra.tape_graph import Graph, Ref
 from derive.algebra.tape_network import Network
-
-EFFORT = 20_000
-"""Divisors looked at by trials before the search ends: one or two tenths of a second."""
 
 _ROUNDS = 6
 _MAX_TERMS = 24
@@ -26,39 +20,28 @@ Trial = tuple[int, int | None]
 """A variable, and the one place where it is written out, or None for all."""
 
 
-def share(graph: Graph, outputs: Sequence[Ref], effort: int = EFFORT) -> tuple[Graph, tuple[Ref, ...]]:
-    """The same values with shared parts of sums and products found by search.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-        effort: Divisors that trials may look at.
-    """
-    network = network_of(graph, outputs)
-    Search(network, effort=effort).run()
-    return graph_of(network, graph)
-
-
 class Search:
     """A network that is being improved.
 
     Args:
         network: The network.
         seed: Of the order of trials.
-        effort: Divisors that trials may look at.
     """
 
-    def __init__(self, network: Network, seed: int = 0, effort: int = EFFORT) -> None:
+    def __init__(self, network: Network, seed: int = 0) -> None:
         self._network = network
         self._extractor = Extractor(network)
         self._random = random.Random(seed)
-        self._effort = effort
         self._limit = 0
 
-    def run(self) -> None:
-        """Share what can be shared at once, then try changes."""
+    def run(self, effort: int) -> None:
+        """Share what can be shared at once, then try changes.
+
+        Args:
+            effort: Divisors that trials may look at.
+        """
         self._extractor.run()
-        self._limit = self._network.work + self._effort
+        self._limit = self._network.work + effort
         for _ in range(_ROUNDS):
             self._round(self._used_once())
             self._round(self._used_often())

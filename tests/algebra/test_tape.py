@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from derive.algebra import tape_constant as constants
 from derive.algebra.tape import LEAVES, PARAMETER, Layer, Op, Operations, evaluate
 from derive.algebra.tape_build import bake, cost, cut, reachable
-from derive.algebra.tape_distribute import distribute
 from derive.algebra.tape_graph import ONE, ZERO, Graph
 from derive.algebra.tape_improve import improve
 from derive.algebra.tape_value import Value
@@ -49,7 +48,7 @@ def test_every_pass_keeps_the_values(program: RandomProgram, point: list[Fractio
     graph = Graph()
     with rational_functions():
         results = program.trace(graph)
-        stages = ((graph, results), improve(graph, results), distribute(graph, results))
+        stages = ((graph, results), improve(graph, results))
     for stage in stages:
         found = evaluate(cut(*stage), {"q": inputs, PARAMETER: parameters}, RATIONAL)
         assert found == wanted
