@@ -31,6 +31,11 @@ def floor() -> dict[str, Any]:
         return {"failed": brief(error)}
 
 
+def widest() -> int:
+    """Doubles in the widest vector of this processor."""
+    return max(lanes for lanes in _VECTORS if _runs(lanes))
+
+
 def _runs(lanes: int) -> bool:
     needed = {2: "sse2", 4: "avx2", 8: "avx512f"}[lanes]
     information = Path("/proc/cpuinfo")

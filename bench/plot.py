@@ -5,14 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from bench import our_times
 from bench.operations_report import SYMBOLS
 from bench.peers import pinocchio_cpp, pinocchio_python
 
 ROWS = {
     pinocchio_python.LOOP: "#9a6a12",
     pinocchio_cpp.LABEL: "#d0a13a",
-    "derive: model_numpy": "#5b8fd6",
-    "derive: model_native": "#2f9e6e",
+    our_times.NUMPY: "#5b8fd6",
+    our_times.NATIVE: "#2f9e6e",
 }
 _INK = "#7d8590"
 """Grey that is legible on white and on black."""

@@ -7,12 +7,13 @@ command that anyone can run.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from bench import our_times
 from bench.operations_report import SYMBOLS, operations_markdown, summary
-from bench.peers import pinocchio_cpp, pinocchio_python
+from bench.peers import casadi_by_hand, pinocchio_cpp, pinocchio_python
 from bench.results import FOLDER, read_json
 from bench.tables import ABSENT, environment_line, figure, table
 from bench.timings_report import timings_markdown
@@ -31,15 +32,16 @@ HEADLINE = (
     "scara-symbolic",
     "planar-2r-symbolic",
 )
-ROWS = (
+BATCH_ROWS = (
     pinocchio_python.LOOP,
     pinocchio_cpp.LABEL,
-    "CasADi by hand, base parameters: generated C, C loop",
-    "derive: the tape as plain NumPy lines",
-    "derive: model_numpy",
-    "derive: model.c, batch function",
-    "derive: model_native",
+    f"{casadi_by_hand.BASE.name}: generated C, C loop",
+    our_times.LINES,
+    our_times.NUMPY,
+    our_times.C_BATCH,
+    our_times.NATIVE,
 )
+SINGLE_ROWS = (pinocchio_python.ONE, our_times.NUMPY, our_times.NATIVE)
 
 
 def block(operations: dict[str, Any], timings: dict[str, Any]) -> str:
@@ -52,15 +54,17 @@ def _block(operations: dict[str, Any], timings: dict[str, Any]) -> Iterator[str]
     yield summary(operations, HEADLINE)
     for entry in timings["robots"].values():
         yield f"{entry['title']}, nanoseconds per configuration in a batch of {timings['batch']:,}, one core:"
-        yield table(("", *SYMBOLS), list(_lines(entry["batch"])))
+        yield table(("", *SYMBOLS), list(_lines(entry["batch"], BATCH_ROWS, 1)))
+        yield f"{entry['title']}, one configuration from Python, microseconds:"
+        yield table(("", *SYMBOLS), list(_lines(entry["one"], SINGLE_ROWS, 1000)))
     yield environment_line(timings["environment"])
 
 
-def _lines(rows: dict[str, Any]) -> Iterator[list[str]]:
-    for label in ROWS:
+def _lines(rows: dict[str, Any], labels: Iterable[str], unit: float) -> Iterator[list[str]]:
+    for label in labels:
         cells = [rows.get(label, {}).get(symbol, {}).get("median") for symbol in SYMBOLS]
         if any(cells):
-            yield [label, *(ABSENT if value is None else figure(value) for value in cells)]
+            yield [label, *(ABSENT if value is None else figure(value / unit) for value in cells)]
 
 
 def with_block(page: str, text: str) -> str:

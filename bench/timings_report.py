@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from bench import our_times
 from bench.floor import floor_of
 from bench.operations_report import SYMBOLS
 from bench.ours import OURS
@@ -33,7 +34,7 @@ def timings_markdown(results: dict[str, Any], operations: dict[str, Any]) -> str
         parts += [
             section(f"{entry['title']}, one configuration, µs", _table(entry["one"], _microseconds)),
             section(f"{entry['title']}, batch, ns per configuration", _table(entry["batch"], _nanoseconds)),
-            section(f"{entry['title']}, batch: how many times faster than Pinocchio", ratios(entry["batch"])),
+            section(f"{entry['title']}: how many times faster", ratios(entry["batch"]), single_ratios(entry["one"])),
         ]
     parts += [section("What the machine can do", *_machine(results, operations))]
     return "\n\n".join(parts) + "\n"
@@ -76,15 +77,28 @@ def ratio(rows: dict[str, Any], slow: str, fast: str, symbol: str) -> float | No
 
 
 def ratios(rows: dict[str, Any]) -> str:
-    """Our rows against Pinocchio's two loops."""
+    """Our rows of a batch against Pinocchio's two loops, and NumPy against the same tape as plain lines."""
+    pairs = [
+        (label, reference)
+        for reference in (pinocchio_python.LOOP, pinocchio_cpp.LABEL)
+        for label in rows
+        if label.startswith(OURS.name)
+    ]
+    return _ratio_table(rows, [*pairs, (our_times.NUMPY, our_times.LINES)])
+
+
+def single_ratios(rows: dict[str, Any]) -> str:
+    """Our rows of one configuration against Pinocchio from Python."""
+    pairs = [(label, pinocchio_python.ONE) for label in rows if label.startswith(OURS.name)]
+    return _ratio_table(rows, pairs)
+
+
+def _ratio_table(rows: dict[str, Any], pairs: Iterable[tuple[str, str]]) -> str:
     lines = []
-    for reference in (pinocchio_python.LOOP, pinocchio_cpp.LABEL):
-        for label in rows:
-            if label.startswith(OURS.name):
-                found = [ratio(rows, reference, label, symbol) for symbol in SYMBOLS]
-                if any(value is not None for value in found):
-                    texts = [ABSENT if value is None else times(value) for value in found]
-                    lines.append([f"{label} / {reference}", *texts])
+    for fast, slow in pairs:
+        found = [ratio(rows, slow, fast, symbol) for symbol in SYMBOLS]
+        if any(value is not None for value in found):
+            lines.append([f"{fast} against {slow}", *(ABSENT if v is None else times(v) for v in found)])
     return table(("times faster", *SYMBOLS), lines)
 
 
@@ -112,7 +126,7 @@ def _floors(results: dict[str, Any], operations: dict[str, Any]) -> str:
     rows = []
     for name, entry in results["robots"].items():
         cell = operations["robots"][name]["counts"][OURS.name]["tau"]
-        native = entry["batch"].get("derive: model_native", {}).get("tau", {})
+        native = entry["batch"].get(our_times.NATIVE, {}).get("tau", {})
         measured = _optional(native.get("median"))
         joints = results["robots"][name]["joints"]
         for lanes in results["floor"]["lanes"]:

@@ -22,7 +22,7 @@ def _peer(name: str, base: bool) -> Peer:
         return counted(case, _programs(case, base))
 
     def time(case: Case, motions: Sequence[Array]) -> Iterator[Row]:
-        return casadi_times.rows(name, case, _programs(case, base), motions)
+        return casadi_times.rows(name, case, _programs(case, base), motions, vectorised=True)
 
     return Peer(name, ("casadi",), count, time)
 

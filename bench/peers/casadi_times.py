@@ -14,7 +14,9 @@ import numpy as np
 
 from bench.compilers import library
 from bench.counting.casadi_graph import shared
+from bench.floor import widest
 from bench.native import FOLDER
+from bench.peers.casadi_lanes import lanes_loop
 from bench.peers.casadi_programs import Programs
 from bench.peers.passes import filled, one_by_one, whole_batch
 from bench.peers.peer import Row, Timed
@@ -22,11 +24,21 @@ from bench.quantities import BY_SYMBOL, arguments
 from bench.robots import Array, Case
 
 
-def rows(name: str, case: Case, programs: Programs, motions: Sequence[Array]) -> Iterator[Row]:
-    """The rows of a tool that yields CasADi functions of numeric robots."""
+def rows(
+    name: str, case: Case, programs: Programs, motions: Sequence[Array], vectorised: bool = False
+) -> Iterator[Row]:
+    """The rows of a tool that yields CasADi functions of numeric robots.
+
+    Args:
+        name: The tool.
+        case: The robot.
+        programs: Its functions.
+        motions: q, qd, qdd of the batch.
+        vectorised: Whether there is a row of its lines on short vectors.
+    """
     for symbol, program in programs:
         made = cache(_bound(symbol, program))
-        for way, batch, timed in _WAYS:
+        for way, batch, timed in (*_WAYS, _BY_LANES)[: None if vectorised else -1]:
             label = f"{name}: {way}"
             yield Row(label, symbol, batch, lambda t=timed, s=symbol, m=made: t(case, s, m(), motions))  # type: ignore[misc]
 
@@ -70,9 +82,17 @@ def _mapped(case: Case, symbol: str, function: Any, motions: Sequence[Array]) ->
 
 
 def _compiled(case: Case, symbol: str, function: Any, motions: Sequence[Array]) -> Timed:
+    return _looped(case, symbol, _loop(function), motions)
+
+
+def _lanes(case: Case, symbol: str, function: Any, motions: Sequence[Array]) -> Timed:
+    return _looped(case, symbol, lanes_loop(function, widest()), motions)
+
+
+def _looped(case: Case, symbol: str, compiled: ctypes.CDLL, motions: Sequence[Array]) -> Timed:
     inputs, shape = _inputs(case, symbol, motions)
     out = np.empty((len(inputs[0]), *shape))
-    loop, keep = _loop(function).loop, [np.ascontiguousarray(array) for array in inputs]
+    loop, keep = compiled.loop, [np.ascontiguousarray(array) for array in inputs]
     addresses = (ctypes.c_void_p * len(keep))(*(array.ctypes.data for array in keep))
     widths = (ctypes.c_long * len(keep))(*(array.shape[1] for array in keep))
     width, target = ctypes.c_long(int(np.prod(shape))), ctypes.c_void_p(out.ctypes.data)
@@ -99,3 +119,4 @@ _WAYS = (
     ("f.map(N), NumPy in and out", True, _mapped),
     ("generated C, C loop", True, _compiled),
 )
+_BY_LANES = ("lines vectorised by hand, C loop", True, _lanes)
