@@ -19,7 +19,7 @@ from bench.tables import ABSENT, environment_line, figure, table
 from bench.timings_report import timings_markdown
 
 ROOT = Path(__file__).parents[1]
-README, PLOT = ROOT / "README.md", ROOT / "docs" / "benchmarks.svg"
+README, PLOT = ROOT / "README.md", ROOT / "docs" / "images" / "benchmarks.svg"
 BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
 
 HEADLINE = (
@@ -100,7 +100,7 @@ def main() -> int:
     """Write or print."""
     parser = argparse.ArgumentParser(prog="python -m bench.report", description=__doc__)
     parser.add_argument("--print", action="store_true", dest="shown", help="print README's block and write nothing")
-    parser.add_argument("--no-plot", action="store_true", help="leave docs/benchmarks.svg as it is")
+    parser.add_argument("--no-plot", action="store_true", help="leave docs/images/benchmarks.svg as it is")
     options = parser.parse_args()
     if options.shown:
         print(block(read_json("operations"), read_json("timings")))
