@@ -9,6 +9,7 @@ from derive.algebra.tape_build import bake, cut
 from derive.algebra.tape_cells import exact_number
 from derive.algebra.tape_graph import Graph, Ref
 from derive.algebra.tape_improve import EFFORT, Improvement
+from derive.algebra.tape_price import price
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
@@ -33,6 +34,10 @@ class Finisher:
     def __init__(self, robot: Robot, graph: Graph) -> None:
         self._graph = graph
         self._replacements = _replacements(robot)
+
+    def price(self, outputs: Sequence[Ref]) -> tuple[int, int]:
+        """What some outputs cost before they are improved, and how many nodes were looked at."""
+        return price(*bake(self._graph, outputs, self._replacements))
 
     def tape(self, outputs: Sequence[Ref]) -> Tape:
         """The tape of some outputs."""

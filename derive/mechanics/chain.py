@@ -125,6 +125,7 @@ class Chain(Generic[S]):
         ends: K_i of the standard convention (identity in the modified one): joint frame i to DH frame i.
         bodies: Link i with the rotors that it carries, in joint frame i; empty without dynamics.
         gravity: Acceleration of gravity in frame 0 (the base transform taken off).
+        axial: Masses at the joint frames that resist acceleration along z alone; none unless regrouping makes them.
     """
 
     zero: S
@@ -135,6 +136,7 @@ class Chain(Generic[S]):
     ends: tuple[Frame[S], ...]
     bodies: tuple[Body[S], ...]
     gravity: Vector[S]
+    axial: tuple[S, ...] = ()
 
     @property
     def n(self) -> int:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 from derive.algebra.tape_domain import QD, QDD, TAU, Q
 from derive.algebra.tape_value import Value
 from derive.mechanics.composite_inertia import inertia_matrix
 from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.form_search import ALL_CHOICES, Forms
 from derive.mechanics.forward_dynamics import forward_dynamics
 from derive.mechanics.gravity import gravity_vector
 from derive.mechanics.newton_euler import inverse_dynamics
@@ -45,29 +44,33 @@ def no_accelerations(trace: Trace) -> Specification:
 
 
 def _inertia_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    return (Candidate(f"composite bodies {BASE}", lambda: flat(inertia_matrix(trace.regrouped))),)
+    def values(forms: Forms) -> list[Value]:
+        return flat(inertia_matrix(trace.arranged(forms)))
+
+    return (Candidate(f"composite bodies {BASE}", lambda: values(trace.cheapest_forms(values))),)
 
 
 def _coriolis_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    return (Candidate(f"moving composite bodies {BASE}", lambda: _coriolis(trace)),)
+    def values(forms: Forms) -> list[Value]:
+        return flat(coriolis_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
 
-
-def _coriolis(trace: Trace) -> list[Value]:
-    half = trace.domain.number(Fraction(1, 2))
-    return flat(coriolis_matrix(trace.regrouped, trace.arguments(QD), half))
+    return (Candidate(f"moving composite bodies {BASE}", lambda: values(trace.cheapest_forms(values))),)
 
 
 def _gravity_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    return (Candidate(f"composite first moments {BASE}", lambda: gravity_vector(trace.regrouped)),)
+    def values(forms: Forms) -> list[Value]:
+        return gravity_vector(trace.arranged(forms))
+
+    return (Candidate(f"composite first moments {BASE}", lambda: values(trace.cheapest_forms(values))),)
 
 
 def _torque_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    return (Candidate(f"Newton-Euler {BASE}", lambda: _torques(trace)),)
-
-
-def _torques(trace: Trace) -> list[Value]:
     rates, gains = trace.arguments(QD), trace.arguments(QDD)
-    return trace.with_friction(inverse_dynamics(trace.regrouped, rates, gains))
+
+    def values(forms: Forms) -> list[Value]:
+        return trace.with_friction(inverse_dynamics(trace.arranged(forms, axial=True), rates, gains, forms))
+
+    return (Candidate(f"Newton-Euler {BASE}", lambda: values(trace.cheapest_forms(values, ALL_CHOICES))),)
 
 
 def _accelerations(trace: Trace) -> list[Value]:

@@ -2,48 +2,87 @@
 
 Whatever part of link i looks the same however joint i moves belongs as well to link i-1. For a revolute joint this is
 a part symmetric about z_i: mass, m r_z and an inertia diag(w, w, 0); for a prismatic joint it is the whole inertia
-tensor (that of a body without mass). Moving w = I_yy leaves links without mass, m r_z and I_yy behind revolute joints,
-and a regrouped tensor inward, exactly and for any numbers (Gautier and Khalil, IEEE Trans. Robotics and Automation
-6(3), 1990; Khalil and Dombre, Modeling, Identification and Control of Robots, ch. 9). Inertia matrix, Coriolis matrix,
-gravity and torques do not change.
+tensor (that of a body without mass). Moving w = I_yy, or w = P_zz = (I_xx + I_yy - I_zz)/2 with P the second moments,
+leaves links without mass, m r_z and w behind revolute joints, and a regrouped tensor inward, exactly and for any numbers
+(Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; Khalil and Dombre, Modeling, Identification and
+Control of Robots, ch. 9). Inertia matrix, Coriolis matrix, gravity and torques do not change.
+
+A prismatic joint along the axis about which all joints before it turn leaves all of its link to link i-1 but for what
+the mass does along z: that is an *axial* mass, which Newton-Euler knows (`Chain.axial`) and the other recursions do not.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.joint_motion import origin, shift, turn_about_z, turn_tensor
+from derive.mechanics.joint_motion import body_to_parent, origin, shift, turn_about_z, turn_tensor
 from derive.mechanics.vectors import S, Symmetric, Vector, add, multiply, scale
 
 
-def regroup(chain: Chain[S]) -> Chain[S]:
-    """The same arm with as many inertial parameters zero as this rule makes."""
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What is moved inward from a link.
+
+    Attributes:
+        second_moments: From a revolute joint's link P_zz, else I_yy.
+        axial: From a prismatic joint's link all but its axial mass; its joint must allow it.
+    """
+
+    second_moments: bool = False
+    axial: bool = False
+
+
+def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) -> Chain[S]:
+    """The same arm with as many inertial parameters zero as this rule makes.
+
+    Args:
+        chain: The arm.
+        rules: One for each joint, or none.
+        half: The scalar 1/2, for second moments.
+    """
     bodies = list(chain.bodies)
     if not bodies:
         return chain
+    axial = [chain.zero] * chain.n
     for i in range(chain.n - 1, -1, -1):
-        joint = chain.joints[i]
-        kept, moved = (_split_revolute if joint.revolute else _split_prismatic)(chain, bodies[i])
-        bodies[i] = kept
+        joint, body, rule = chain.joints[i], bodies[i], rules[i] if rules else Rule()
+        if rule.axial and i:
+            bodies[i], moved = _nothing(chain), body_to_parent(replace(joint, offset=chain.zero), body)
+            axial[i], axial[i - 1] = axial[i] + body.mass, -body.mass
+        else:
+            bodies[i], part = (_split_revolute if joint.revolute else _split_prismatic)(chain, body, rule, half)
+            moved = _invariant_to_parent(joint, part)
+            if joint.revolute and i:
+                axial[i], axial[i - 1] = chain.zero, axial[i]
         if i:
-            bodies[i - 1] = bodies[i - 1] + _invariant_to_parent(joint, moved)
-    return replace(chain, bodies=tuple(bodies))
+            bodies[i - 1] = bodies[i - 1] + moved
+    return replace(chain, bodies=tuple(bodies), axial=tuple(axial) if any(rule.axial for rule in rules) else ())
 
 
-def _split_revolute(chain: Chain[S], body: Body[S]) -> tuple[Body[S], Body[S]]:
+def _nothing(chain: Chain[S]) -> Body[S]:
+    z = chain.zero
+    return Body(z, (z, z, z), Symmetric(z, z, z, z, z, z))
+
+
+def _split_revolute(chain: Chain[S], body: Body[S], rule: Rule, half: S | None) -> tuple[Body[S], Body[S]]:
     """What stays, and the part symmetric about z."""
     z, i = chain.zero, body.inertia
     x, y, along = body.first_moment
-    kept = Body(z, (x, y, z), Symmetric(i.xx - i.yy, z, i.zz, i.xy, i.xz, i.yz))
-    return kept, Body(body.mass, (z, z, along), Symmetric(i.yy, i.yy, z, z, z, z))
+    if rule.second_moments and half is not None:
+        moved = half * ((i.xx + i.yy) - i.zz)
+        xx, yy = half * ((i.xx + i.zz) - i.yy), half * ((i.yy + i.zz) - i.xx)
+    else:
+        moved, xx, yy = i.yy, i.xx - i.yy, z
+    kept = Body(z, (x, y, z), Symmetric(xx, yy, i.zz, i.xy, i.xz, i.yz))
+    return kept, Body(body.mass, (z, z, along), Symmetric(moved, moved, z, z, z, z))
 
 
-def _split_prismatic(chain: Chain[S], body: Body[S]) -> tuple[Body[S], Body[S]]:
+def _split_prismatic(chain: Chain[S], body: Body[S], rule: Rule, half: S | None) -> tuple[Body[S], Body[S]]:
     """What stays, and the tensor alone."""
-    z = chain.zero
-    none = Symmetric(z, z, z, z, z, z)
-    return Body(body.mass, body.first_moment, none), Body(z, (z, z, z), body.inertia)
+    nothing = _nothing(chain)
+    return replace(nothing, mass=body.mass, first_moment=body.first_moment), replace(nothing, inertia=body.inertia)
 
 
 def _invariant_to_parent(joint: ChainJoint[S], body: Body[S]) -> Body[S]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from fractions import Fraction
 from functools import cached_property
 
 from derive.algebra.tape_domain import QD, TapeDomain
+from derive.algebra.tape_finish import Finisher
 from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
+from derive.mechanics.arrangement import arrange
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.exact_rotations import has_exact_rotations
+from derive.mechanics.form_search import CHAIN_CHOICES, Forms, FormSearch, starting_forms
 from derive.mechanics.parallel_axes import Run, parallel_runs
 from derive.mechanics.regrouping import regroup
 from derive.mechanics.stations import Stations
@@ -44,6 +48,34 @@ class Trace:
     def regrouped(self) -> Chain[Value]:
         """The chain in base parameters."""
         return regroup(self.chain)
+
+    def arranged(self, forms: Forms, *, axial: bool = False) -> Chain[Value]:
+        """The chain in base parameters, with frames as the forms ask; ``axial`` as in `arrange`."""
+        return arrange(self.chain, forms, self.domain.cosine_sine_of_sum, self.half, axial=axial)
+
+    def cheapest_forms(
+        self, values: Callable[[Forms], Sequence[Value]], choices: Sequence[str] = CHAIN_CHOICES
+    ) -> Forms:
+        """The forms with which a function takes the fewest operations, as far as a short search finds them.
+
+        Args:
+            values: The function's outputs with some forms.
+            choices: The choices that make a difference to it.
+        """
+
+        def price(forms: Forms) -> tuple[int, int]:
+            return self._finisher.price([value.ref for value in values(forms)])
+
+        return FormSearch(self.chain, choices, price).best(starting_forms(self.chain))
+
+    @cached_property
+    def half(self) -> Value:
+        """1/2."""
+        return self.domain.number(Fraction(1, 2))
+
+    @cached_property
+    def _finisher(self) -> Finisher:
+        return Finisher(self.robot, self.graph)
 
     def arguments(self, kind: str) -> list[Value]:
         """The n entries of an argument: ``q``, ``qd``, ``qdd`` or ``tau``."""
