@@ -23,6 +23,7 @@ from derive.mechanics.parallel_axes import SumOfTurns, Turn, about_z
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
 
+
 def arrange(
     chain: Chain[Value], forms: Sequence[JointForm], total: SumOfTurns, half: Value, *, axial: bool = False
 ) -> Chain[Value]:

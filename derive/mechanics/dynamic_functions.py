@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from derive.algebra.tape_domain import QD, QDD, TAU, Q
 from derive.algebra.tape_value import Value
 from derive.mechanics.composite_inertia import inertia_matrix
@@ -44,38 +46,47 @@ def no_accelerations(trace: Trace) -> Specification:
 
 
 def _inertia_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    def values(forms: Forms) -> list[Value]:
-        return flat(inertia_matrix(trace.arranged(forms)))
-
-    return (Candidate(f"composite bodies {BASE}", lambda: values(trace.cheapest_forms(values))),)
+    return (Candidate(f"composite bodies {BASE}", lambda: flat(_inertia(trace))),)
 
 
 def _coriolis_candidates(trace: Trace) -> tuple[Candidate, ...]:
     def values(forms: Forms) -> list[Value]:
         return flat(coriolis_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
 
-    return (Candidate(f"moving composite bodies {BASE}", lambda: values(trace.cheapest_forms(values))),)
+    words = f"moving composite bodies {BASE}"
+    return (Candidate(words, lambda: values(trace.cheapest_forms("coriolis", values))),)
 
 
 def _gravity_candidates(trace: Trace) -> tuple[Candidate, ...]:
     def values(forms: Forms) -> list[Value]:
         return gravity_vector(trace.arranged(forms))
 
-    return (Candidate(f"composite first moments {BASE}", lambda: values(trace.cheapest_forms(values))),)
+    words = f"composite first moments {BASE}"
+    return (Candidate(words, lambda: values(trace.cheapest_forms("gravity", values))),)
 
 
 def _torque_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    rates, gains = trace.arguments(QD), trace.arguments(QDD)
+    return (Candidate(f"Newton-Euler {BASE}", lambda: _torques(trace, "torques", trace.arguments(QDD))),)
+
+
+def _inertia(trace: Trace) -> list[list[Value]]:
+    def matrix(forms: Forms) -> list[list[Value]]:
+        return inertia_matrix(trace.arranged(forms))
+
+    return matrix(trace.cheapest_forms("inertia", lambda forms: flat(matrix(forms))))
+
+
+def _torques(trace: Trace, name: str, gains: Sequence[Value]) -> list[Value]:
+    rates = trace.arguments(QD)
 
     def values(forms: Forms) -> list[Value]:
         return trace.with_friction(inverse_dynamics(trace.arranged(forms, axial=True), rates, gains, forms))
 
-    return (Candidate(f"Newton-Euler {BASE}", lambda: values(trace.cheapest_forms(values, ALL_CHOICES))),)
+    return values(trace.cheapest_forms(name, values, ALL_CHOICES))
 
 
 def _accelerations(trace: Trace) -> list[Value]:
-    bias = trace.with_friction(inverse_dynamics(trace.regrouped, trace.arguments(QD), trace.zeros()))
-    return forward_dynamics(inertia_matrix(trace.regrouped), bias, trace.arguments(TAU))
+    return forward_dynamics(_inertia(trace), _torques(trace, "bias", trace.zeros()), trace.arguments(TAU))
 
 
 def _divided_by_zero(trace: Trace) -> list[Value]:

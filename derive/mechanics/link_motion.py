@@ -1,8 +1,8 @@
 """Motion of the links from the base outwards, in joint frames.
 
-A point at r in a link accelerates with a + U r, where U = alpha^ + omega^ omega^ holds all that forces and moments need
-of omega and alpha (Khalil and Kleinfinger, 1987). The axis k of a joint stands still in both links that it joins, so U k
-is the same vector for both: the third column of U of a link is that of the link before, turned. With it
+A point at r in a link accelerates with a + U r, where U = alpha^ + omega^ omega^ holds all that forces and moments
+need of omega and alpha (Khalil and Kleinfinger, 1987). The axis k of a joint stands still in both links that it joins,
+so U k is the same vector for both: the third column of U of a link is that of the link before, turned. With it
 
     alpha_x = omega_y omega_z - U_yz,   alpha_y = U_xz - omega_x omega_z,   omega_x^2 + omega_y^2 = -U_zz
 

@@ -2,9 +2,9 @@
 
 Outward, the motion of the links (`derive.mechanics.link_motion`), gravity taken as an acceleration of the base (Luh,
 Walker and Paul 1980); inward, forces and moments. A body is moved by the force m a + U h and the moment sum m r x (U r)
-+ h x a, with h its first moment and U = alpha^ + omega^ omega^ (Khalil and Kleinfinger, 1987). The rotor of joint i adds to link i-1 the moment c (rate_dot u + rate
-omega x u) and to its own torque c u . omegadot + ratio^2 I rate_dot, with u its axis and omega of link i-1 (Siciliano
-et al., Robotics, section 7.3).
++ h x a, with h its first moment and U = alpha^ + omega^ omega^ (Khalil and Kleinfinger, 1987). The rotor of joint i
+adds to link i-1 the moment c (rate_dot u + rate omega x u) and to its own torque c u . omegadot + ratio^2 I rate_dot,
+with u its axis and omega of link i-1 (Siciliano et al., Robotics, section 7.3).
 """
 
 from __future__ import annotations
@@ -49,9 +49,7 @@ def inverse_dynamics(
     return torques[::-1]
 
 
-def body_wrench(
-    body: Body[S], motion: LinkMotion[S], second_moments: bool = False
-) -> tuple[Vector[S], Vector[S]]:
+def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = False) -> tuple[Vector[S], Vector[S]]:
     """Force and moment (at the origin) that move a body.
 
     Args:

@@ -3,12 +3,12 @@
 Whatever part of link i looks the same however joint i moves belongs as well to link i-1. For a revolute joint this is
 a part symmetric about z_i: mass, m r_z and an inertia diag(w, w, 0); for a prismatic joint it is the whole inertia
 tensor (that of a body without mass). Moving w = I_yy, or w = P_zz = (I_xx + I_yy - I_zz)/2 with P the second moments,
-leaves links without mass, m r_z and w behind revolute joints, and a regrouped tensor inward, exactly and for any numbers
-(Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; Khalil and Dombre, Modeling, Identification and
-Control of Robots, ch. 9). Inertia matrix, Coriolis matrix, gravity and torques do not change.
+leaves links without mass, m r_z and w behind revolute joints, and a regrouped tensor inward, exactly and for any
+numbers (Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; Khalil and Dombre, Modeling, Identification
+and Control of Robots, ch. 9). Inertia matrix, Coriolis matrix, gravity and torques do not change.
 
 A prismatic joint along the axis about which all joints before it turn leaves all of its link to link i-1 but for what
-the mass does along z: that is an *axial* mass, which Newton-Euler knows (`Chain.axial`) and the other recursions do not.
+the mass does along z: an *axial* mass, which Newton-Euler knows (`Chain.axial`) and the other recursions do not.
 """
 
 from __future__ import annotations

@@ -33,6 +33,7 @@ class Trace:
         self.domain = TapeDomain(robot, self.graph)
         self.n = robot.n
         self.chain: Chain[Value] = build_chain(robot, self.domain)
+        self._forms: dict[str, Forms] = {}
 
     @cached_property
     def runs(self) -> tuple[Run, ...]:
@@ -54,19 +55,22 @@ class Trace:
         return arrange(self.chain, forms, self.domain.cosine_sine_of_sum, self.half, axial=axial)
 
     def cheapest_forms(
-        self, values: Callable[[Forms], Sequence[Value]], choices: Sequence[str] = CHAIN_CHOICES
+        self, name: str, values: Callable[[Forms], Sequence[Value]], choices: Sequence[str] = CHAIN_CHOICES
     ) -> Forms:
         """The forms with which a function takes the fewest operations, as far as a short search finds them.
 
         Args:
-            values: The function's outputs with some forms.
+            name: Of the function; what is found for it once is remembered.
+            values: Its outputs with some forms.
             choices: The choices that make a difference to it.
         """
 
         def price(forms: Forms) -> tuple[int, int]:
             return self._finisher.price([value.ref for value in values(forms)])
 
-        return FormSearch(self.chain, choices, price).best(starting_forms(self.chain))
+        if name not in self._forms:
+            self._forms[name] = FormSearch(self.chain, choices, price).best(starting_forms(self.chain))
+        return self._forms[name]
 
     @cached_property
     def half(self) -> Value:
