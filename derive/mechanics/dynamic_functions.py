@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from derive.algebra.tape_domain import QD, QDD, TAU, Q
 from derive.algebra.tape_value import Value
+from derive.mechanics.closed_form import ClosedForm
 from derive.mechanics.composite_inertia import inertia_matrix
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.form_search import ALL_CHOICES, Forms
@@ -46,7 +47,8 @@ def no_accelerations(trace: Trace) -> Specification:
 
 
 def _inertia_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    return (Candidate(f"composite bodies {BASE}", lambda: flat(_inertia(trace))),)
+    words = f"composite bodies {BASE}"
+    return (Candidate(words, lambda: flat(_inertia(trace))), *_closed(trace, ClosedForm.inertia))
 
 
 def _coriolis_candidates(trace: Trace) -> tuple[Candidate, ...]:
@@ -54,7 +56,8 @@ def _coriolis_candidates(trace: Trace) -> tuple[Candidate, ...]:
         return flat(coriolis_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
 
     words = f"moving composite bodies {BASE}"
-    return (Candidate(words, lambda: values(trace.cheapest_forms("coriolis", values))),)
+    searched = Candidate(words, lambda: values(trace.cheapest_forms("coriolis", values)))
+    return (searched, *_closed(trace, ClosedForm.coriolis))
 
 
 def _gravity_candidates(trace: Trace) -> tuple[Candidate, ...]:
@@ -62,11 +65,25 @@ def _gravity_candidates(trace: Trace) -> tuple[Candidate, ...]:
         return gravity_vector(trace.arranged(forms))
 
     words = f"composite first moments {BASE}"
-    return (Candidate(words, lambda: values(trace.cheapest_forms("gravity", values))),)
+    searched = Candidate(words, lambda: values(trace.cheapest_forms("gravity", values)))
+    return (searched, *_closed(trace, ClosedForm.gravity))
 
 
 def _torque_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    return (Candidate(f"Newton-Euler {BASE}", lambda: _torques(trace, "torques", trace.arguments(QDD))),)
+    recursion = Candidate(f"Newton-Euler {BASE}", lambda: _torques(trace, "torques", trace.arguments(QDD)))
+    return (recursion, *_closed(trace, ClosedForm.torques, trace.with_friction))
+
+
+def _closed(
+    trace: Trace,
+    quantity: Callable[[ClosedForm], list[Value] | None],
+    finish: Callable[[list[Value]], list[Value]] = lambda values: values,
+) -> Iterator[Candidate]:
+    """Closed forms of a quantity where they are short."""
+    for form in trace.closed_forms:
+        if (values := quantity(form)) is not None:
+            outputs = finish(values)
+            yield Candidate(form.words, lambda outputs=outputs: outputs)  # type: ignore[misc]
 
 
 def _inertia(trace: Trace) -> list[list[Value]]:

@@ -12,6 +12,7 @@ from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_value import Value
 from derive.mechanics.arrangement import arrange
 from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.closed_form import ClosedForm
 from derive.mechanics.exact_rotations import has_exact_rotations
 from derive.mechanics.form_search import CHAIN_CHOICES, Forms, FormSearch, starting_forms
 from derive.mechanics.parallel_axes import Run, parallel_runs
@@ -44,6 +45,12 @@ class Trace:
     def stations(self) -> Stations | None:
         """Where vectors come from on their way to the world; None where base or tool is a rotation only nearly."""
         return Stations(self.chain, self.runs) if has_exact_rotations(self.robot) else None
+
+    @cached_property
+    def closed_forms(self) -> tuple[ClosedForm, ...]:
+        """Closed forms in each choice of angles."""
+        choices = (False, True) if any(len(run.placements) > 1 for run in self.runs) else (False,)
+        return tuple(ClosedForm(self.robot, self.domain, sums=sums) for sums in choices)
 
     @cached_property
     def regrouped(self) -> Chain[Value]:

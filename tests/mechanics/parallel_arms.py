@@ -9,10 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.algebra.tape import PARAMETER, evaluate
-from derive.algebra.tape_finish import Finisher
+from derive.algebra.tape_build import cut
+from derive.algebra.tape_domain import QD, QDD, Q
 from derive.algebra.tape_value import Value
 from derive.mechanics.trace import Trace
-from derive.robot.names import free_symbols
+from derive.robot.evaluate import evaluate as number
+from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
 from tests.mechanics.recursion_values import ARITHMETIC
 
@@ -38,8 +40,9 @@ def _row(rng: random.Random, i: int) -> str:
 
 
 def numbers(trace: Trace, values: Sequence[Value]) -> npt.NDArray[np.float64]:
-    """The values at q = 0.3, 0.7, 1.1, ... and parameters 0.5, 0.6, 0.7, ..."""
-    tape = Finisher(trace.robot, trace.graph).tape([value.ref for value in values])
-    parameters = [0.5 + 0.1 * k for k in range(len(free_symbols(trace.robot)))]
-    inputs = {"q": [0.3 + 0.4 * i for i in range(trace.n)], PARAMETER: parameters}
+    """The values as traced, at q = 0.3, 0.7, ..., qd = 1.3, ..., qdd = 2.3, ... and free symbols 0.5, 0.6, ..."""
+    tape = cut(trace.graph, [value.ref for value in values])
+    given, symbols = number_of(trace.robot), robot_symbols(trace.robot)
+    inputs = {kind: [0.3 + 0.4 * i + k for i in range(trace.n)] for k, kind in enumerate((Q, QD, QDD))}
+    inputs[PARAMETER] = [number(given[x], {}) if x in given else 0.5 + 0.1 * k for k, x in enumerate(symbols)]
     return np.array(evaluate(tape, inputs, ARITHMETIC)).real
