@@ -12,7 +12,7 @@ from derive.check.oracle.arm import Array
 from derive.check.verify.generated import GeneratedModel, Parameters
 from derive.check.verify.samples import SampleSet
 
-BLOCK_ROWS = 4133
+BLOCK_ROWS = 8231
 """More configurations than generated code handles at once, and no multiple of anything: faults between blocks show."""
 
 
