@@ -60,6 +60,12 @@ def test_the_dtype_of_the_arguments_is_kept_and_integers_become_floats(library: 
     assert MODEL.forward_kinematics(library.asarray([1, 2])).dtype == library.float64
 
 
+def test_python_numbers_among_compiled_arguments_do_not_widen_single_precision() -> None:
+    half = jnp.asarray([0.1, 0.2], dtype=jnp.float32)
+    gravity = jax.jit(lambda q, params: MODEL.gravity_vector(q, params=params))
+    assert gravity(half, PARAMETERS).dtype == jnp.float32
+
+
 def test_integers_become_single_precision_where_that_is_usual() -> None:
     with jax.enable_x64(False):
         assert MODEL.forward_kinematics(jnp.asarray([1, 2])).dtype == jnp.float32
