@@ -45,17 +45,25 @@ class Coefficients:
         """Whether it is 1 or -1."""
         return ref >> 1 == ONE >> 1
 
-    def same(self, ref: Ref) -> Ref:
-        """The reference by which this value is known."""
-        residue = self.residue(ref)
+    def residues(self) -> list[int]:
+        """The values of all coefficients so far."""
+        return list(self._known)
+
+    def find(self, residue: int) -> Ref | None:
+        """The coefficient of this value, if there is one."""
         found = self._known.get(residue)
         if found is not None:
             return found
         other = self._known.get(PRIME - residue)
-        if other is not None:
-            return other ^ 1
-        self._known[residue] = ref
-        return ref
+        return None if other is None else other ^ 1
+
+    def same(self, ref: Ref) -> Ref:
+        """The reference by which this value is known."""
+        residue = self.residue(ref)
+        found = self.find(residue)
+        if found is None:
+            found = self._known[residue] = ref
+        return found
 
     def add(self, a: Ref, b: Ref) -> Ref:
         """A + b."""
@@ -66,6 +74,8 @@ class Coefficients:
 
     def multiply(self, a: Ref, b: Ref) -> Ref:
         """A times b."""
+        if a == ZERO or b == ZERO:
+            return ZERO
         if b >> 1 == 1:
             return a ^ (b & 1)
         if a >> 1 == 1:
@@ -130,9 +140,20 @@ def combine(op: Op, operands: list[int]) -> int:
             return operands[0] * pow(operands[1], -1, PRIME) % PRIME
         case Op.NEGATE:
             return -operands[0] % PRIME
-        case Op.SINE | Op.SIGN:
+        case Op.SINE | Op.COSINE:
+            return _on_circle(op, operands[0])
+        case Op.SIGN:
             low = min(operands[0], PRIME - operands[0])
-            return scatter(int(op), low) if low == operands[0] else -scatter(int(op), low) % PRIME
-        case Op.COSINE:
-            return scatter(int(op), min(operands[0], PRIME - operands[0]))
+            value = scatter(int(op), low)
+            return value if low == operands[0] else PRIME - value
     return scatter(int(op), *operands)
+
+
+def _on_circle(op: Op, angle: int) -> int:
+    """Sine or cosine: a random rational point of the unit circle for each angle, mirrored for its negative."""
+    low = min(angle, PRIME - angle)
+    half = scatter("tangent", low)
+    scale = pow(1 + half * half, -1, PRIME)
+    if op is Op.COSINE:
+        return (1 - half * half) * scale % PRIME
+    return (2 * half if low == angle else -2 * half) * scale % PRIME

@@ -9,7 +9,7 @@ from derive.algebra.tape import LEAVES, Layer, Op
 from derive.algebra.tape_build import copy_leaf, reachable
 from derive.algebra.tape_coefficients import Coefficients
 from derive.algebra.tape_graph import ONE, ZERO, Graph, Ref
-from derive.algebra.tape_network import ROOT, Monomial, Network, Opaque, Operand, Polynomial
+from derive.algebra.tape_network import ROOT, Definition, Monomial, Network, Opaque, Operand, Polynomial
 
 _SUMS = (Op.ADD, Op.SUBTRACT)
 
@@ -61,8 +61,13 @@ class _Reader:
         if op in LEAVES:
             return Operand(self.network.create(Opaque(None, (), i)), ONE)
         if op in _SUMS or op is Op.MULTIPLY:
-            return Operand(self.network.create(self._polynomial(i)), ONE)
-        return Operand(self.network.create(Opaque(op, tuple(self.values[k] for k in self.old.operands[i]))), ONE)
+            return self._variable(self._polynomial(i))
+        return self._variable(Opaque(op, tuple(self.values[k] for k in self.old.operands[i])))
+
+    def _variable(self, definition: Definition) -> Operand:
+        """A new variable, unless the value is zero or known."""
+        known = self.network.find(self.network.evaluate(definition))
+        return known or Operand(self.network.create(definition), ONE)
 
     def _coefficient(self, i: int) -> Ref:
         if self.old.op[i] in LEAVES:

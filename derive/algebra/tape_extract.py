@@ -6,7 +6,7 @@ from heapq import heappop, heappush
 
 from derive.algebra.tape_divisors import Found, Key, Place, factor_pairs, price, term_pairs
 from derive.algebra.tape_graph import ONE, Ref
-from derive.algebra.tape_network import Definition, Monomial, Network, Polynomial
+from derive.algebra.tape_network import Definition, Monomial, Network, Operand, Polynomial
 
 _LONG = 40
 """Terms from which sums are not searched for pairs of terms: there are too many."""
@@ -138,20 +138,20 @@ class Extractor:
 
     def _extract(self, key: Key, chosen: dict[int, list[Place]]) -> None:
         network, divisor = self.network, self.divisor(key)
-        home = next((v for v in chosen if network.polynomial(v) == divisor), None)
-        if home is None:
-            home = network.create(divisor)
+        home = network.find(network.evaluate(divisor)) or Operand(network.create(divisor), ONE)
         for variable, places in chosen.items():
-            if variable != home:
+            if home.variable is None or not (home.variable == variable or network.needs(home.variable, variable)):
                 self._replace(variable, places, home)
         network.settle()
 
-    def _replace(self, variable: int, places: list[Place], home: int) -> None:
+    def _replace(self, variable: int, places: list[Place], home: Operand) -> None:
         network = self.network
         new = dict(network.polynomial(variable) or {})
         for terms, _, _, _ in places:
             for monomial in terms:
                 del new[monomial]
+        factor = () if home.variable is None else (home.variable,)
         for _, quotient, coefficient, _ in places:
-            network.plus(new, tuple(sorted((*quotient, home))), coefficient)
+            product = network.coefficients.multiply(coefficient, home.coefficient)
+            network.plus(new, tuple(sorted((*quotient, *factor))), product)
         network.define(variable, new)

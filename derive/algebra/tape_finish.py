@@ -14,9 +14,6 @@ from derive.robot.expression import Expression
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
 
-_QUICK = 4_000
-"""Effort on a candidate before the close ones are known."""
-
 _CLOSE = 1.03
 """Costs that a longer search may bring below the best one, in terms of it."""
 
@@ -49,13 +46,17 @@ class Finisher:
         All are improved quickly; a longer search is spent on those that are close to the best.
         """
         drafts = [Improvement(*bake(self._graph, outputs, self._replacements)) for outputs in candidates]
-        tapes = [cut(*draft.run(_QUICK)) for draft in drafts]
+        tapes = [cut(*draft.draft()) for draft in drafts]
         costs = [tape.operations.cost for tape in tapes]
         close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
         close.sort(key=costs.__getitem__)
-        finished = {i: cut(*drafts[i].run(EFFORT)) for i in sorted(close[:_FINALISTS])}
+        finished = {i: self._finish(drafts[i]) for i in sorted(close[:_FINALISTS])}
         winner = min(finished, key=lambda i: finished[i].operations.cost)
         return winner, finished[winner]
+
+    def _finish(self, draft: Improvement) -> Tape:
+        draft.search(EFFORT)
+        return cut(*draft.result())
 
 
 def _replacements(robot: Robot) -> dict[int, Callable[[Graph], Ref]]:

@@ -13,6 +13,8 @@ from derive.algebra.tape_write import graph_of
 EFFORT = 16_000
 """Divisors looked at by trials before the search ends: about a tenth of a second."""
 
+_DRAFT = EFFORT // 4
+
 
 def improve(graph: Graph, outputs: Sequence[Ref], effort: int = EFFORT) -> tuple[Graph, tuple[Ref, ...]]:
     """The same values for fewer operations.
@@ -22,7 +24,9 @@ def improve(graph: Graph, outputs: Sequence[Ref], effort: int = EFFORT) -> tuple
         outputs: References into it.
         effort: How long to search.
     """
-    return Improvement(graph, outputs).run(effort)
+    improvement = Improvement(graph, outputs)
+    improvement.search(effort)
+    return improvement.result()
 
 
 class Improvement:
@@ -39,8 +43,18 @@ class Improvement:
         self._network = network_of(graph, outputs)
         self._search = Search(self._network)
 
-    def run(self, effort: int) -> tuple[Graph, tuple[Ref, ...]]:
-        """Search, and give the cheapest program found so far."""
-        self._search.run(effort)
+    def draft(self) -> tuple[Graph, tuple[Ref, ...]]:
+        """A good program after a short search."""
+        self._search.run(_DRAFT)
+        return self.result()
+
+    def search(self, effort: int) -> None:
+        """Search for long."""
+        self._search.run(effort // 2)
+        self._search.resubstitute(effort)
+        self._search.run(effort // 2)
+
+    def result(self) -> tuple[Graph, tuple[Ref, ...]]:
+        """The cheapest program found so far."""
         found = graph_of(self._network, self._graph)
         return found if cost(*found) < cost(self._graph, self._outputs) else (self._graph, self._outputs)

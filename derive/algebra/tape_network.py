@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from derive.algebra.tape import Op
-from derive.algebra.tape_coefficients import Coefficients
+from derive.algebra.tape_coefficients import PRIME, Coefficients, combine, scatter
 from derive.algebra.tape_graph import ONE, ZERO, Ref
 
 Monomial = tuple[int, ...]
@@ -67,7 +67,8 @@ class Network:
         self.definition: dict[int, Definition] = {}
         self.users: dict[int, dict[int, int]] = {}
         self.cost = 0
-        self.fresh = 0
+        self.residue: list[int] = []
+        self._by_residue: dict[int, list[int]] = {}
         self.log: list[tuple[int, Definition | None]] = []
         self.work = 0
         self.watcher: Watcher | None = None
@@ -83,11 +84,59 @@ class Network:
         return found if isinstance(found, dict) else None
 
     def create(self, definition: Definition) -> int:
-        """A new variable."""
-        variable = self.fresh
-        self.fresh += 1
+        """A new variable; one of the same value that has been dropped lends its number."""
+        residue = self.evaluate(definition)
+        row = self._by_residue.setdefault(min(residue, PRIME - residue), [])
+        for variable in row:
+            if variable not in self.definition and self.residue[variable] == residue:
+                self.define(variable, definition)
+                return variable
+        variable = len(self.residue)
+        self.residue.append(residue)
+        row.append(variable)
         self.define(variable, definition)
         return variable
+
+    def evaluate(self, definition: Definition) -> int:
+        """The value of a definition at the random point at which coefficients are compared."""
+        if isinstance(definition, Opaque):
+            if definition.op is None:
+                return scatter("input", definition.source)
+            return combine(definition.op, [self._operand(operand) for operand in definition.operands])
+        total = 0
+        for monomial, coefficient in definition.items():
+            product = self.coefficients.residue(coefficient)
+            for variable in monomial:
+                product = product * self.residue[variable] % PRIME
+            total += product
+        return total % PRIME
+
+    def _operand(self, operand: Operand) -> int:
+        value = self.coefficients.residue(operand.coefficient)
+        return value if operand.variable is None else value * self.residue[operand.variable] % PRIME
+
+    def find(self, residue: int) -> Operand | None:
+        """A coefficient or the oldest variable that is known to have this value, or minus it."""
+        coefficient = self.coefficients.find(residue)
+        if coefficient is not None:
+            return Operand(None, coefficient)
+        for variable in self._by_residue.get(min(residue, PRIME - residue), ()):
+            if variable in self.definition:
+                return Operand(variable, ONE ^ (self.residue[variable] != residue))
+        return None
+
+    def needs(self, variable: int, other: int) -> bool:
+        """Whether the definition of a variable, or that of any in it, uses another."""
+        seen = {variable}
+        stack = [variable]
+        while stack:
+            for used in occurrences(self.definition[stack.pop()]):
+                if used == other:
+                    return True
+                if used not in seen:
+                    seen.add(used)
+                    stack.append(used)
+        return False
 
     def define(self, variable: int, definition: Definition | None) -> None:
         """Give a variable its definition, or take it away."""

@@ -11,6 +11,7 @@ import random
 
 from derive.algebra.tape_extract import Extractor
 from derive.algebra.tape_network import Network
+from derive.algebra.tape_resubstitute import Resubstitution
 
 _ROUNDS = 6
 _MAX_TERMS = 24
@@ -46,6 +47,40 @@ class Search:
             self._round(self._used_once())
             self._round(self._used_often())
 
+    def resubstitute(self, effort: int) -> None:
+        """Try other definitions of variables in terms of two others.
+
+        Args:
+            effort: Divisors that trials may look at.
+        """
+        network = self._network
+        self._limit = network.work + effort
+        others = Resubstitution(network)
+        for variable in others.candidates():
+            if network.work > self._limit:
+                return
+            if variable in network.definition:
+                self._redefine(variable, others)
+
+    def _redefine(self, variable: int, others: Resubstitution) -> None:
+        network = self._network
+        for definition in list(others.alternatives(variable)):
+            if not others.fits(variable, definition):
+                continue
+            cost, mark = network.cost, network.mark()
+            network.define(variable, definition)
+            self._settle(cost - 1, mark)
+            if network.cost < cost:
+                return
+
+    def _settle(self, limit: int, mark: int) -> None:
+        """Share anew after a change; take it back if the cost exceeds a limit."""
+        self._network.settle()
+        self._extractor.run()
+        if self._network.cost > limit:
+            self._network.undo(mark)
+            self._extractor.drain()
+
     def _used_once(self) -> list[Trial]:
         """Sums to be multiplied out: the trials that succeed most often, and the cheapest."""
         network = self._network
@@ -80,11 +115,7 @@ class Search:
         if not self._write_out(variable, user):
             network.undo(mark)
             return
-        network.settle()
-        self._extractor.run()
-        if network.cost > cost:
-            network.undo(mark)
-            self._extractor.drain()
+        self._settle(cost, mark)
 
     def _write_out(self, variable: int, user: int | None) -> bool:
         network = self._network

@@ -18,12 +18,12 @@ PARAMETERS = 2
 
 RATIONAL = {
     "number": lambda value: value,
-    "sin": lambda x: x**3 - 2 * x,
-    "cos": lambda x: 3 - x * x,
+    "sin": lambda x: 2 * x / (1 + x * x),
+    "cos": lambda x: (1 - x * x) / (1 + x * x),
     "sqrt": lambda x: x + 7,
     "sign": lambda x: Fraction((x > 0) - (x < 0)),
 }
-"""Any odd function may stand for the sine, any even one for the cosine: then every identity can be tested exactly."""
+"""Rational points of the unit circle stand for sine and cosine: then every identity can be tested exactly."""
 
 
 @dataclass(frozen=True)
