@@ -86,7 +86,7 @@ class OutputError(DeriveError):
 
 
 class TargetError(DeriveError):
-    """An unknown target, or a target that this robot cannot have."""
+    """An unknown target, or one that cannot be had: of this robot, or without a C compiler."""
 
 
 class LatexError(DeriveError):

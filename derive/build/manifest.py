@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ LARGEST = 10_000_000
 """Bytes of a manifest that is read at all."""
 
 
-def manifest_text(source: Source, targets: Iterable[Target], files: Mapping[str, bytes]) -> str:
+def manifest_text(source: Source, targets: Collection[Target], files: Mapping[str, bytes]) -> str:
     """The manifest of a build; keys sorted, one entry a line."""
     robot = source.robot
     content = {
@@ -38,6 +38,7 @@ def manifest_text(source: Source, targets: Iterable[Target], files: Mapping[str,
         "operations": operations_of(source.program),
         "operations_on_parameters": hoisted_operations_of(source.program),
         "targets": [target.name for target in targets],
+        "compiled": sorted(name for target in targets for name in target.compiled),
         "files": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},
     }
     return json.dumps(content, indent=2, sort_keys=True) + "\n"
@@ -56,6 +57,12 @@ def read_manifest(folder: Path) -> dict[str, Any] | None:
     return content if ours and isinstance(content.get("files"), dict) else None
 
 
+def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
+    """Libraries of a folder: compiled from its files, and of other bytes with every compiler."""
+    names = manifest.get("compiled", ())
+    return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
+
+
 def is_current(folder: Path, robot_digest: str, version: str, targets: Iterable[Target]) -> bool:
     """Whether a folder holds, untouched, what these targets of this version make of this robot file."""
     manifest = read_manifest(folder)
@@ -63,7 +70,12 @@ def is_current(folder: Path, robot_digest: str, version: str, targets: Iterable[
         return False
     wanted = (robot_digest, version, [target.name for target in targets])
     found = (manifest.get("robot_file_sha256"), manifest.get("version"), manifest.get("targets"))
-    return found == wanted and all(_is_untouched(folder / name, hash_) for name, hash_ in manifest["files"].items())
+    compiled = all((folder / name).is_file() for name in compiled_files(manifest))
+    return (
+        found == wanted
+        and compiled
+        and all(_is_untouched(folder / name, hash_) for name, hash_ in manifest["files"].items())
+    )
 
 
 def _is_untouched(path: Path, expected: object) -> bool:

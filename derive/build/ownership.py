@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from derive.build.manifest import FILE as MANIFEST
-from derive.build.manifest import read_manifest
+from derive.build.manifest import compiled_files, read_manifest
 from derive.errors import OutputError
 
 _CACHE = "__pycache__"
@@ -49,7 +49,7 @@ def users_files(target: Path) -> list[str]:
     if target.is_symlink() or not target.is_dir():
         return []
     manifest = read_manifest(target) or {"files": {}}
-    ours = {MANIFEST, _CACHE, *manifest["files"]}
+    ours = {MANIFEST, _CACHE, *manifest["files"], *compiled_files(manifest)}
     return sorted(path.name for path in target.iterdir() if path.name not in ours)
 
 

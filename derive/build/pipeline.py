@@ -7,12 +7,14 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from derive import __version__
+from derive.build.libraries import compile_libraries, library_names
 from derive.build.manifest import FILE as MANIFEST
-from derive.build.manifest import is_current, read_manifest
+from derive.build.manifest import compiled_files, is_current, read_manifest
 from derive.build.publish import heal, publish
 from derive.build.render import render_robot
 from derive.build.results import BuildResult, CheckResult, Progress
 from derive.check.verify import Report, verify
+from derive.compiler import require_compiler
 from derive.emit.readme_target import package_name
 from derive.emit.registry import targets_named
 from derive.robot.robot import Robot
@@ -43,7 +45,7 @@ def build_robot(
         progress: Told the stages.
 
     Raises:
-        TargetError: An unknown target.
+        TargetError: An unknown target, or one that needs a C compiler and there is none.
         OutputError: The folder cannot or may not be written.
         VerificationError: A generated function is wrong; the old folder stays.
     """
@@ -55,39 +57,51 @@ def build_robot(
     if not force and is_current(target, robot.digest, __version__, chosen):
         tell(robot.name, "unchanged")
         manifest = read_manifest(target) or {"files": {}}
-        return BuildResult(robot.name, target, (*manifest["files"], MANIFEST), True, {}, None, _since(started))
+        names = (*manifest["files"], MANIFEST, *compiled_files(manifest))
+        return BuildResult(robot.name, target, names, True, {}, None, _since(started))
+    libraries = library_names(chosen)
+    compiler = require_compiler() if libraries else None
     tell(robot.name, "derive")
     rendered = render_robot(robot, chosen)
 
     def check(folder: Path) -> Report | None:
+        if compiler:
+            tell(robot.name, "compile")
+            compile_libraries(folder, chosen, compiler, None if force else target)
         if not verified:
             return None
         tell(robot.name, "verify")
         return verify(robot, folder)
 
-    report = publish(rendered.files, target, robot.name, check)
+    report = publish(rendered.files, target, robot.name, check, libraries)
     tell(robot.name, "built")
     return BuildResult(
-        robot.name, target, tuple(rendered.files), False, rendered.operations, report, _since(started)
+        robot.name, target, (*rendered.files, *libraries), False, rendered.operations, report, _since(started)
     )
 
 
 def check_robot(robot: Robot, out: Path, targets: Iterable[str] | None = None) -> CheckResult:
     """Compares the folder of a robot with what a build would write, byte by byte; writes nothing.
 
+    Of compiled libraries only the presence is checked: what a compiler makes of the same text is its own affair.
+
     Raises:
         TargetError: An unknown target.
     """
     target = folder_of(robot, out)
-    wanted = render_robot(robot, targets_named(targets)).files
+    chosen = targets_named(targets)
+    wanted = render_robot(robot, chosen).files
     found = {name: _contents(target / name) for name in wanted}
-    listed = (read_manifest(target) or {"files": {}})["files"]
+    libraries = library_names(chosen)
+    absent = [name for name in libraries if not (target / name).is_file()]
+    manifest = read_manifest(target) or {"files": {}}
+    listed = (*manifest["files"], *compiled_files(manifest))
     return CheckResult(
         robot=robot.name,
         folder=target,
         stale=tuple(sorted(name for name, data in found.items() if data is not None and data != wanted[name])),
-        missing=tuple(sorted(name for name, data in found.items() if data is None)),
-        extra=tuple(sorted(name for name in listed if name not in wanted and _contents(target / name) is not None)),
+        missing=tuple(sorted([*(name for name, data in found.items() if data is None), *absent])),
+        extra=tuple(sorted(name for name in listed if name not in (*wanted, *libraries) and (target / name).is_file())),
     )
 
 

@@ -8,7 +8,7 @@ in it are kept.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
@@ -22,7 +22,13 @@ from derive.errors import OutputError
 R = TypeVar("R")
 
 
-def publish(files: Mapping[str, bytes], target: Path, robot_name: str, check: Callable[[Path], R]) -> R:
+def publish(
+    files: Mapping[str, bytes],
+    target: Path,
+    robot_name: str,
+    check: Callable[[Path], R],
+    further: Iterable[str] = (),
+) -> R:
     """Writes files into a folder that replaces ``target``.
 
     Args:
@@ -30,6 +36,7 @@ def publish(files: Mapping[str, bytes], target: Path, robot_name: str, check: Ca
         target: The folder; its parent is made if there is none.
         robot_name: The robot that the folder is for.
         check: Called with the finished temporary folder; what it raises stops the build, and the old folder stays.
+        further: Names of the files that ``check`` adds.
 
     Returns:
         What ``check`` returned.
@@ -39,13 +46,14 @@ def publish(files: Mapping[str, bytes], target: Path, robot_name: str, check: Ca
     """
     with _system_errors(target):
         target.parent.mkdir(parents=True, exist_ok=True)
-        staging, lock = _begin(target, robot_name, files)
+        names = (*files, *further)
+        staging, lock = _begin(target, robot_name, names)
     try:
         with _system_errors(target):
             _write(files, staging)
         result = check(staging)
         with _system_errors(target):
-            _finish(staging, target, robot_name, files)
+            _finish(staging, target, robot_name, names)
         return result
     finally:
         remove(staging)
@@ -71,7 +79,7 @@ def _system_errors(target: Path) -> Iterator[None]:
         ) from error
 
 
-def _begin(target: Path, robot_name: str, files: Mapping[str, bytes]) -> tuple[Path, int | None]:
+def _begin(target: Path, robot_name: str, files: Iterable[str]) -> tuple[Path, int | None]:
     """A locked, empty folder beside the target."""
     with exclusively(target.parent) as locks_work:
         recover(target.parent, locks_work)
@@ -89,7 +97,7 @@ def _write(files: Mapping[str, bytes], staging: Path) -> None:
     flush_folder(staging)
 
 
-def _finish(staging: Path, target: Path, robot_name: str, files: Mapping[str, bytes]) -> None:
+def _finish(staging: Path, target: Path, robot_name: str, files: Iterable[str]) -> None:
     """Gives the new folder the target's name; afterwards ``staging`` is the old one, or nothing."""
     with exclusively(target.parent):
         require_replaceable(target, robot_name, files)

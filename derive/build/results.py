@@ -10,7 +10,7 @@ from typing import Any
 from derive.check.verify import Report
 
 Progress = Callable[[str, str], None]
-"""Called with the robot's name and a stage: derive, verify, done or failed."""
+"""Called with the robot's name and a stage: derive, compile, verify, done or failed."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,8 @@ FILES = {
     "model_casadi.py": "the same functions as `casadi.Function` objects",
     "model.h": "the same functions in C99: what each takes and gives",
     "model.c": "their code, without allocation or globals",
+    "model_native.py": "the same functions as those of `model_numpy.py`, compiled",
+    "model_native.c": "NumPy's loops around `model.c`; compiled by `derive build`",
     "model.mjs": "the same functions as a JavaScript module, one configuration a call",
     "sheet.tex": "the equations, for `pdflatex sheet.tex`",
     "MANIFEST.json": "hash of the robot file, version of the tool, operation counts, hashes of the files",

@@ -8,17 +8,18 @@ from derive.emit.c_target import TARGET as C
 from derive.emit.casadi_target import TARGET as CASADI
 from derive.emit.javascript_target import TARGET as JAVASCRIPT
 from derive.emit.latex_target import TARGET as LATEX
+from derive.emit.native_target import TARGET as NATIVE
 from derive.emit.numpy_target import TARGET as NUMPY
 from derive.emit.readme_target import TARGET as README
 from derive.emit.target import Target
 from derive.errors import TargetError
 
-TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, C, JAVASCRIPT, LATEX, README)}
+TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, C, NATIVE, JAVASCRIPT, LATEX, README)}
 """By name, in the order in which they are written."""
 
 
 def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
-    """Targets by name, in the registry's order; for None those that a build writes unasked.
+    """Targets by name and those that they require, in the registry's order; for None what a build writes unasked.
 
     Raises:
         TargetError: An unknown name, or none at all.
@@ -30,4 +31,5 @@ def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
     if unknown or not wanted:
         found = f"unknown target {unknown[0]!r}" if unknown else "no target"
         raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}")
+    wanted |= {needed for name in wanted for needed in TARGETS[name].requires}
     return tuple(target for name, target in TARGETS.items() if name in wanted)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from derive.emit.source import Source
 
@@ -18,6 +18,9 @@ class Target:
         files: Names of the files that it writes.
         render: Makes their contents, by file name; a pure function.
         default: Whether a build writes it when no target is named.
+        requires: Names of the targets whose files it needs.
+        compiled: Libraries that a build compiles from them: for each the files that it depends on, the first of
+            which is given to the compiler.
     """
 
     name: str
@@ -25,3 +28,5 @@ class Target:
     files: tuple[str, ...]
     render: Callable[[Source], dict[str, str]]
     default: bool = True
+    requires: tuple[str, ...] = ()
+    compiled: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

@@ -90,6 +90,13 @@ class NumpyModel:
         return value
 
 
+class NativeModel(NumpyModel):
+    """``model_native.py``: the same functions, compiled."""
+
+    target = "native"
+    file = "model_native.py"
+
+
 @dataclass(frozen=True, slots=True)
 class CasadiModel:
     """``model_casadi.py``: CasADi functions of one configuration; a batch goes through ``Function.map``."""
@@ -120,7 +127,9 @@ class CasadiModel:
         return shaped if arguments[0].ndim > 1 else shaped[0]
 
 
-_KINDS: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {kind.file: kind for kind in (NumpyModel, CasadiModel)}
+_KINDS: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {
+    kind.file: kind for kind in (NumpyModel, CasadiModel, NativeModel)
+}
 
 MODULES = frozenset({*_KINDS, CModel.file})
 """Files that are verified."""
