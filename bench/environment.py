@@ -16,6 +16,7 @@ PACKAGES = (
     "numpy",
     "pin",
     "roboticstoolbox-python",
+    "skidy",
     "sympy",
     "urdf2casadi",
 )

@@ -14,7 +14,7 @@ import numpy as np
 
 from bench.environment import environment
 from bench.ours import OURS
-from bench.peers import adam_casadi, casadi_by_hand, sympy_by_hand, urdf_to_casadi
+from bench.peers import adam_casadi, casadi_by_hand, skidy_kinematics, sympy_by_hand, urdf_to_casadi
 from bench.peers.peer import Counted, Peer
 from bench.problems import brief
 from bench.quantities import BY_SYMBOL, TOLERANCE, arguments, relative_error
@@ -28,8 +28,9 @@ PEERS = (
     urdf_to_casadi.PEER,
     adam_casadi.PEER,
     sympy_by_hand.PEER,
+    skidy_kinematics.PEER,
 )
-SLOW = {sympy_by_hand.PEER.name}
+SLOW = {skidy_kinematics.PEER.name, urdf_to_casadi.PEER.name}
 _CHECKED = 3
 
 

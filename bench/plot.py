@@ -48,8 +48,11 @@ def _panel(panel: Any, entry: dict[str, Any]) -> None:
         pairs = [(place, value) for place, value in zip(places, cells, strict=True) if value]
         panel.bar([p for p, _ in pairs], [v for _, v in pairs], width * 0.92, color=colour, label=label)
         for place, value in pairs:
-            panel.text(place, value * 1.08, _short(value), ha="center", va="bottom", fontsize=6, color=_INK)
+            panel.text(
+                place, value * 1.15, _short(value), ha="center", va="bottom", rotation=90, fontsize=7, color=_INK
+            )
     panel.set_yscale("log")
+    panel.set_ylim(1, 3e4)
     panel.set_xticks(range(len(SYMBOLS)), SYMBOLS)
     panel.set_title(entry["title"], color=_INK, fontsize=10)
     panel.tick_params(colors=_INK, which="both")

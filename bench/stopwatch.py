@@ -23,7 +23,7 @@ class Effort:
     seconds: float
 
 
-FULL = Effort(11, 0.04)
+FULL = Effort(9, 0.04)
 QUICK = Effort(3, 0.01)
 
 

@@ -16,12 +16,13 @@ from bench.quantities import BY_SYMBOL
 from bench.robots import Case
 
 
-def _number(value: float) -> Any:
+def number(value: float) -> Any:
+    """Whole numbers exact, others as floats."""
     return sympy.Integer(int(value)) if value == int(value) else sympy.Float(value)
 
 
 SYSTEM = Arithmetic(
-    number=_number,
+    number=number,
     functions={"sin": sympy.sin, "cos": sympy.cos, "tan": sympy.tan, "sqrt": sympy.sqrt},
     symbol=sympy.Symbol,
     is_number=lambda value: bool(sympy.sympify(value).is_Number),
@@ -48,7 +49,7 @@ class SymPyProgram:
 def programs(case: Case, symbols: tuple[str, ...] = ("tau", "g")) -> Iterator[tuple[str, SymPyProgram]]:
     """Programs of some quantities; the others are left out for their time."""
     free = {name: sympy.Symbol(name) for name in case.numbers}
-    fixed = {name: _number(value) for name, value in case.values.items() if name not in free}
+    fixed = {name: number(value) for name, value in case.values.items() if name not in free}
     known = {symbol: case.numbers[name] for name, symbol in free.items()}
     parameters = dict(known)
 
