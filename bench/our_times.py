@@ -25,6 +25,9 @@ from bench.quantities import BY_SYMBOL, QUANTITIES, Quantity, arguments
 from bench.robots import Array, Case
 
 NUMPY, NATIVE = "derive: model_numpy", "derive: model_native"
+OUT = ", out="
+"""Into an array that is there already, as a loop in C does; a fresh one of some megabytes costs page faults."""
+
 LINES = "derive: the tape as plain NumPy lines"
 C_BATCH, C_LOOP = "derive: model.c, batch function", "derive: model.c, C loop"
 
@@ -35,6 +38,7 @@ def _time(case: Case, motions: Sequence[Array]) -> Iterator[Row]:
         for label, target in ((NUMPY, "numpy"), (NATIVE, "native")):
             yield Row(label, quantity.symbol, False, partial(_one, case, quantity, taken, target))
             yield Row(label, quantity.symbol, True, partial(_batch, case, quantity, taken, target))
+            yield Row(f"{label}{OUT}", quantity.symbol, True, partial(_into, case, quantity, taken, target))
         yield Row(LINES, quantity.symbol, True, partial(_plain, case, quantity, taken))
         yield Row(C_BATCH, quantity.symbol, True, partial(_c_batch, case, quantity, taken))
         yield Row(C_LOOP, quantity.symbol, True, partial(_c_loop, case, quantity, motions))
@@ -52,6 +56,12 @@ def _one(case: Case, quantity: Quantity, taken: Sequence[Array], target: str) ->
 
 def _batch(case: Case, quantity: Quantity, taken: Sequence[Array], target: str) -> Timed:
     return whole_batch(_function(case, quantity, target), taken)
+
+
+def _into(case: Case, quantity: Quantity, taken: Sequence[Array], target: str) -> Timed:
+    function = _function(case, quantity, target)
+    out = np.empty((len(taken[0]), *quantity.shape(case.robot.n)))
+    return filled(lambda: function(*taken, out=out), out)
 
 
 def _plain(case: Case, quantity: Quantity, taken: Sequence[Array]) -> Timed:

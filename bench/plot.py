@@ -12,8 +12,8 @@ from bench.peers import pinocchio_cpp, pinocchio_python
 ROWS = {
     pinocchio_python.LOOP: "#9a6a12",
     pinocchio_cpp.LABEL: "#d0a13a",
-    our_times.NUMPY: "#5b8fd6",
-    our_times.NATIVE: "#2f9e6e",
+    our_times.NUMPY + our_times.OUT: "#5b8fd6",
+    our_times.NATIVE + our_times.OUT: "#2f9e6e",
 }
 _INK = "#7d8590"
 """Grey that is legible on white and on black."""

@@ -38,8 +38,10 @@ BATCH_ROWS = (
     f"{casadi_by_hand.BASE.name}: generated C, C loop",
     our_times.LINES,
     our_times.NUMPY,
+    our_times.NUMPY + our_times.OUT,
     our_times.C_BATCH,
     our_times.NATIVE,
+    our_times.NATIVE + our_times.OUT,
 )
 SINGLE_ROWS = (pinocchio_python.ONE, our_times.NUMPY, our_times.NATIVE)
 

@@ -84,7 +84,7 @@ def ratios(rows: dict[str, Any]) -> str:
         for label in rows
         if label.startswith(OURS.name)
     ]
-    return _ratio_table(rows, [*pairs, (our_times.NUMPY, our_times.LINES)])
+    return _ratio_table(rows, [*pairs, *((our_times.NUMPY + way, our_times.LINES) for way in ("", our_times.OUT))])
 
 
 def single_ratios(rows: dict[str, Any]) -> str:
@@ -126,7 +126,7 @@ def _floors(results: dict[str, Any], operations: dict[str, Any]) -> str:
     rows = []
     for name, entry in results["robots"].items():
         cell = operations["robots"][name]["counts"][OURS.name]["tau"]
-        native = entry["batch"].get(our_times.NATIVE, {}).get("tau", {})
+        native = entry["batch"].get(our_times.NATIVE + our_times.OUT, {}).get("tau", {})
         measured = _optional(native.get("median"))
         joints = results["robots"][name]["joints"]
         for lanes in results["floor"]["lanes"]:

@@ -36,7 +36,7 @@ OPERATIONS: dict[str, Any] = {
 def timings() -> dict[str, Any]:
     batch = {
         "Pinocchio, C++ loop": {"tau": {"median": 900.0, "min": 890.0, "error": 0.0}},
-        "derive: model_native": {"tau": {"median": 30.0, "min": 29.0, "error": 0.0}, "B": {"failed": "no"}},
+        "derive: model_native, out=": {"tau": {"median": 30.0, "min": 29.0, "error": 0.0}, "B": {"failed": "no"}},
     }
     robots = {"puma560-numeric": {"title": "PUMA", "joints": 6, "one": {}, "batch": batch}}
     widths = {"4": {"operation": 0.02, "pair": 2.5, "scalar pair": 15.0}}
@@ -56,8 +56,8 @@ def test_pages_name_what_is_missing_and_what_failed() -> None:
 
 def test_ratios_are_of_medians_of_one_run() -> None:
     rows = timings()["robots"]["puma560-numeric"]["batch"]
-    assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native", "tau") == pytest.approx(30)
-    assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native", "B") is None
+    assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native, out=", "tau") == pytest.approx(30)
+    assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native, out=", "B") is None
 
 
 def test_floor_adds_arithmetic_and_sines() -> None:
