@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from time import perf_counter
+from time import perf_counter, thread_time
 
 from bench.peers.peer import Timed
 
@@ -28,29 +28,38 @@ QUICK = Effort(3, 0.01)
 
 
 def measure(rows: Mapping[str, Timed], effort: Effort) -> dict[str, dict[str, float]]:
-    """Nanoseconds per configuration of every row, its median and its minimum over the rounds."""
+    """Nanoseconds per configuration of every row over the rounds.
+
+    Returns:
+        ``median`` and ``min`` of the time that passes, and ``processor``, the median of the time that the processor was
+        ours: much less than ``median`` where the machine had other work.
+    """
     repeats = {label: _repeats(timed, effort.seconds) for label, timed in rows.items()}
-    samples: dict[str, list[float]] = {label: [] for label in rows}
+    samples: dict[str, list[tuple[float, float]]] = {label: [] for label in rows}
     for _ in range(effort.rounds):
         for label, timed in rows.items():
             samples[label].append(_nanoseconds(timed, repeats[label]))
-    return {label: {"median": _rounded(median(v)), "min": _rounded(min(v))} for label, v in samples.items()}
+    return {label: _statistics(values) for label, values in samples.items()}
+
+
+def _statistics(samples: Sequence[tuple[float, float]]) -> dict[str, float]:
+    passed, ours = zip(*samples, strict=True)
+    values = {"median": median(passed), "min": min(passed), "processor": median(ours)}
+    return {name: float(f"{value:.4g}") for name, value in values.items()}
 
 
 def _repeats(timed: Timed, seconds: float) -> int:
     """Passes in one turn; the first pass is for warming up."""
     timed.run()
-    once = _nanoseconds(timed, 1) * timed.count * 1e-9
+    once = _nanoseconds(timed, 1)[0] * timed.count * 1e-9
     return max(1, round(seconds / max(once, 1e-9)))
 
 
-def _nanoseconds(timed: Timed, repeats: int) -> float:
-    run = timed.run
-    start = perf_counter()
+def _nanoseconds(timed: Timed, repeats: int) -> tuple[float, float]:
+    """Time that passes, and this thread's own."""
+    run, scale = timed.run, 1e9 / (repeats * timed.count)
+    ours, start = thread_time(), perf_counter()
     for _ in range(repeats):
         run()
-    return (perf_counter() - start) * 1e9 / (repeats * timed.count)
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.4g}")
+    passed = perf_counter() - start
+    return passed * scale, (thread_time() - ours) * scale
