@@ -1,7 +1,8 @@
 """The machine's floor: how fast one core could be, measured by a small C program.
 
 Arithmetic is counted as multiplications and additions that are not fused, half of each; sines and cosines as pairs of
-libmvec's vector functions; memory as the bytes that a batch moves, a written line being read before.
+libmvec's vector functions or of our generated C, whichever are faster; memory as the bytes that a batch moves, a written
+line being read before.
 """
 
 from __future__ import annotations
@@ -10,9 +11,11 @@ import ctypes
 from pathlib import Path
 from typing import Any
 
+from bench.built import build
 from bench.compilers import library
 from bench.native import FOLDER
 from bench.problems import brief
+from bench.robots import TIMED
 
 _VECTORS = {2: "b", 4: "d", 8: "e"}
 """libmvec's letters for SSE, AVX2 and AVX-512."""
@@ -26,9 +29,20 @@ def floor() -> dict[str, Any]:
     """Nanoseconds per operation, pair and byte by lanes; ``failed`` where there is no compiler."""
     try:
         widths = {str(lanes): _measure(lanes) for lanes in _VECTORS if _runs(lanes)}
-        return {"lanes": widths, "byte": min(_call(_load(2), "memory", _DOUBLES) for _ in range(3))}
+        return {"lanes": widths, "byte": min(_call(_load(2), "memory", _DOUBLES) for _ in range(3)), **_ours()}
     except Exception as error:
         return {"failed": brief(error)}
+
+
+def _ours() -> dict[str, float]:
+    """The pair of sine and cosine in our generated C, if that can be built."""
+    try:
+        folder = build(TIMED[0], "c")
+        flags = (f'-DMODEL="{folder / "model.c"}"', f"-I{folder}", "-lm")
+        loaded = library(FOLDER / "our_sines.c", flags, [folder / "model.c"])
+        return {"our pair": float(f"{_best(loaded, 'pairs', _PAIRS // 500):.4g}")}
+    except (RuntimeError, OSError):
+        return {}
 
 
 def widest() -> int:
@@ -85,9 +99,10 @@ def floor_of(measured: dict[str, Any], lanes: int, arithmetic: int, trig: int, m
         ``arithmetic``, ``trig`` and ``memory``, ``cache`` = arithmetic + trig, ``batch`` = the larger of the last two.
     """
     width = measured["lanes"][str(lanes)]
+    pair = min(width.get("pair", width["scalar pair"]), measured.get("our pair", width["scalar pair"]))
     parts = {
         "arithmetic": arithmetic * width["operation"],
-        "trig": trig / 2 * width.get("pair", width["scalar pair"]),
+        "trig": trig / 2 * pair,
         "memory": 8 * moved * measured["byte"],
     }
     cache = parts["arithmetic"] + parts["trig"]
