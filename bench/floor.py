@@ -1,8 +1,8 @@
 """The machine's floor: how fast one core could be, measured by a small C program.
 
 Arithmetic is counted as multiplications and additions that are not fused, half of each; sines and cosines as pairs of
-libmvec's vector functions or of our generated C, whichever are faster; memory as the bytes that a batch moves, a written
-line being read before.
+libmvec's vector functions or of our generated C, whichever are faster; memory as the bytes that a batch moves, a
+written line being read before.
 """
 
 from __future__ import annotations
