@@ -13,7 +13,7 @@ from typing import NamedTuple
 from derive.algebra.tape_choice import choose
 from derive.algebra.tape_value import Value
 from derive.mechanics.stations import Stations
-from derive.mechanics.vectors import Frame, Vector, add, cross, scale, transpose
+from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, scale, transpose
 
 _MOST_STATIONS = 7
 """Of longer arms only the ways over near stations are tried; the number of all grows with the cube."""
@@ -86,7 +86,8 @@ def _linear_ways(stations: Stations, r: int, k: int) -> Ways:
     joint = stations.chain.joints[stations.runs[r].first + k]
     meetings = _meetings(stations, r)
     if not joint.revolute:
-        return [stations.world(r, place.axis(), meeting) for meeting in meetings]
+        outward = multiply(stations.turned(r, place), column(place.constant, 2))
+        return [outward, *(stations.world(r, place.axis(), meeting) for meeting in meetings)]
     x, y, _ = stations.whole(r, k)
     turned = [stations.world(r, (-y, x, stations.chain.zero), meeting) for meeting in meetings]
     if place is stations.runs[r].last:

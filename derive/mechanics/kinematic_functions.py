@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from derive.algebra.tape_domain import Q
+from derive.algebra.tape_price import price
 from derive.algebra.tape_value import Value
 from derive.mechanics import forward_kinematics as kinematics
 from derive.mechanics.cheapest_kinematics import cheapest_jacobian, cheapest_pose
@@ -15,6 +16,9 @@ from derive.mechanics.trace import Trace, flat
 from derive.mechanics.vectors import Frame
 
 _FRAMES = "transforms of joint frames from the base outwards"
+_NEAR = 1.05
+"""In terms of the cheapest."""
+
 _SEARCHED = "the shortest ways to the world frame, turned by sums of angles of parallel joints"
 
 
@@ -22,10 +26,21 @@ def kinematic_functions(trace: Trace) -> tuple[Specification, ...]:
     """Poses and Jacobians."""
     n = trace.n
     return (
-        Specification("forward_kinematics", (Q,), (4, 4), tuple(_poses(trace))),
-        Specification("link_transforms", (Q,), (n, 4, 4), tuple(_links(trace))),
-        Specification("jacobian", (Q,), (6, n), tuple(_jacobians(trace))),
+        Specification("forward_kinematics", (Q,), (4, 4), _near(trace, _poses(trace))),
+        Specification("link_transforms", (Q,), (n, 4, 4), _near(trace, _links(trace))),
+        Specification("jacobian", (Q,), (6, n), _near(trace, _jacobians(trace))),
     )
+
+
+def _near(trace: Trace, candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
+    """Those that are worth improving: no dearer as traced than the cheapest, nearly."""
+    known = [Candidate(candidate.formulation, _held(candidate.values())) for candidate in candidates]
+    prices = [price(trace.graph, [v.ref for v in candidate.values()])[0] for candidate in known]
+    return tuple(c for c, found in zip(known, prices, strict=True) if found <= _NEAR * min(prices))
+
+
+def _held(values: Sequence[Value]) -> Callable[[], Sequence[Value]]:
+    return lambda: values
 
 
 def _poses(trace: Trace) -> Iterator[Candidate]:

@@ -13,7 +13,7 @@ from functools import cached_property
 
 from derive.algebra.tape_value import Value
 from derive.mechanics.chain import Chain
-from derive.mechanics.parallel_axes import Run, about_z
+from derive.mechanics.parallel_axes import Placement, Run, about_z
 from derive.mechanics.vectors import Matrix, Vector, add, matmul, multiply, transpose
 
 
@@ -35,11 +35,13 @@ class Stations:
     def rotations(self) -> list[Matrix[Value]]:
         """The axes of each station in the world, built outwards."""
         found = [matmul(self.chain.base.rotation, self._fixed[0].rotation)]
-        for r, run in enumerate(self.runs, 1):
-            c, s = run.last.cosine, run.last.sine
-            x, y, z = ((c * x + s * y, c * y - s * x, z) for x, y, z in found[-1])
-            found.append(matmul((x, y, z), self._constants[r]))
+        for r, run in enumerate(self.runs):
+            found.append(matmul(_about_z(found[r], run.last), self._constants[r + 1]))
         return found
+
+    def turned(self, r: int, place: Placement) -> Matrix[Value]:
+        """The axes of station r in the world, turned about z as far as a joint of run r is."""
+        return _about_z(self.rotations[r], place)
 
     @cached_property
     def _constants(self) -> list[Matrix[Value]]:
@@ -89,3 +91,9 @@ class Stations:
             there = self._with_steps(r, -1, found[-1])
             found.append(self.inward(r, add(self.entries[r], there)))
         return found[::-1]
+
+
+def _about_z(rotation: Matrix[Value], place: Placement) -> Matrix[Value]:
+    c, s = place.cosine, place.sine
+    x, y, z = ((c * x + s * y, c * y - s * x, z) for x, y, z in rotation)
+    return (x, y, z)
