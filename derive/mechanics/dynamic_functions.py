@@ -8,7 +8,7 @@ from derive.algebra.tape_domain import QD, QDD, TAU, Q
 from derive.algebra.tape_value import Value
 from derive.mechanics.closed_form import ClosedForm
 from derive.mechanics.composite_inertia import inertia_matrix
-from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.christoffel_recursion import christoffel_matrix
 from derive.mechanics.form_search import ALL_CHOICES, Forms
 from derive.mechanics.forward_dynamics import forward_dynamics
 from derive.mechanics.gravity import gravity_vector
@@ -53,7 +53,7 @@ def _inertia_candidates(trace: Trace) -> tuple[Candidate, ...]:
 
 def _coriolis_candidates(trace: Trace) -> tuple[Candidate, ...]:
     def values(forms: Forms) -> list[Value]:
-        return flat(coriolis_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
+        return flat(christoffel_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
 
     words = f"moving composite bodies {BASE}"
     searched = Candidate(words, lambda: values(trace.cheapest_forms("coriolis", values)))
