@@ -6,16 +6,15 @@ velocity of the point per unit rate of joint i. All that joint j carries, seen f
     m,  h = sum m x,  P = sum m x x^T,  h' = sum m x',  E = sum m x' x^T,
 
 where x' is the velocity seen *from link j*: rigid parts of it do not count, so E is zero for the last link and grows
-inward by a joint's rate times z^ P and by no lever of a revolute joint. With omega of link j and the unit wrench (u, eta)
-that accelerates joint j alone, u = z x h, eta = I z, column j of C is the wrench
+inward by a joint's rate times z^ P and by no lever of a revolute joint. With omega of link j and the unit wrench
+(u, eta) that accelerates joint j alone, u = z x h, eta = I z, column j of C is the wrench
 
     f = omega x u + z x h',   n = z x (-P omega) + (-E_xz, -E_yz, E_xx + E_yy)
 
 for a revolute joint, m zdot and h x zdot for a prismatic one, zdot = omega x z; carried inward it has the components
-C_ij, i < j. Row j is C_ji = kappa . z_i, where kappa = eta x omega_i + sum m x' x (z_j x x) ... begins as the rate of eta
-seen from link j less n, and goes inward with what turns it: a joint's rate takes eta x z from it, a lever p adds
-p x (u x omega). That C + C^T is the rate of B is built in. Echeandia and Wensing, J. Mechanisms and Robotics 13(6), 2021,
-have the same matrix from another recursion.
+C_ij, i < j. Row j is C_ji = kappa . z_i, where kappa begins as the rate of eta seen from link j less n. Inward, a
+joint's rate takes eta x z from it and a lever p adds p x (u x omega). That C + C^T is the rate of B is built in.
+Echeandia and Wensing, J. Mechanisms and Robotics 13(6), 2021, have the same matrix from another recursion.
 
 A rotor spinning at ``ratio*qd`` about k is a body of its own. Against the same rotor locked to its link, with c =
 ratio I and omega of that link, it adds c rate/2 k^ to E of the link, c/2 omega x k to n of its column, c k to eta and
@@ -30,7 +29,19 @@ from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.joint_motion import axis, origin, rates, to_child, to_parent, turn_about_z, turn_tensor, work
-from derive.mechanics.vectors import Matrix, S, Symmetric, Vector, add, cross, matmul, multiply, scale, subtract, transpose
+from derive.mechanics.vectors import (
+    Matrix,
+    S,
+    Symmetric,
+    Vector,
+    add,
+    cross,
+    matmul,
+    multiply,
+    scale,
+    subtract,
+    transpose,
+)
 
 
 @dataclass(frozen=True, slots=True)

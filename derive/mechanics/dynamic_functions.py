@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 from derive.algebra.tape_domain import QD, QDD, TAU, Q
 from derive.algebra.tape_value import Value
+from derive.mechanics.christoffel_recursion import christoffel_matrix
 from derive.mechanics.closed_form import ClosedForm
 from derive.mechanics.composite_inertia import inertia_matrix
-from derive.mechanics.christoffel_recursion import christoffel_matrix
-from derive.mechanics.form_search import ALL_CHOICES, Forms
+from derive.mechanics.form_search import ALL_CHOICES, CHAIN_CHOICES, Forms
 from derive.mechanics.forward_dynamics import forward_dynamics
 from derive.mechanics.gravity import gravity_vector
 from derive.mechanics.newton_euler import inverse_dynamics
@@ -23,10 +24,10 @@ def dynamic_functions(trace: Trace) -> tuple[Specification, ...]:
     """Inertia, Coriolis and gravity, and the torques that they make."""
     n = trace.n
     return (
-        Specification("inertia_matrix", (Q,), (n, n), _inertia_candidates(trace)),
-        Specification("coriolis_matrix", (Q, QD), (n, n), _coriolis_candidates(trace)),
-        Specification("gravity_vector", (Q,), (n,), _gravity_candidates(trace)),
-        Specification("inverse_dynamics", (Q, QD, QDD), (n,), _torque_candidates(trace)),
+        Specification("inertia_matrix", (Q,), (n, n), tuple(_inertia_candidates(trace))),
+        Specification("coriolis_matrix", (Q, QD), (n, n), tuple(_coriolis_candidates(trace))),
+        Specification("gravity_vector", (Q,), (n,), tuple(_gravity_candidates(trace))),
+        Specification("inverse_dynamics", (Q, QD, QDD), (n,), tuple(_torque_candidates(trace))),
     )
 
 
@@ -46,32 +47,43 @@ def no_accelerations(trace: Trace) -> Specification:
     )
 
 
-def _inertia_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    words = f"composite bodies {BASE}"
-    return (Candidate(words, lambda: flat(_inertia(trace))), *_closed(trace, ClosedForm.inertia))
+def _inertia_candidates(trace: Trace) -> Iterator[Candidate]:
+    yield from _searched(trace, "inertia", f"composite bodies {BASE}", _inertia(trace))
+    yield from _closed(trace, ClosedForm.inertia)
 
 
-def _coriolis_candidates(trace: Trace) -> tuple[Candidate, ...]:
+def _coriolis_candidates(trace: Trace) -> Iterator[Candidate]:
     def values(forms: Forms) -> list[Value]:
         return flat(christoffel_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
 
-    words = f"moving composite bodies {BASE}"
-    searched = Candidate(words, lambda: values(trace.cheapest_forms("coriolis", values)))
-    return (searched, *_closed(trace, ClosedForm.coriolis))
+    yield from _searched(trace, "coriolis", f"composite bodies and their inner motion {BASE}", values)
+    yield from _closed(trace, ClosedForm.coriolis)
 
 
-def _gravity_candidates(trace: Trace) -> tuple[Candidate, ...]:
+def _gravity_candidates(trace: Trace) -> Iterator[Candidate]:
     def values(forms: Forms) -> list[Value]:
         return gravity_vector(trace.arranged(forms))
 
-    words = f"composite first moments {BASE}"
-    searched = Candidate(words, lambda: values(trace.cheapest_forms("gravity", values)))
-    return (searched, *_closed(trace, ClosedForm.gravity))
+    yield from _searched(trace, "gravity", f"composite first moments {BASE}", values)
+    yield from _closed(trace, ClosedForm.gravity)
 
 
-def _torque_candidates(trace: Trace) -> tuple[Candidate, ...]:
-    recursion = Candidate(f"Newton-Euler {BASE}", lambda: _torques(trace, "torques", trace.arguments(QDD)))
-    return (recursion, *_closed(trace, ClosedForm.torques, trace.with_friction))
+def _torque_candidates(trace: Trace) -> Iterator[Candidate]:
+    values = _torques(trace, trace.arguments(QDD))
+    yield from _searched(trace, "torques", f"Newton-Euler {BASE}", values, ALL_CHOICES)
+    yield from _closed(trace, ClosedForm.torques, trace.with_friction)
+
+
+def _searched(
+    trace: Trace,
+    name: str,
+    words: str,
+    values: Callable[[Forms], list[Value]],
+    choices: Sequence[str] = CHAIN_CHOICES,
+) -> Iterator[Candidate]:
+    """A recursion with each of the cheapest forms of the joints."""
+    for forms in trace.cheapest_forms(name, values, choices):
+        yield Candidate(words, partial(values, forms))
 
 
 def _closed(
@@ -86,24 +98,24 @@ def _closed(
             yield Candidate(form.words, lambda outputs=outputs: outputs)  # type: ignore[misc]
 
 
-def _inertia(trace: Trace) -> list[list[Value]]:
-    def matrix(forms: Forms) -> list[list[Value]]:
-        return inertia_matrix(trace.arranged(forms))
-
-    return matrix(trace.cheapest_forms("inertia", lambda forms: flat(matrix(forms))))
+def _inertia(trace: Trace) -> Callable[[Forms], list[Value]]:
+    return lambda forms: flat(inertia_matrix(trace.arranged(forms)))
 
 
-def _torques(trace: Trace, name: str, gains: Sequence[Value]) -> list[Value]:
+def _torques(trace: Trace, gains: Sequence[Value]) -> Callable[[Forms], list[Value]]:
     rates = trace.arguments(QD)
 
     def values(forms: Forms) -> list[Value]:
         return trace.with_friction(inverse_dynamics(trace.arranged(forms, axial=True), rates, gains, forms))
 
-    return values(trace.cheapest_forms(name, values, ALL_CHOICES))
+    return values
 
 
 def _accelerations(trace: Trace) -> list[Value]:
-    return forward_dynamics(_inertia(trace), _torques(trace, "bias", trace.zeros()), trace.arguments(TAU))
+    inertia, bias = _inertia(trace), _torques(trace, trace.zeros())
+    n, entries = trace.n, inertia(trace.cheapest_forms("inertia", inertia)[0])
+    matrix = [entries[n * i : n * i + n] for i in range(n)]
+    return forward_dynamics(matrix, bias(trace.cheapest_forms("bias", bias, ALL_CHOICES)[0]), trace.arguments(TAU))
 
 
 def _divided_by_zero(trace: Trace) -> list[Value]:

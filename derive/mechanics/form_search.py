@@ -10,16 +10,24 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from derive.algebra.tape_graph import Ref
 from derive.algebra.tape_value import Value
 from derive.mechanics.arrangement import holdable, places
 from derive.mechanics.chain import Chain
 from derive.mechanics.joint_form import JointForm
 
 Forms = tuple[JointForm, ...]
-Price = Callable[[Forms], tuple[int, int]]
-"""What a function costs with some forms, and the nodes looked at to find that."""
+Outputs = tuple[Ref, ...]
+Trial = Callable[[Forms], Outputs]
+"""Traces a function with some forms."""
+
+Price = Callable[[Outputs], tuple[int, int]]
+"""What some outputs cost, and the nodes looked at to find that."""
 
 _EFFORT = 80_000
+
+_CLOSE = 1.01
+"""Costs that improvement may bring below the best one, in terms of it."""
 
 CHAIN_CHOICES = ("place", "held", "second_moments")
 ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares")
@@ -31,25 +39,37 @@ class FormSearch:
     Args:
         chain: The arm as built.
         choices: Names of the choices that make a difference to the function.
-        price: The function's cost.
+        trial: Traces the function.
+        price: What that costs.
     """
 
-    def __init__(self, chain: Chain[Value], choices: Sequence[str], price: Price) -> None:
+    def __init__(self, chain: Chain[Value], choices: Sequence[str], trial: Trial, price: Price) -> None:
         self._chain = chain
         self._choices = choices
+        self._trial = trial
         self._price = price
-        self._known: dict[Forms, int] = {}
+        self._traced: dict[Forms, Outputs] = {}
+        self._costs: dict[Outputs, int] = {}
         self._effort = _EFFORT
 
-    def best(self, starts: Sequence[Forms]) -> Forms:
-        """The cheapest forms found."""
+    def best(self, starts: Sequence[Forms], count: int = 1) -> tuple[Forms, ...]:
+        """The cheapest forms found and up to ``count - 1`` that come close, each with another graph."""
         forms = min(starts, key=self._cost)
         while self._effort > 0:
             better = self._swept(forms)
             if better == forms:
                 break
             forms = better
-        return forms
+        return self._ranked(count)
+
+    def _ranked(self, count: int) -> tuple[Forms, ...]:
+        """One for each graph, cheapest first, the first found of equals."""
+        first: dict[Outputs, Forms] = {}
+        for forms, outputs in self._traced.items():
+            first.setdefault(outputs, forms)
+        ranked = sorted(first, key=self._costs.__getitem__)[:count]
+        limit = _CLOSE * self._costs[ranked[0]]
+        return tuple(first[outputs] for outputs in ranked if self._costs[outputs] <= limit)
 
     def _swept(self, forms: Forms) -> Forms:
         """Every choice of every joint once."""
@@ -78,12 +98,13 @@ class FormSearch:
         return []
 
     def _cost(self, forms: Forms) -> int:
-        found = self._known.get(forms)
-        if found is None:
-            found, nodes = self._price(forms)
-            self._known[forms] = found
+        outputs = self._traced.get(forms)
+        if outputs is None:
+            outputs = self._traced[forms] = self._trial(forms)
+        if outputs not in self._costs:
+            self._costs[outputs], nodes = self._price(outputs)
             self._effort -= nodes
-        return found
+        return self._costs[outputs]
 
 
 def starting_forms(chain: Chain[Value]) -> tuple[Forms, ...]:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from derive.algebra.tape_domain import QD, TapeDomain
 from derive.algebra.tape_finish import Finisher
-from derive.algebra.tape_graph import Graph
+from derive.algebra.tape_graph import Graph, Ref
 from derive.algebra.tape_value import Value
 from derive.mechanics.arrangement import arrange
 from derive.mechanics.chain import Chain, build_chain
@@ -19,6 +19,9 @@ from derive.mechanics.parallel_axes import Run, parallel_runs
 from derive.mechanics.regrouping import regroup
 from derive.mechanics.stations import Stations
 from derive.robot.robot import Robot
+
+_CLOSE_FORMS = 2
+"""Formulations that are improved before the cheapest is taken."""
 
 
 class Trace:
@@ -34,7 +37,7 @@ class Trace:
         self.domain = TapeDomain(robot, self.graph)
         self.n = robot.n
         self.chain: Chain[Value] = build_chain(robot, self.domain)
-        self._forms: dict[str, Forms] = {}
+        self._forms: dict[str, tuple[Forms, ...]] = {}
 
     @cached_property
     def runs(self) -> tuple[Run, ...]:
@@ -63,20 +66,24 @@ class Trace:
 
     def cheapest_forms(
         self, name: str, values: Callable[[Forms], Sequence[Value]], choices: Sequence[str] = CHAIN_CHOICES
-    ) -> Forms:
+    ) -> tuple[Forms, ...]:
         """The forms with which a function takes the fewest operations, as far as a short search finds them.
 
         Args:
             name: Of the function; what is found for it once is remembered.
             values: Its outputs with some forms.
             choices: The choices that make a difference to it.
+
+        Returns:
+            The cheapest before improvement, and others that come close.
         """
 
-        def price(forms: Forms) -> tuple[int, int]:
-            return self._finisher.price([value.ref for value in values(forms)])
+        def trial(forms: Forms) -> tuple[Ref, ...]:
+            return tuple(value.ref for value in values(forms))
 
         if name not in self._forms:
-            self._forms[name] = FormSearch(self.chain, choices, price).best(starting_forms(self.chain))
+            search = FormSearch(self.chain, choices, trial, self._finisher.price)
+            self._forms[name] = search.best(starting_forms(self.chain), _CLOSE_FORMS)
         return self._forms[name]
 
     @cached_property
