@@ -24,22 +24,29 @@ def c_context(source: Source) -> dict[str, object]:
     """What the templates ask for."""
     robot, program = source.robot, source.program
     functions = c_functions(program)
+    return c_heading(source) | {
+        "parameters": [{"name": name, "place": str(i)} for i, name in enumerate(program.parameters)],
+        "parameter_count": len(program.parameters),
+        "prefix": c_prefix(robot.name),
+        "guard": f"DERIVE_{c_prefix(robot.name).upper()}MODEL_H",
+        "functions": functions,
+        "has_angles": any(function.angle_count for function in functions),
+        "has_sign": _mentions(functions, "sign("),
+        "has_batches": any(function.arguments for function in functions),
+    }
+
+
+def c_heading(source: Source) -> dict[str, object]:
+    """What the comment at the top of a file in C asks for."""
+    robot = source.robot
     return {
         "title": c_comment(robot.title or robot.name),
         "name": c_comment(robot.name),
         "version": c_comment(source.version),
         "digest": robot.digest,
         "convention": robot.convention.value,
-        "joints": [c_comment(line) for line in joint_lines(robot)],
-        "parameters": [{"name": name, "place": str(i)} for i, name in enumerate(program.parameters)],
-        "parameter_count": len(program.parameters),
-        "prefix": c_prefix(robot.name),
-        "guard": f"DERIVE_{c_prefix(robot.name).upper()}MODEL_H",
         "dof": robot.n,
-        "functions": functions,
-        "has_angles": any(function.angle_count for function in functions),
-        "has_sign": _mentions(functions, "sign("),
-        "has_batches": any(function.arguments for function in functions),
+        "joints": [c_comment(line) for line in joint_lines(robot)],
     }
 
 

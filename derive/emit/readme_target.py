@@ -16,6 +16,8 @@ from derive.robot.robot import Robot
 FILES = {
     "model_numpy.py": "the functions for one configuration or any batch; imports NumPy alone",
     "model_casadi.py": "the same functions as `casadi.Function` objects",
+    "model_casadi.c": "CasADi's own C export of them",
+    "model_casadi.h": "its header",
     "model.h": "the same functions in C99: what each takes and gives",
     "model.c": "their code, without allocation or globals",
     "model_native.py": "the same functions as those of `model_numpy.py`, compiled",

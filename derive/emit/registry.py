@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from derive.emit.c_target import TARGET as C
+from derive.emit.casadi_c_target import TARGET as CASADI_C
 from derive.emit.casadi_target import TARGET as CASADI
 from derive.emit.javascript_target import TARGET as JAVASCRIPT
 from derive.emit.latex_target import TARGET as LATEX
@@ -14,7 +15,9 @@ from derive.emit.readme_target import TARGET as README
 from derive.emit.target import Target
 from derive.errors import TargetError
 
-TARGETS: dict[str, Target] = {target.name: target for target in (NUMPY, CASADI, C, NATIVE, JAVASCRIPT, LATEX, README)}
+_ALL = (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, LATEX, README)
+
+TARGETS: dict[str, Target] = {target.name: target for target in _ALL}
 """By name, in the order in which they are written."""
 
 

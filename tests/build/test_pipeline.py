@@ -145,7 +145,7 @@ def test_a_failed_verification_keeps_the_old_folder(
 
 def test_unknown_targets_are_refused_before_anything_is_written(arm: Robot, tmp_path: Path) -> None:
     """The message lists the targets there are."""
-    with pytest.raises(TargetError, match="numpy, casadi, c, native, javascript, latex, readme"):
+    with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, latex, readme"):
         build_robot(arm, tmp_path / "out", ["fortran"])
     with pytest.raises(TargetError):
         build_robot(arm, tmp_path / "out", [])

@@ -14,6 +14,7 @@ import numpy as np
 
 from derive.check.oracle.arm import Array
 from derive.check.verify.c_model import CModel, load_c_model
+from derive.check.verify.casadi_c_model import load_casadi_c
 from derive.compiler import Command
 from derive.errors import VerificationError
 
@@ -64,8 +65,8 @@ def load_models(folder: Path, compiler: Command | None = None) -> tuple[Generate
     models: list[GeneratedModel] = [
         kind(_import(folder / file)) for file, kind in _KINDS.items() if (folder / file).is_file()
     ]
-    if compiler and (folder / CModel.file).is_file():
-        models.append(load_c_model(folder, compiler))
+    if compiler:
+        models += [load(folder, compiler) for file, load in _COMPILED.items() if (folder / file).is_file()]
     return tuple(models)
 
 
@@ -127,11 +128,26 @@ class CasadiModel:
         return shaped if arguments[0].ndim > 1 else shaped[0]
 
 
+class CasadiCModel(CasadiModel):
+    """``model_casadi.c``: the C export of the same functions."""
+
+    target = "casadi-c"
+    file = "model_casadi.c"
+
+
 _KINDS: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {
     kind.file: kind for kind in (NumpyModel, CasadiModel, NativeModel)
 }
 
-MODULES = frozenset({*_KINDS, CModel.file})
+_COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
+    CModel.file: load_c_model,
+    CasadiCModel.file: lambda folder, compiler: CasadiCModel(load_casadi_c(folder, compiler)),
+}
+
+COMPILED = frozenset(_COMPILED)
+"""Files that are verified where there is a C compiler."""
+
+MODULES = COMPILED.union(_KINDS)
 """Files that are verified."""
 
 

@@ -12,10 +12,9 @@ import numpy as np
 
 from derive.check.oracle import FUNCTIONS
 from derive.check.oracle.arm import Array
-from derive.check.verify.c_model import CModel
 from derive.check.verify.expectation import AccelerationExpectation, Expectation, expectation
 from derive.check.verify.forms import FORMS, Trial, parameter_trials
-from derive.check.verify.generated import MODULES, GeneratedModel, load_models
+from derive.check.verify.generated import COMPILED, MODULES, GeneratedModel, load_models
 from derive.check.verify.report import TOLERANCE, Report, Row
 from derive.check.verify.samples import SampleSet, sample_sets
 from derive.compiler import find_compiler
@@ -51,7 +50,7 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
     """
     compiler = find_compiler()
     models = load_models(folder, compiler)
-    left_out = frozenset() if compiler else frozenset({CModel.file} & {path.name for path in folder.iterdir()})
+    left_out = frozenset() if compiler else COMPILED & {path.name for path in folder.iterdir()}
     sets = sample_sets(robot, samples, np.random.default_rng(seed))
     rows: list[Row] = []
     for model in models:
