@@ -15,10 +15,8 @@ from derive.algebra.tape_value import Value
 from derive.mechanics.stations import Stations
 from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, scale, transpose
 
-_MOST_STATIONS = 7
-"""Of longer arms only the ways over near stations are tried; the number of all grows with the cube."""
-
 _NEAR = 3
+"""How many stations away the ways of an arm with many lead."""
 
 Ways = list[Vector[Value]]
 
@@ -66,7 +64,7 @@ def _distinct(ways: Iterable[Vector[Value]]) -> Ways:
 
 def _meetings(stations: Stations, r: int) -> Sequence[int]:
     """Stations at which a vector of station r may meet a rotation from the base."""
-    return range(r, -1 if stations.last <= _MOST_STATIONS else max(r - _NEAR, -1), -1)
+    return range(r, -1 if stations.few else max(r - _NEAR, -1), -1)
 
 
 def _unit(stations: Stations, k: int) -> Vector[Value]:
@@ -124,10 +122,9 @@ class _Route(NamedTuple):
 
 def _routes(stations: Stations, r: int) -> Iterator[_Route]:
     last = stations.last
-    near = last <= _MOST_STATIONS
     yield _Route(last, last, True)
-    for meeting in range(last if near else r, -1 if near else max(r - _NEAR, -1), -1):
-        for end in range(r, last + 1 if near else min(r + _NEAR, last + 1)):
+    for meeting in range(last if stations.few else r, -1 if stations.few else max(r - _NEAR, -1), -1):
+        for end in range(r, last + 1 if stations.few else min(r + _NEAR, last + 1)):
             yield _Route(end, meeting, False)
             yield _Route(end, meeting, True)
 

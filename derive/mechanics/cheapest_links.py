@@ -11,9 +11,6 @@ from derive.mechanics.parallel_axes import Placement
 from derive.mechanics.stations import Stations
 from derive.mechanics.vectors import Frame, Matrix, Vector, add, column, matmul, multiply, scale, subtract
 
-_MOST_STATIONS = 7
-"""Longer arms are summed link after link."""
-
 
 def cheapest_links(stations: Stations) -> list[Frame[Value]]:
     """DH frames 1..n in the world frame, without the tool: as `derive.mechanics.forward_kinematics.link_transforms`."""
@@ -92,7 +89,7 @@ class _Links:
         slide = add(scale(joint.offset, column(self.joints[i], 2)), multiply(self.joints[i], end))
         yield add(add(self._before(i), self._gap(i)), slide)
         v = add(place.origin, place.turned(end))
-        for k in range(r, -1, -1) if self.stations.last <= _MOST_STATIONS else ():
+        for k in range(r, -1, -1) if self.stations.few else ():
             yield add(self.starts[k], self.stations.world(k, v, k))
             if k:
                 v = self.stations.inward(k, add(self.stations.entries[k], v))

@@ -16,6 +16,9 @@ from derive.mechanics.chain import Chain
 from derive.mechanics.parallel_axes import Placement, Run, about_z
 from derive.mechanics.vectors import Matrix, Vector, add, matmul, multiply, transpose
 
+_MOST_STATIONS, _MOST_JOINTS = 7, 12
+"""Of longer arms only the ways over near stations are tried; the number of all grows with the cube."""
+
 
 class Stations:
     """Stations 0 to ``last`` of one arm whose base and tool are exact rotations.
@@ -23,12 +26,16 @@ class Stations:
     Args:
         chain: The arm, one joint at least.
         runs: Its runs of parallel axes.
+
+    Attributes:
+        few: Whether all ways over them can be tried.
     """
 
     def __init__(self, chain: Chain[Value], runs: tuple[Run, ...]) -> None:
         self.chain = chain
         self.runs = runs
         self.last = len(runs)
+        self.few = self.last <= _MOST_STATIONS and chain.n <= _MOST_JOINTS
         self._fixed = [*(run.fixed for run in runs), chain.tool]
 
     @cached_property
