@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from derive.algebra.tape import LEAVES, PARAMETER, Node, Op, Output, Source, Tape
 from derive.algebra.tape_graph import Graph, Ref
+from derive.algebra.tape_schedule import schedule
 from derive.algebra.tape_signs import absorb_signs
 
 Leaf = Callable[[Graph, int, Graph], Ref]
@@ -76,8 +77,8 @@ def bake(
 
 
 def cut(graph: Graph, outputs: Sequence[Ref]) -> Tape:
-    """The tape of ``outputs``: what they need, depth first, so that values die soon after they are made."""
-    order = _depth_first(graph, outputs)
+    """The tape of ``outputs``: what they need, in an order in which few values are alive at a time."""
+    order = schedule(graph, outputs)
     number = {old: new for new, old in enumerate(order)}
     nodes = tuple(_renumbered(graph.node(i), number) for i in order)
     return absorb_signs(Tape(nodes, tuple(Output(number[r >> 1], bool(r & 1)) for r in outputs)))
@@ -85,24 +86,6 @@ def cut(graph: Graph, outputs: Sequence[Ref]) -> Tape:
 
 def _renumbered(node: Node, number: Mapping[int, int]) -> Node:
     return Node(node.op, tuple(number[k] for k in node.operands), node.layer, node.value, node.source)
-
-
-def _depth_first(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
-    order: list[int] = []
-    done: set[int] = set()
-    for ref in outputs:
-        stack = [ref >> 1]
-        while stack:
-            index = stack[-1]
-            waiting = [k for k in graph.operands[index] if k not in done]
-            if waiting:
-                stack.extend(reversed(waiting))
-                continue
-            stack.pop()
-            if index not in done:
-                done.add(index)
-                order.append(index)
-    return order
 
 
 def cost(graph: Graph, outputs: Sequence[Ref]) -> tuple[int, int]:

@@ -46,8 +46,7 @@ class Finisher:
         All are improved quickly; a longer search is spent on those that are close to the best.
         """
         drafts = [Improvement(*bake(self._graph, outputs, self._replacements)) for outputs in candidates]
-        tapes = [cut(*draft.draft()) for draft in drafts]
-        costs = [tape.operations.cost for tape in tapes]
+        costs = [draft.draft() for draft in drafts]
         close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
         close.sort(key=costs.__getitem__)
         finished = {i: self._finish(drafts[i]) for i in sorted(close[:_FINALISTS])}

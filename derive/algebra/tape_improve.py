@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from derive.algebra.tape import FUNCTION_COST, Op
 from derive.algebra.tape_build import cost
 from derive.algebra.tape_convert import network_of
 from derive.algebra.tape_graph import Graph, Ref
+from derive.algebra.tape_network import Opaque
 from derive.algebra.tape_search import Search
 from derive.algebra.tape_write import graph_of
 
 EFFORT = 16_000
 """Divisors looked at by trials before the search ends: about a tenth of a second."""
+
+_COSTS = {Op.DIVIDE: 1, Op.ROOT: 1, Op.SINE: FUNCTION_COST, Op.COSINE: FUNCTION_COST}
 
 _DRAFT = EFFORT // 4
 
@@ -43,10 +47,11 @@ class Improvement:
         self._network = network_of(graph, outputs)
         self._search = Search(self._network)
 
-    def draft(self) -> tuple[Graph, tuple[Ref, ...]]:
-        """A good program after a short search."""
+    def draft(self) -> int:
+        """A short search; returns what `Operations.cost` of the program is then."""
         self._search.run(_DRAFT)
-        return self.result()
+        functions = [d.op for d in self._network.definition.values() if isinstance(d, Opaque) and d.op is not None]
+        return self._network.cost + sum(_COSTS.get(op, 0) for op in functions)
 
     def search(self, effort: int) -> None:
         """Search for long."""

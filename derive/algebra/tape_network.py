@@ -171,6 +171,23 @@ class Network:
         if self.watcher is not None:
             self.watcher.forget(variable, definition)
 
+    def order(self) -> list[int]:
+        """Variables after those they need, depth first from the outputs."""
+        order: list[int] = []
+        done = {ROOT}
+        stack = [ROOT]
+        while stack:
+            variable = stack[-1]
+            waiting = [k for k in occurrences(self.definition[variable]) if k not in done]
+            if waiting:
+                stack.extend(reversed(waiting))
+                continue
+            stack.pop()
+            if variable not in done:
+                done.add(variable)
+                order.append(variable)
+        return order
+
     def mark(self) -> int:
         """Where the network stands, for `undo`."""
         return len(self.log)

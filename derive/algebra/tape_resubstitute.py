@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from derive.algebra.tape_coefficients import PRIME
 from derive.algebra.tape_graph import ONE
 from derive.algebra.tape_network import Monomial, Network, Operand, Polynomial
+from derive.algebra.tape_scale import Scale
 
 
 class Resubstitution:
@@ -22,6 +23,7 @@ class Resubstitution:
 
     def __init__(self, network: Network) -> None:
         self._network = network
+        self._scale = Scale(network)
         self._values = [(v, network.residue[v]) for v in network.definition if v >= 0 and network.residue[v]]
         self._known = {r for residue in network.coefficients.residues() for r in (residue, PRIME - residue)}
         self._known.update(r for _, residue in self._values for r in (residue, PRIME - residue))
@@ -56,12 +58,14 @@ class Resubstitution:
                 yield {tuple(sorted((other, *_monomial(rest)))): rest.coefficient}
 
     def fits(self, variable: int, definition: Polynomial) -> bool:
-        """Whether a definition is a new one, of variables that are in use and do not need this one."""
+        """Whether a definition is new, of variables that are in use and do not need this one, and is as accurate."""
         network = self._network
         if network.polynomial(variable) == definition:
             return False
         parts = [v for monomial in definition for v in monomial]
-        return all(v in network.definition and not network.needs(v, variable) for v in parts)
+        if not all(v in network.definition and not network.needs(v, variable) for v in parts):
+            return False
+        return self._scale.allows(variable, definition)
 
 
 def _monomial(operand: Operand) -> Monomial:

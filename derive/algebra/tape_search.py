@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import random
 
+from derive.algebra.tape_circle import Circle
 from derive.algebra.tape_extract import Extractor
 from derive.algebra.tape_network import Network
 from derive.algebra.tape_resubstitute import Resubstitution
@@ -33,6 +34,7 @@ class Search:
         self._network = network
         self._extractor = Extractor(network)
         self._random = random.Random(seed)
+        self._circle = Circle(network)
         self._limit = 0
 
     def run(self, effort: int) -> None:
@@ -45,6 +47,7 @@ class Search:
         self._limit = self._network.work + effort
         for _ in range(_ROUNDS):
             self._round(self._used_once())
+            self._turn()
             self._round(self._used_often())
 
     def resubstitute(self, effort: int) -> None:
@@ -80,6 +83,28 @@ class Search:
         if self._network.cost > limit:
             self._network.undo(mark)
             self._extractor.drain()
+
+    def _turn(self) -> None:
+        """Squares of sines in terms of cosines or the other way round, in all definitions at once."""
+        network = self._network
+        for variable in self._circle.partner:
+            if network.work > self._limit:
+                return
+            cost, mark = network.cost, network.mark()
+            self._write_out_squares(variable)
+            for changed, polynomial in list(network.polynomials()):
+                if variable in self._circle.squares(polynomial):
+                    network.define(changed, self._circle.without(polynomial, variable))
+            if network.mark() > mark:
+                self._settle(cost - 1, mark)
+
+    def _write_out_squares(self, variable: int) -> None:
+        """Write out products and single-use sums in which a square may hide."""
+        network = self._network
+        hidden = [v for v, p in network.polynomials() if any(variable in m for m in p) and len(network.users[v]) == 1]
+        hidden += [v for v, p in network.polynomials() if len(p) == 1 and any(variable in m for m in p)]
+        for inner in dict.fromkeys(hidden):
+            self._write_out(inner, None)
 
     def _used_once(self) -> list[Trial]:
         """Sums to be multiplied out: the trials that succeed most often, and the cheapest."""
@@ -128,7 +153,7 @@ class Search:
             outer = network.polynomial(place)
             if outer is None:
                 continue
-            longer = network.expanded(outer, variable, inner)
+            longer = self._circle.shortest(network.expanded(outer, variable, inner))
             if len(longer) > _MAX_TERMS:
                 return False
             network.define(place, longer)

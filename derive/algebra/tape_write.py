@@ -21,34 +21,11 @@ class _Writer:
 
     def run(self) -> tuple[Graph, tuple[Ref, ...]]:
         """The graph and the outputs in it."""
-        for variable in self._order():
+        for variable in self.network.order():
             self.refs[variable] = self._value(variable)
         root = self.network.definition[ROOT]
         assert isinstance(root, Opaque)
         return self.new, tuple(self._operand(operand) for operand in root.operands)
-
-    def _order(self) -> list[int]:
-        """Variables after those they need, depth first from the outputs."""
-        order: list[int] = []
-        done: set[int] = set()
-        stack = [ROOT]
-        while stack:
-            variable = stack[-1]
-            waiting = [k for k in self._needs(variable) if k not in done]
-            if waiting:
-                stack.extend(reversed(waiting))
-                continue
-            stack.pop()
-            if variable not in done and variable != ROOT:
-                done.add(variable)
-                order.append(variable)
-        return order
-
-    def _needs(self, variable: int) -> list[int]:
-        definition = self.network.definition[variable]
-        if isinstance(definition, Opaque):
-            return [o.variable for o in definition.operands if o.variable is not None]
-        return list(dict.fromkeys(v for monomial in definition for v in monomial))
 
     def _operand(self, operand: Operand) -> Ref:
         if operand.variable is None:
