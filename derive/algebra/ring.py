@@ -102,6 +102,16 @@ class Ring:
         """A polynomial of another ring whose generators all exist here under the same names."""
         return self.wrap(p.raw.project_to_context(self.context))
 
+    def coefficients(self, p: Polynomial, generators: Sequence[int]) -> dict[tuple[int, ...], Polynomial]:
+        """The coefficients of the monomials in some generators: polynomials in all the others, by exponents."""
+        parts: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
+        for exponents, coefficient in p.raw.terms():
+            rest = [int(e) for e in exponents]
+            for i in generators:
+                rest[i] = 0
+            parts.setdefault(tuple(int(exponents[i]) for i in generators), {})[tuple(rest)] = coefficient
+        return {monomial: self.wrap(self.context.from_dict(terms)) for monomial, terms in parts.items()}
+
     def mask(self, raw: fmpq_mpoly) -> int:
         """Bit r is set when the generator of relation r occurs."""
         degrees = raw.degrees() if raw else ()

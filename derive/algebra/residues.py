@@ -1,0 +1,261 @@
+"""Polynomials at random points modulo a prime: exact lower bounds of ranks.
+
+A map of the ring of a robot into the integers modulo a prime that respects sums, products and every relation of the
+ring (s^2 + c^2 = 1, w^2 = x, u x = 1) carries determinants to determinants: columns that are independent in the image
+are independent over the ring. The converse holds but for unlucky points, so what looks dependent must be proven. The
+numbers are arrays, so that one run of a recursion answers for many configurations and many right-hand sides.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Kind
+from derive.algebra.ring import Polynomial
+from derive.errors import DeriveError
+from derive.robot.expression import Expression
+from derive.robot.robot import Joint
+
+Array = npt.NDArray[np.int64]
+
+_LARGEST = 2**31 - 1
+"""Products of two residues fit into 64 bits."""
+
+_ATTEMPTS = 200
+
+_SOLVED = (Kind.ROOT, Kind.PRIME_ROOT, Kind.INVERSE)
+"""Generators whose value follows from that of others."""
+
+
+class NoPointError(DeriveError):
+    """No point was found at which every root of the ring has a value."""
+
+
+class Residue:
+    """An array of integers modulo ``prime`` with the operations of a scalar."""
+
+    __slots__ = ("prime", "values")
+
+    def __init__(self, prime: int, values: Any) -> None:
+        self.prime = prime
+        self.values: Array = np.asarray(values, dtype=np.int64) % prime
+
+    def _other(self, other: Any) -> Any:
+        if isinstance(other, Residue):
+            return other.values
+        return fraction_residue(Fraction(other), self.prime)
+
+    def __add__(self, other: Any, /) -> Residue:
+        """Self + other."""
+        return Residue(self.prime, self.values + self._other(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any, /) -> Residue:
+        """Self - other."""
+        return Residue(self.prime, self.values - self._other(other))
+
+    def __rsub__(self, other: Any, /) -> Residue:
+        """Other - self."""
+        return Residue(self.prime, self._other(other) - self.values)
+
+    def __mul__(self, other: Any, /) -> Residue:
+        """Self times other."""
+        return Residue(self.prime, self.values * self._other(other))
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> Residue:
+        """-self."""
+        return Residue(self.prime, -self.values)
+
+
+class ResidueDomain:
+    """A `derive.mechanics.chain.Domain` of residues: the image of a polynomial domain at random points.
+
+    Args:
+        domain: The domain; its constants get one value each, its joint variables one per sample.
+        samples: Number of configurations, the first axis of every array (samples, 1).
+        seed: Seed of the points.
+
+    Raises:
+        NoPointError: Some root has no value modulo any of the primes and points tried.
+    """
+
+    def __init__(self, domain: PolynomialDomain, samples: int, seed: int = 0) -> None:
+        self.domain = domain
+        self.samples = samples
+        self._random = random.Random(seed)
+        roots = [int(g.argument.value) for g in domain.generators if g.kind is Kind.PRIME_ROOT]  # type: ignore[attr-defined]
+        self.prime = _prime_with_roots(roots)
+        self._point = self._find_point()
+        self._cache: dict[str, Residue] = {}
+
+    def value(self, p: Polynomial) -> Residue:
+        """A polynomial at the points."""
+        key = p.key()
+        if key not in self._cache:
+            self._cache[key] = Residue(self.prime, self._value(p, self._point))
+        return self._cache[key]
+
+    def draw(self) -> Residue:
+        """A number per configuration, for a rate or an acceleration."""
+        return Residue(self.prime, self._numbers(self.samples))
+
+    # -- scalars of the mechanics
+
+    def number(self, value: int | Fraction) -> Residue:
+        """A rational."""
+        return Residue(self.prime, [[fraction_residue(Fraction(value), self.prime)]])
+
+    def constant(self, expression: Expression) -> Residue:
+        """A cell without joint variables."""
+        return self.value(self.domain.constant(expression))
+
+    def cosine_sine(self, angle: Expression) -> tuple[Residue, Residue]:
+        """Cosine and sine of a constant angle."""
+        cosine, sine = self.domain.cosine_sine(angle)
+        return self.value(cosine), self.value(sine)
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Residue, Residue]:
+        """Cosine and sine of a revolute joint's angle."""
+        cosine, sine = self.domain.joint_cosine_sine(index, joint)
+        return self.value(cosine), self.value(sine)
+
+    def joint_offset(self, index: int, joint: Joint) -> Residue:
+        """The offset of a prismatic joint."""
+        return self.value(self.domain.joint_offset(index, joint))
+
+    # -- points
+
+    def _find_point(self) -> list[Array]:
+        for _ in range(_ATTEMPTS):
+            point = self._draw_point()
+            if point is not None:
+                return point
+        raise NoPointError("no point modulo a prime at which every root has a value")
+
+    def _draw_point(self) -> list[Array] | None:
+        """A value per generator; None where a root or an inverse has none."""
+        generators, ring = self.domain.generators, self.domain.ring
+        point: list[Array] = [np.zeros((1, 1), dtype=np.int64)] * len(generators)
+        pending = {i: g for i, g in enumerate(generators) if g.kind in _SOLVED}
+        for i, g in enumerate(generators):
+            if g.kind in (Kind.COSINE, Kind.CONSTANT_COSINE):
+                count = self.samples if g.kind is Kind.COSINE else 1
+                point[i], point[ring.index["sin" + g.name[3:]]] = self._circle(count)
+            elif i not in pending and g.kind not in (Kind.SINE, Kind.CONSTANT_SINE):
+                point[i] = self._numbers(self.samples if g.kind is Kind.VARIABLE else 1)
+        while pending:
+            values = {i: self.domain.constant(g.argument) for i, g in pending.items()}
+            ready = next(i for i, v in values.items() if not any(v.degrees()[k] for k in pending))
+            solved = self._solved(pending.pop(ready).kind, self._value(values[ready], point))
+            if solved is None:
+                return None
+            point[ready] = solved
+        return point
+
+    def _solved(self, kind: Kind, value: Array) -> Array | None:
+        if kind is Kind.INVERSE:
+            return _power(value, self.prime - 2, self.prime) if value.all() else None
+        root = _power(value, (self.prime + 1) // 4, self.prime)
+        return root if (root * root % self.prime == value).all() else None
+
+    def _circle(self, count: int) -> tuple[Array, Array]:
+        """Points (1 - t^2, 2t) / (1 + t^2) of the unit circle; 1 + t^2 has no zero modulo a prime 4k + 3."""
+        p, t = self.prime, self._numbers(count)
+        square = t * t % p
+        scale = _power((1 + square) % p, p - 2, p)
+        return (1 - square) % p * scale % p, 2 * t % p * scale % p
+
+    def _numbers(self, count: int) -> Array:
+        drawn = [[self._random.randrange(2, self.prime - 1)] for _ in range(count)]
+        return np.array(drawn, dtype=np.int64)
+
+    def _value(self, p: Polynomial, point: list[Array]) -> Array:
+        total: Array = np.zeros((1, 1), dtype=np.int64)
+        for exponents, coefficient in p.terms():
+            term: Array = np.full((1, 1), fraction_residue(coefficient, self.prime), dtype=np.int64)
+            for i, exponent in enumerate(exponents):
+                if exponent:
+                    term = term * _power(point[i], exponent, self.prime) % self.prime
+            total = (total + term) % self.prime
+        return total
+
+
+def fraction_residue(value: Fraction, prime: int) -> int:
+    """A rational modulo a prime."""
+    return value.numerator * pow(value.denominator, -1, prime) % prime
+
+
+def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
+    """The reduced row echelon form modulo a prime.
+
+    Args:
+        matrix: (rows, columns).
+        prime: The modulus.
+
+    Returns:
+        The pivot columns, the first independent ones from the left, and the rows of the form, (rank, columns): entry
+        (k, j) is the coefficient of pivot column k in column j.
+    """
+    work = np.array(matrix, dtype=np.int64) % prime
+    pivots: list[int] = []
+    for j in range(work.shape[1]):
+        rank = len(pivots)
+        below = np.flatnonzero(work[rank:, j])
+        if not below.size:
+            continue
+        work[[rank, rank + below[0]]] = work[[rank + below[0], rank]]
+        work[rank] = work[rank] * pow(int(work[rank, j]), -1, prime) % prime
+        factors = work[:, j].copy()
+        factors[rank] = 0
+        work = (work - factors[:, None] * work[rank]) % prime
+        pivots.append(j)
+    return tuple(pivots), work[: len(pivots)]
+
+
+def _power(base: Array, exponent: int, prime: int) -> Array:
+    result: Array = np.ones_like(base)
+    while exponent:
+        if exponent & 1:
+            result = result * base % prime
+        exponent >>= 1
+        base = base * base % prime
+    return result
+
+
+def _prime_with_roots(numbers: Iterable[int]) -> int:
+    """The largest prime 4k + 3 of 31 bits modulo which all the numbers are squares."""
+    wanted = list(numbers)
+    for candidate in range(_LARGEST, 2**30, -4):
+        squares = all(pow(number, (candidate - 1) // 2, candidate) == 1 for number in wanted)
+        if squares and _is_prime(candidate):
+            return candidate
+    raise NoPointError("no prime modulo which every root has a value")
+
+
+def _is_prime(number: int) -> bool:
+    """Miller and Rabin; these bases decide every number below 3,215,031,751."""
+    odd, twos = number - 1, 0
+    while odd % 2 == 0:
+        odd, twos = odd // 2, twos + 1
+    return all(_is_strong(number, base, odd, twos) for base in (2, 3, 5, 7))
+
+
+def _is_strong(number: int, base: int, odd: int, twos: int) -> bool:
+    value = pow(base, odd, number)
+    if value in (1, number - 1):
+        return True
+    for _ in range(twos - 1):
+        value = value * value % number
+        if value == number - 1:
+            return True
+    return False
