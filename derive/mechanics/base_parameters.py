@@ -5,7 +5,8 @@ exactly where it has none on B(q) and g(q). The set is found in three steps.
 
 1. Whatever part of link i looks the same however joint i moves goes to link i-1 (`derive.mechanics.regrouping`; Gautier
    and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; Khalil and Dombre, Modeling, Identification and Control of
-   Robots, ch. 9). That leaves seven parameters of a revolute link, four of a prismatic one, exactly.
+   Robots, ch. 9). That leaves seven parameters of a revolute link, four of a prismatic one, exactly. Masses of rotors
+   belong to the links that carry them.
 2. Of their columns the first independent ones are kept, from the base outwards, rotors and armatures last. They are
    found at random configurations and, where geometry has symbols, random values modulo a prime; a determinant that is
    not zero there is not zero identically. This is the lower bound of the rank.
@@ -141,8 +142,19 @@ def _candidates(robot: Robot) -> list[Parameter]:
     """What the general rule leaves, in the order in which columns are preferred."""
     parts = [REVOLUTE_PARTS if joint.is_revolute else PRISMATIC_PARTS for joint in robot.joints]
     links = [Parameter(i, part) for i, row in enumerate(parts, start=1) for part in row]
-    own = standard_parameters(robot)
-    return links + [p for p in own if p.part == "Ia"] + [p for p in own if p.part == "Im"]
+    own, absorbed = standard_parameters(robot), absorbed_rotors(robot)
+    armatures = [p for p in own if p.part == "Ia"]
+    return links + armatures + [p for p in own if p.part == "Im" and p.joint not in absorbed]
+
+
+def absorbed_rotors(robot: Robot) -> tuple[int, ...]:
+    """Revolute joints (from 1) with a rotor and an armature, whose rotor's inertia is no parameter of its own.
+
+    The square of its speed, (w.u + k qd)^2, is (1 - k) (w.u)^2 + k (w.u + qd)^2 + (k^2 - k) qd^2: links i-1 and i and
+    the armature take it over.
+    """
+    pairs = enumerate(zip(robot.joints, robot.links, strict=True), start=1)
+    return tuple(i for i, (j, link) in pairs if j.is_revolute and link.motor is not None and link.armature != ZERO)
 
 
 def _friction(robot: Robot) -> list[Parameter]:
