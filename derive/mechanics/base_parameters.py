@@ -47,9 +47,6 @@ MAX_TERMS = 20_000
 _FEWEST_SAMPLES = 6
 """Configurations at first; more where something seems dependent that is not."""
 
-_FULL_ROWS = 8
-"""Joints up to which every entry of B is looked at; beyond, those next to the diagonal, which tell as much."""
-
 
 @dataclass(frozen=True, slots=True)
 class Relation:
@@ -75,7 +72,7 @@ class BaseSet:
         parameters: The kept ones, joint by joint.
         relations: Candidates that the kept ones replace.
         domain: The ring of the coefficients in ``relations``.
-        proven: Whether there are certainly no fewer; else every column that the general rule leaves is kept.
+        proven: Whether there are certainly no fewer; else some are kept that others replace, in a formula too long.
     """
 
     parameters: tuple[Parameter, ...]
@@ -111,12 +108,17 @@ def _proven(robot: Robot, candidates: Sequence[Parameter], samples: int) -> Base
     residues, pivots, form = _independent(domain, candidates, samples)
     solver = ColumnSolver(domain, residues)
     relations: list[Relation] = []
+    too_long: list[Parameter] = []
     for j in sorted(set(range(len(candidates))) - set(pivots)):
         support = [candidates[pivot] for k, pivot in enumerate(pivots) if form[k, j]]
-        coefficients = solver.solve(candidates[j], support)
+        try:
+            coefficients = solver.solve(candidates[j], support)
+        except TooManyTerms:
+            too_long.append(candidates[j])
+            continue
         relations.append(Relation(candidates[j], tuple(zip(support, coefficients, strict=True))))
     kept = [candidates[pivot] for pivot in pivots]
-    return BaseSet(_ordered([*kept, *_friction(robot)]), tuple(relations), domain, proven=True)
+    return BaseSet(_ordered([*kept, *too_long, *_friction(robot)]), tuple(relations), domain, proven=not too_long)
 
 
 def _independent(
@@ -126,11 +128,11 @@ def _independent(
     n = domain.robot.n
     residues = ResidueDomain(domain, samples)
     forms: UnitForms[Residue] = UnitForms(build_chain(domain.robot, residues), ends=False)
-    pairs = [(a, b) for a in range(n) for b in range(a, n) if n <= _FULL_ROWS or b - a < 2]
+    pairs = [(a, b) for a in range(n) for b in range(a, n)]
     place = {pair: k for k, pair in enumerate(pairs)}
     matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)
     for j, parameter in enumerate(candidates):
-        for pair, value in forms.inertia(parameter, pairs).items():
+        for pair, value in forms.inertia(parameter).items():
             matrix[:, place[pair], j] = value.values[:, 0]
         for i, value in enumerate(forms.gravity(parameter)):
             matrix[:, len(place) + i, j] = value.values[:, 0]

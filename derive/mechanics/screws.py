@@ -6,7 +6,6 @@ while joint a alone moves at unit rate (Featherstone, Rigid Body Dynamics Algori
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
 
@@ -42,11 +41,14 @@ class Screw(Generic[S]):
 def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
     """For every link k its screws of joints 1..k in joint frame k, rates counted positive along +z."""
     found: list[list[Screw[S]]] = []
-    before: list[Screw[S]] = []
     for joint in chain.joints:
-        before = [*(_outward(joint, screw) for screw in before), _own(chain, joint)]
-        found.append(before)
+        found.append(next_screws(chain, joint, found[-1] if found else []))
     return found
+
+
+def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
+    """The screws of the link behind a joint, from those of the link before it."""
+    return [*(_outward(joint, screw) for screw in before), _own(chain, joint)]
 
 
 def _outward(joint: ChainJoint[S], screw: Screw[S]) -> Screw[S]:
@@ -56,16 +58,6 @@ def _outward(joint: ChainJoint[S], screw: Screw[S]) -> Screw[S]:
 def _own(chain: Chain[S], joint: ChainJoint[S]) -> Screw[S]:
     still, along = (chain.zero, chain.zero, chain.zero), (chain.zero, chain.zero, chain.one)
     return Screw(along, still) if joint.revolute else Screw(still, along)
-
-
-def link_gravities(chain: Chain[S]) -> list[Vector[S]]:
-    """The acceleration of gravity in every joint frame."""
-    found: list[Vector[S]] = []
-    gamma = chain.gravity
-    for joint in chain.joints:
-        gamma = to_child(joint, gamma)
-        found.append(gamma)
-    return found
 
 
 def with_unit_rotors(robot: Robot) -> Robot:
@@ -84,8 +76,3 @@ def _unit_rotor(link: Link) -> Link:
 def rotor_place(chain: Chain[S], joint: int) -> Vector[S]:
     """Where the rotor of a joint (from 1, not the first) sits in joint frame ``joint - 1``, from `with_unit_rotors`."""
     return chain.bodies[joint - 2].first_moment
-
-
-def signs(chain: Chain[S]) -> Sequence[int]:
-    """The factors between rates along +z and the rates of the joint variables."""
-    return [joint.sign for joint in chain.joints]

@@ -10,13 +10,12 @@ gamma being the acceleration of gravity; the rotor of joint i, on link i-1, adds
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
 from typing import Generic
 
 from derive.mechanics.chain import Chain
-from derive.mechanics.joint_motion import axis
-from derive.mechanics.screws import Screw, link_gravities, link_screws, rotor_place
+from derive.mechanics.joint_motion import axis, to_child
+from derive.mechanics.screws import Screw, next_screws, rotor_place
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, transpose
 from derive.robot.inertial import Parameter
 
@@ -39,13 +38,14 @@ class UnitForms(Generic[S]):
         self.chain = chain
         self.ends = ends
         self._carried: dict[int, tuple[list[Screw[S]], Vector[S]]] = {}
+        self._known_screws: list[list[Screw[S]]] = []
+        self._known_gravities: list[Vector[S]] = []
 
-    def inertia(self, parameter: Parameter, wanted: Iterable[tuple[int, int]] | None = None) -> Pairs[S]:
-        """B per unit of a parameter, all of it or the wanted entries; of friction none."""
+    def inertia(self, parameter: Parameter) -> Pairs[S]:
+        """B per unit of a parameter; of friction none."""
         signs = [joint.sign for joint in self.chain.joints]
         count, entry = self._inertia(parameter)
-        every = wanted or ((a, b) for a in range(count) for b in range(a, count))
-        found = {(a, b): entry(a, b) for a, b in every if b < count}
+        found = {(a, b): entry(a, b) for a in range(count) for b in range(a, count)}
         return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
 
     def gravity(self, parameter: Parameter) -> list[S]:
@@ -72,7 +72,7 @@ class UnitForms(Generic[S]):
     def _gravity(self, parameter: Parameter) -> list[S]:
         i, part = parameter.joint - 1, parameter.part
         if part == "mm":
-            gamma = self._gravities[i - 1] if i else self.chain.gravity
+            gamma = self._gravity_in(i - 1) if i else self.chain.gravity
             return [-dot(gamma, velocity) for velocity in self._rotor_velocities(i)]
         screws, gamma = self._link(i)
         if part == "m":
@@ -87,25 +87,31 @@ class UnitForms(Generic[S]):
         """The rotor's angular velocity about its own axis per unit of every rate."""
         joint = self.chain.joints[i]
         u = axis(joint)
-        return [*(dot(screw.angular, u) for screw in (self._screws[i - 1] if i else ())), joint.coupling]
+        return [*(dot(screw.angular, u) for screw in (self._screws(i - 1) if i else ())), joint.coupling]
 
     def _rotor_velocities(self, i: int) -> list[Vector[S]]:
-        return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._screws[i - 1]] if i else []
+        return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._screws(i - 1)] if i else []
 
     # -- frames
 
-    @cached_property
-    def _screws(self) -> list[list[Screw[S]]]:
-        return link_screws(self.chain)
+    def _screws(self, i: int) -> list[Screw[S]]:
+        """Of link i, from 0; only as far out as needed, for further out they may be too long to write."""
+        known = self._known_screws
+        while len(known) <= i:
+            known.append(next_screws(self.chain, self.chain.joints[len(known)], known[-1] if known else []))
+        return known[i]
 
-    @cached_property
-    def _gravities(self) -> list[Vector[S]]:
-        return link_gravities(self.chain)
+    def _gravity_in(self, i: int) -> Vector[S]:
+        """The acceleration of gravity in joint frame i."""
+        known = self._known_gravities
+        while len(known) <= i:
+            known.append(to_child(self.chain.joints[len(known)], known[-1] if known else self.chain.gravity))
+        return known[i]
 
     def _link(self, i: int) -> tuple[list[Screw[S]], Vector[S]]:
         """Screws and gravity in the frame of a link's parameters."""
         if i not in self._carried:
-            screws, gamma = self._screws[i], self._gravities[i]
+            screws, gamma = self._screws(i), self._gravity_in(i)
             if self.ends:
                 end: Frame[S] = self.chain.ends[i]
                 screws = [screw.seen_from(end) for screw in screws]
