@@ -15,10 +15,12 @@ class Function:
 
     Attributes:
         name: For instance ``inverse_dynamics``.
-        arguments: Its arguments, each with one entry per joint, in order: ``q``, ``qd``, ``qdd`` or ``tau``.
+        arguments: Its arguments, each with one entry per joint, in order: ``q``, ``qd``, ``qdd`` or ``tau``;
+            empty for what depends on parameters alone.
         shape: Shape of the result for one configuration.
         tape: The program; outputs in row-major order of ``shape``.
         formulation: What the tape was traced through, in words.
+        columns: Names of what the entries along the last axis of the result belong to, where they have names.
     """
 
     name: str
@@ -26,6 +28,7 @@ class Function:
     shape: tuple[int, ...]
     tape: Tape
     formulation: str
+    columns: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check that the tape fills the shape."""

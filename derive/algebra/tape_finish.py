@@ -40,21 +40,22 @@ class Finisher:
         """The tape of some outputs."""
         return self.cheapest([outputs])[1]
 
-    def cheapest(self, candidates: Sequence[Sequence[Ref]]) -> tuple[int, Tape]:
+    def cheapest(self, candidates: Sequence[Sequence[Ref]], *, search: bool = True) -> tuple[int, Tape]:
         """The tape of least `Operations.cost` among candidates that compute the same, and which one it is.
 
-        All are improved quickly; a longer search is spent on those that are close to the best.
+        All are improved quickly; a longer search is spent on those close to the best, unless none is worth it.
         """
         drafts = [Improvement(*bake(self._graph, outputs, self._replacements)) for outputs in candidates]
         costs = [draft.draft() for draft in drafts]
         close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
         close.sort(key=costs.__getitem__)
-        finished = {i: self._finish(drafts[i]) for i in sorted(close[:_FINALISTS])}
+        finished = {i: self._finish(drafts[i], search) for i in sorted(close[:_FINALISTS])}
         winner = min(finished, key=lambda i: finished[i].operations.cost)
         return winner, finished[winner]
 
-    def _finish(self, draft: Improvement) -> Tape:
-        draft.search(EFFORT)
+    def _finish(self, draft: Improvement, search: bool) -> Tape:
+        if search:
+            draft.search(EFFORT)
         return cut(*draft.result())
 
 

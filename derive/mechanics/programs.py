@@ -1,7 +1,8 @@
 """The program of a robot: every function's cheapest candidate, as a tape.
 
-The functions and their candidates are listed in `derive.mechanics.kinematic_functions` and
-`derive.mechanics.dynamic_functions`; a further formulation is one more `Candidate` there.
+The functions and their candidates are listed in `derive.mechanics.kinematic_functions`,
+`derive.mechanics.dynamic_functions` and `derive.mechanics.identification_functions`; a further formulation is one more
+`Candidate` there.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from derive.algebra.program import Function, Program
 from derive.algebra.tape_finish import Finisher
 from derive.errors import QuantityError
 from derive.mechanics.dynamic_functions import accelerations, dynamic_functions, no_accelerations
+from derive.mechanics.identification_functions import identification_functions
 from derive.mechanics.kinematic_functions import kinematic_functions
 from derive.mechanics.specification import Specification
 from derive.mechanics.trace import Trace
@@ -29,14 +31,17 @@ def build_program(robot: Robot) -> Program:
     if robot.has_dynamics:
         functions += [_function(specification, finisher) for specification in dynamic_functions(trace)]
         functions.append(_accelerations(trace, finisher))
+        functions += [_function(specification, finisher) for specification in identification_functions(trace)]
     return Program(tuple(functions), free_symbols(robot))
 
 
 def _function(specification: Specification, finisher: Finisher) -> Function:
     candidates = specification.candidates
-    chosen, tape = finisher.cheapest([[value.ref for value in candidate.values()] for candidate in candidates])
+    outputs = [[value.ref for value in candidate.values()] for candidate in candidates]
+    chosen, tape = finisher.cheapest(outputs, search=specification.search)
     formulation = candidates[chosen].formulation
-    return Function(specification.name, specification.arguments, specification.shape, tape, formulation)
+    name, shape = specification.name, specification.shape
+    return Function(name, specification.arguments, shape, tape, formulation, specification.columns)
 
 
 def _accelerations(trace: Trace, finisher: Finisher) -> Function:

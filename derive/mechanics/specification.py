@@ -30,9 +30,13 @@ class Specification:
         arguments: Kinds of its arguments, in order; may be empty.
         shape: Of the result for one configuration.
         candidates: Formulations of the same values; the one of least `Operations.cost` is emitted, the first of equals.
+        columns: Names of what the entries along the last axis of the result belong to, where they have names.
+        search: Whether a long search for shared parts pays.
     """
 
     name: str
     arguments: tuple[str, ...]
     shape: tuple[int, ...]
     candidates: tuple[Candidate, ...]
+    columns: tuple[str, ...] = ()
+    search: bool = True

@@ -37,6 +37,10 @@ MEANINGS = {
 """What each part is."""
 
 
+MAX_JOINTS = 16
+"""Joints up to which regressors are generated: their entries grow with the square, each of them a sum."""
+
+
 @dataclass(frozen=True, slots=True, order=True)
 class Parameter:
     """One parameter.
@@ -58,6 +62,11 @@ class Parameter:
     def of_link(self) -> bool:
         """Whether it is one of a link's ten."""
         return self.part in LINK_PARTS
+
+
+def has_regressor(robot: Robot) -> bool:
+    """Whether regressors are generated for a robot."""
+    return robot.has_dynamics and robot.n <= MAX_JOINTS
 
 
 def standard_parameters(robot: Robot) -> tuple[Parameter, ...]:

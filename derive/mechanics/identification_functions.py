@@ -1,0 +1,64 @@
+"""Generated functions for identification: regressors, and the numbers of the base parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.algebra.tape_domain import QD, QDD, Q
+from derive.algebra.tape_value import Value
+from derive.algebra.to_expression import polynomial_expression
+from derive.mechanics.base_parameters import BaseSet, base_set
+from derive.mechanics.chain import build_chain
+from derive.mechanics.column_relations import Coefficient
+from derive.mechanics.grouped_values import base_values
+from derive.mechanics.regressor import Regressor
+from derive.mechanics.screws import with_unit_rotors
+from derive.mechanics.specification import Candidate, Specification
+from derive.mechanics.trace import Trace, flat
+from derive.robot.inertial import Parameter, has_regressor, standard_parameters
+
+
+def identification_functions(trace: Trace) -> tuple[Specification, ...]:
+    """Regressors and base parameters; none for arms of more joints than `derive.robot.inertial.MAX_JOINTS`."""
+    if not has_regressor(trace.robot):
+        return ()
+    base, standard = base_set(trace.robot), standard_parameters(trace.robot)
+    return (
+        _regressor(trace, "regressor", standard, ends=True),
+        _regressor(trace, "base_regressor", base.parameters, ends=False),
+        Specification(
+            "base_parameters",
+            (),
+            (len(base.parameters),),
+            (Candidate("grouped from the tip inwards", lambda: _values(trace, base)),),
+            _names(base.parameters),
+        ),
+    )
+
+
+def _names(parameters: Sequence[Parameter]) -> tuple[str, ...]:
+    return tuple(parameter.name for parameter in parameters)
+
+
+def _regressor(trace: Trace, name: str, parameters: Sequence[Parameter], *, ends: bool) -> Specification:
+    """One of the regressors; its entries share little beyond what the recursion shares, so no search is spent on it."""
+
+    def values() -> list[Value]:
+        chain = build_chain(with_unit_rotors(trace.robot), trace.domain)
+        rates, gains = trace.arguments(QD), trace.arguments(QDD)
+        return flat(Regressor(chain, rates, gains, ends=ends, sign=Value.sign).rows(parameters))
+
+    candidates = (Candidate("work of unit wrenches on the screws of the joints", values),)
+    return Specification(
+        name, (Q, QD, QDD), (trace.n, len(parameters)), candidates, _names(parameters), search=False
+    )
+
+
+def _values(trace: Trace, base: BaseSet) -> list[Value]:
+    def value(coefficient: Coefficient) -> Value:
+        assert base.domain is not None, "relations come with their ring"
+        parts = (coefficient.numerator, coefficient.denominator)
+        numerator, denominator = (trace.domain.constant(polynomial_expression(p, base.domain)) for p in parts)
+        return numerator / denominator
+
+    return base_values(trace.robot, base, trace.domain, value)
