@@ -10,6 +10,19 @@ from derive.algebra.tape import Operations, Output, Tape
 
 
 @dataclass(frozen=True, slots=True)
+class Column:
+    """What the entries of a result at one place along its last axis belong to.
+
+    Attributes:
+        name: Short and plain.
+        formula: What it is in the robot's symbols, in the cell grammar; empty where there is none.
+    """
+
+    name: str
+    formula: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Function:
     """One generated function.
 
@@ -20,7 +33,7 @@ class Function:
         shape: Shape of the result for one configuration.
         tape: The program; outputs in row-major order of ``shape``.
         formulation: What the tape was traced through, in words.
-        columns: Names of what the entries along the last axis of the result belong to, where they have names.
+        columns: What the entries along the last axis of the result belong to, where that has names.
     """
 
     name: str
@@ -28,7 +41,7 @@ class Function:
     shape: tuple[int, ...]
     tape: Tape
     formulation: str
-    columns: tuple[str, ...] = ()
+    columns: tuple[Column, ...] = ()
 
     def __post_init__(self) -> None:
         """Check that the tape fills the shape."""

@@ -51,6 +51,21 @@ WORDING = {
     "forward_dynamics": Wording(
         "qdd", "Joint accelerations under given torques and forces.", "solution of tau = B qdd + C qd + g + friction"
     ),
+    "regressor": Wording(
+        "Y",
+        "Regressor: tau = Y pi for the standard parameters pi, friction included.",
+        "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's origin",
+    ),
+    "base_regressor": Wording(
+        "Y_b",
+        "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
+        "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
+    ),
+    "base_parameters": Wording(
+        "beta",
+        "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
+        "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
+    ),
 }
 
 ARGUMENTS = {

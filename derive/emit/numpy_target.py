@@ -45,6 +45,7 @@ def python_context(source: Source) -> dict[str, object]:
         "joints": joint_lines(robot),
         "dof": robot.n,
         "constants": _constants(source),
+        "tables": tuple(_tables(source)),
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
         "functions": python_functions(program, robot.n),
@@ -58,8 +59,22 @@ def _constants(source: Source) -> tuple[Constant, ...]:
         "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
         "LIMITS": joint_limits(robot),
         "PARAMETERS": [python_string(name) for name in source.program.parameters],
+        **_tables(source),
     }
     return tuple(_constant(name, values) for name, values in columns.items())
+
+
+def _tables(source: Source) -> dict[str, Sequence[str]]:
+    """The names of the regressors' columns, and what the base parameters are."""
+    program = source.program
+    if "regressor" not in program:
+        return {}
+    standard, base = program["regressor"].columns, program["base_parameters"].columns
+    return {
+        "STANDARD_PARAMETERS": [python_string(column.name) for column in standard],
+        "BASE_PARAMETERS": [python_string(column.name) for column in base],
+        "BASE_FORMULAS": [python_string(column.formula) for column in base],
+    }
 
 
 def _constant(name: str, values: Sequence[str]) -> Constant:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from derive.algebra.program import Column
 from derive.algebra.tape_domain import QD, QDD, Q
 from derive.algebra.tape_value import Value
 from derive.algebra.to_expression import polynomial_expression
@@ -11,6 +12,7 @@ from derive.mechanics.base_parameters import BaseSet, base_set
 from derive.mechanics.chain import build_chain
 from derive.mechanics.column_relations import Coefficient
 from derive.mechanics.grouped_values import base_values
+from derive.mechanics.parameter_formulas import ParameterFormulas
 from derive.mechanics.regressor import Regressor
 from derive.mechanics.screws import with_unit_rotors
 from derive.mechanics.specification import Candidate, Specification
@@ -23,24 +25,23 @@ def identification_functions(trace: Trace) -> tuple[Specification, ...]:
     if not has_regressor(trace.robot):
         return ()
     base, standard = base_set(trace.robot), standard_parameters(trace.robot)
+    formulas = ParameterFormulas(trace.robot, base)
+    plain, grouped = _columns(standard, formulas.standard(standard)), _columns(base.parameters, formulas.base())
+    values = Candidate("grouped from the tip inwards", lambda: _values(trace, base))
     return (
-        _regressor(trace, "regressor", standard, ends=True),
-        _regressor(trace, "base_regressor", base.parameters, ends=False),
-        Specification(
-            "base_parameters",
-            (),
-            (len(base.parameters),),
-            (Candidate("grouped from the tip inwards", lambda: _values(trace, base)),),
-            _names(base.parameters),
-        ),
+        _regressor(trace, "regressor", standard, plain, ends=True),
+        _regressor(trace, "base_regressor", base.parameters, grouped, ends=False),
+        Specification("base_parameters", (), (len(base.parameters),), (values,), grouped),
     )
 
 
-def _names(parameters: Sequence[Parameter]) -> tuple[str, ...]:
-    return tuple(parameter.name for parameter in parameters)
+def _columns(parameters: Sequence[Parameter], formulas: Sequence[str]) -> tuple[Column, ...]:
+    return tuple(Column(p.name, formula) for p, formula in zip(parameters, formulas, strict=True))
 
 
-def _regressor(trace: Trace, name: str, parameters: Sequence[Parameter], *, ends: bool) -> Specification:
+def _regressor(
+    trace: Trace, name: str, parameters: Sequence[Parameter], columns: tuple[Column, ...], *, ends: bool
+) -> Specification:
     """One of the regressors; its entries share little beyond what the recursion shares, so no search is spent on it."""
 
     def values() -> list[Value]:
@@ -49,9 +50,8 @@ def _regressor(trace: Trace, name: str, parameters: Sequence[Parameter], *, ends
         return flat(Regressor(chain, rates, gains, ends=ends, sign=Value.sign).rows(parameters))
 
     candidates = (Candidate("work of unit wrenches on the screws of the joints", values),)
-    return Specification(
-        name, (Q, QD, QDD), (trace.n, len(parameters)), candidates, _names(parameters), search=False
-    )
+    shape = (trace.n, len(parameters))
+    return Specification(name, (Q, QD, QDD), shape, candidates, columns, search=False)
 
 
 def _values(trace: Trace, base: BaseSet) -> list[Value]:

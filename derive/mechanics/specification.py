@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from derive.algebra.program import Column
 from derive.algebra.tape_value import Value
 
 
@@ -30,7 +31,7 @@ class Specification:
         arguments: Kinds of its arguments, in order; may be empty.
         shape: Of the result for one configuration.
         candidates: Formulations of the same values; the one of least `Operations.cost` is emitted, the first of equals.
-        columns: Names of what the entries along the last axis of the result belong to, where they have names.
+        columns: What the entries along the last axis of the result belong to, where that has names.
         search: Whether a long search for shared parts pays.
     """
 
@@ -38,5 +39,5 @@ class Specification:
     arguments: tuple[str, ...]
     shape: tuple[int, ...]
     candidates: tuple[Candidate, ...]
-    columns: tuple[str, ...] = ()
+    columns: tuple[Column, ...] = ()
     search: bool = True

@@ -53,7 +53,7 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
     frames = chain_frames(arm, q)
     axis, on_axis = joint_axes(arm, frames)
     places = rotor_places(arm, frames)
-    motions = _link_motions(arm, frames, axis, qd, qdd)
+    motions = link_motions(arm, frames, axis, qd, qdd)
     zero = np.zeros_like(q[..., :1] + axis[..., 0, :])
     wrench = Wrench(zero, zero)
     torques: list[Array] = []
@@ -75,7 +75,7 @@ def dot(u: Array, v: Array) -> Array:
     return product
 
 
-def _link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
+def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
     """Motions of links 0 to n; link 0 is at rest."""
     zero = np.zeros_like(axis[..., 0, :])
     motions = [Motion(zero, zero, zero, zero)]

@@ -9,8 +9,10 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from derive.check.oracle import frames, lagrange, newton
+from derive.check.oracle import frames, identification, lagrange, newton
 from derive.check.oracle.arm import Arm, Array, numeric_arm
+from derive.check.oracle.identification import Identification
+from derive.robot.inertial import Parameter, standard_parameters
 from derive.robot.robot import Robot
 
 
@@ -19,14 +21,17 @@ class Definition:
     """One function of the generated interface.
 
     Attributes:
-        arguments: Names of its arguments, each of shape (..., n).
+        arguments: Names of its arguments, each of shape (..., n); none for what depends on parameters alone.
         dynamic: Whether it needs link parameters.
         function: Its independent evaluation, from an arm and the arguments.
+        identifies: Whether it needs to know which parameters are base parameters: its first argument is then an
+            `Identification`.
     """
 
     arguments: tuple[str, ...]
     dynamic: bool
     function: Callable[..., Array]
+    identifies: bool = False
 
 
 def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
@@ -50,6 +55,9 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "gravity_vector": Definition(("q",), True, lagrange.gravity_vector),
         "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics),
         "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics),
+        "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, True),
+        "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, True),
+        "base_parameters": Definition((), True, identification.base_parameters, True),
     }
 )
 
@@ -61,28 +69,43 @@ class Oracle:
     Attributes:
         arm: The robot's numbers.
         dynamic: Whether the robot has link parameters.
+        identification: Which parameters the regressors' columns belong to; None without regressors.
     """
 
     arm: Arm
     dynamic: bool
+    identification: Identification | None = None
 
     @classmethod
-    def of(cls, robot: Robot, parameters: Mapping[str, float] | None = None) -> Oracle:
+    def of(
+        cls,
+        robot: Robot,
+        parameters: Mapping[str, float] | None = None,
+        base: tuple[Parameter, ...] | None = None,
+    ) -> Oracle:
         """The oracle of ``robot``.
 
         Args:
             robot: The robot.
             parameters: A number for every symbol without one; may override numbers of the file.
+            base: Which parameters are base parameters; without them there are no regressors.
 
         Raises:
             ExpressionError: A symbol has no number, or a cell has no finite value.
         """
-        return cls(numeric_arm(robot, parameters), robot.has_dynamics)
+        arm = numeric_arm(robot, parameters)
+        known = None if base is None else Identification(arm, standard_parameters(robot), base)
+        return cls(arm, robot.has_dynamics, known)
 
     @property
     def functions(self) -> tuple[str, ...]:
         """Names of the functions that this robot has."""
-        return tuple(name for name, definition in FUNCTIONS.items() if self.dynamic or not definition.dynamic)
+        return tuple(name for name, definition in FUNCTIONS.items() if self._has(definition))
+
+    def _has(self, definition: Definition) -> bool:
+        if definition.identifies:
+            return self.identification is not None
+        return self.dynamic or not definition.dynamic
 
     def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
         """The value of a generated function.
@@ -92,4 +115,5 @@ class Oracle:
             arguments: q, qd, qdd or tau as the function takes them, (..., n) each; they broadcast.
         """
         arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=float) for argument in arguments))
-        return FUNCTIONS[name].function(self.arm, *arrays)
+        definition = FUNCTIONS[name]
+        return definition.function(self.identification if definition.identifies else self.arm, *arrays)

@@ -36,9 +36,14 @@ class Expectation:
     scale: Array
 
     @property
+    def called(self) -> int:
+        """Number of configurations."""
+        return self.arguments[0][..., 0].size
+
+    @property
     def compared(self) -> int:
         """Number of configurations that are compared."""
-        return self.arguments[0][..., 0].size
+        return self.called
 
     def errors(self, got: Array) -> Array:
         """Relative error of each entry; infinite where ``got`` is not a number."""

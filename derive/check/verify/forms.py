@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -101,6 +102,25 @@ def parameter_trials(
         return Trial("a batch of parameters", run, arguments, sample_sets[index])
 
     return [trial(index) for index in range(len(sample_sets))]
+
+
+def constant_trials(
+    model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]
+) -> Iterator[Trial]:
+    """A function without arguments: with the parameters of every set, and with all sets at once, (sets,)."""
+    for sample_set in sample_sets:
+        yield Trial("no arguments", partial(model.call, function, (), sample_set.parameters), (), sample_set)
+    if "parameters" not in model.forms or not sample_sets[0].parameters:
+        return
+    names = sample_sets[0].parameters
+    stacked: Parameters = {name: np.array([s.parameters[name] for s in sample_sets]) for name in names}
+
+    def entry(index: int) -> Array:
+        value: Array = np.asarray(model.call(function, (), stacked))[index]
+        return value
+
+    for index, sample_set in enumerate(sample_sets):
+        yield Trial("a batch of parameters", partial(entry, index), (), sample_set)
 
 
 def _single(model: GeneratedModel, function: str, row: Sequence[Array], parameters: Parameters) -> Array:

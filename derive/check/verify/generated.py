@@ -117,7 +117,7 @@ class CasadiModel:
         handle = getattr(self.module, function)
         names = tuple(self.module.PARAMETERS)
         columns = [np.atleast_2d(argument).T for argument in arguments]
-        count = columns[0].shape[1]
+        count = columns[0].shape[1] if columns else 1
         if parameters:
             columns.append(np.repeat([[float(parameters[name])] for name in names], count, axis=1))
         mapped = handle if count == 1 else handle.map(count)
@@ -125,7 +125,7 @@ class CasadiModel:
         width = handle.size2_out(0)
         blocks = stacked.reshape(stacked.shape[0], count, width).transpose(1, 0, 2)
         shaped = np.stack([_without_casadi_layout(function, block) for block in blocks])
-        return shaped if arguments[0].ndim > 1 else shaped[0]
+        return shaped if arguments and arguments[0].ndim > 1 else shaped[0]
 
 
 class CasadiCModel(CasadiModel):
@@ -158,7 +158,7 @@ def _without_casadi_layout(function: str, block: Array) -> Array:
     return block[:, 0] if block.shape[1] == 1 and function in VECTORS else block
 
 
-VECTORS = frozenset({"gravity_vector", "inverse_dynamics", "forward_dynamics"})
+VECTORS = frozenset({"gravity_vector", "inverse_dynamics", "forward_dynamics", "base_parameters"})
 
 
 def _import(path: Path) -> ModuleType:

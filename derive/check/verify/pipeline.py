@@ -13,8 +13,9 @@ import numpy as np
 from derive.check.oracle import FUNCTIONS
 from derive.check.oracle.arm import Array
 from derive.check.verify.expectation import AccelerationExpectation, Expectation, expectation
-from derive.check.verify.forms import FORMS, Trial, parameter_trials
+from derive.check.verify.forms import FORMS, Trial, constant_trials, parameter_trials
 from derive.check.verify.generated import COMPILED, MODULES, GeneratedModel, load_models
+from derive.check.verify.identification import identification_expectation
 from derive.check.verify.report import TOLERANCE, Report, Row
 from derive.check.verify.samples import SampleSet, sample_sets
 from derive.compiler import find_compiler
@@ -75,9 +76,10 @@ class _Verifier:
         for trial in self.trials(function):
             key = (id(trial.sample_set), *map(id, trial.arguments))
             if key not in expectations:
-                expectations[key] = expectation(function, trial.sample_set, trial.arguments)
+                expect = identification_expectation if FUNCTIONS[function].identifies else expectation
+                expectations[key] = expect(function, trial.sample_set, trial.arguments)
             expected = expectations[key]
-            called += expected.arguments[0][..., 0].size
+            called += expected.called
             compared += expected.compared
             worst = max(worst, self.check(function, trial, expected))
         note = f"{called - compared} of {called} left out: singular inertia matrix" if compared < called else ""
@@ -85,6 +87,9 @@ class _Verifier:
 
     def trials(self, function: str) -> Iterator[Trial]:
         names = FUNCTIONS[function].arguments
+        if not names:
+            yield from constant_trials(self.model, function, self.sets)
+            return
         for sample_set in self.sets:
             count = _affordable(function, sample_set)
             arguments = tuple(sample_set.arguments[name][:count] for name in names)
@@ -147,17 +152,21 @@ def _affordable(function: str, sample_set: SampleSet) -> int:
 
 def _difference(expected: Expectation, got: Array, errors: Array) -> str:
     place = np.unravel_index(int(np.argmax(errors)), errors.shape)
-    entry = ",".join(str(int(k) + 1) for k in place[expected.arguments[0].ndim - 1 :])
+    entry = ",".join(str(int(k) + 1) for k in place[_batch_axes(expected) :])
     return f"differs: entry [{entry}] is {got[place]:.17g} instead of {expected.value[place]:.17g}"
 
 
 def _place(function: str, trial: Trial, expected: Expectation, errors: Array) -> str:
-    batch = expected.arguments[0].ndim - 1
+    batch = _batch_axes(expected)
     place = np.unravel_index(int(np.argmax(errors)), errors.shape)[:batch]
     names = FUNCTIONS[function].arguments
     values = [f"{name} = {_vector(a[place])}" for name, a in zip(names, expected.arguments, strict=True)]
     numbers = [f"{name} = {value:.17g}" for name, value in trial.sample_set.parameters.items()]
     return ", ".join(values + numbers)
+
+
+def _batch_axes(expected: Expectation) -> int:
+    return expected.arguments[0].ndim - 1 if expected.arguments else 0
 
 
 def _vector(values: Array) -> str:

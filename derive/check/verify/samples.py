@@ -11,7 +11,9 @@ from derive.check.floats import parameter_values, to_float
 from derive.check.oracle import Oracle
 from derive.check.oracle.arm import Arm, Array
 from derive.errors import ExpressionError, VerificationError
+from derive.mechanics.base_parameters import base_set
 from derive.robot.expression import names
+from derive.robot.inertial import has_regressor
 from derive.robot.names import free_symbols
 from derive.robot.robot import Joint, Robot
 
@@ -60,7 +62,8 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
 
 
 def _sample_set(robot: Robot, parameters: dict[str, float], count: int, rng: np.random.Generator) -> SampleSet:
-    oracle = Oracle.of(robot, parameters)
+    base = base_set(robot).parameters if has_regressor(robot) else None
+    oracle = Oracle.of(robot, parameters, base)
     low, high = _ranges(robot, parameters)
     q = rng.uniform(low, high, (count, robot.n))
     qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.n))
