@@ -20,7 +20,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.errors import DeriveError
-from derive.robot.expression import Expression
+from derive.robot.expression import Expression, Number
 from derive.robot.robot import Joint
 
 Array = npt.NDArray[np.int64]
@@ -93,7 +93,8 @@ class ResidueDomain:
         self.domain = domain
         self.samples = samples
         self._random = random.Random(seed)
-        roots = [int(g.argument.value) for g in domain.generators if g.kind is Kind.PRIME_ROOT]  # type: ignore[attr-defined]
+        radicands = [g.argument for g in domain.generators if g.kind is Kind.PRIME_ROOT]
+        roots = [int(radicand.value) for radicand in radicands if isinstance(radicand, Number)]
         self.prime = _prime_with_roots(roots)
         self._point = self._find_point()
         self._cache: dict[str, Residue] = {}

@@ -42,7 +42,7 @@ class JavaScriptFunction:
 
     name: str
     label: str
-    arguments: str
+    signature: str
     documentation: tuple[str, ...]
     parameters: tuple[str, ...]
     hoists: bool
@@ -106,7 +106,7 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> Jav
     return JavaScriptFunction(
         name=camel_case(function.name),
         label=javascript_string(camel_case(function.name)),
-        arguments=", ".join(function.arguments),
+        signature=", ".join((*function.arguments, "params")),
         documentation=_documentation(function),
         parameters=wrapped([javascript_string(name) for name in needed]),
         hoists=bool(needed),

@@ -1,12 +1,12 @@
-"""Base parameters: the fewest combinations of inertial parameters that determine the torques, and the proof that they do.
+"""Base parameters: the fewest combinations of inertial parameters that determine the torques, with proof.
 
 What is linear in the parameters is told apart by B and g: a combination of parameters has no effect on any torque
 exactly where it has none on B(q) and g(q). The set is found in three steps.
 
-1. Whatever part of link i looks the same however joint i moves goes to link i-1 (`derive.mechanics.regrouping`; Gautier
-   and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; Khalil and Dombre, Modeling, Identification and Control of
-   Robots, ch. 9). That leaves seven parameters of a revolute link, four of a prismatic one, exactly. Masses of rotors
-   belong to the links that carry them.
+1. Whatever part of link i looks the same however joint i moves goes to link i-1 (`derive.mechanics.regrouping`;
+   Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; Khalil and Dombre, Modeling, Identification and
+   Control of Robots, ch. 9). That leaves seven parameters of a revolute link, four of a prismatic one, exactly. Masses
+   of rotors belong to the links that carry them.
 2. Of their columns the first independent ones are kept, from the base outwards, rotors and armatures last. They are
    found at random configurations and, where geometry has symbols, random values modulo a prime; a determinant that is
    not zero there is not zero identically. This is the lower bound of the rank.
@@ -192,4 +192,3 @@ def _geometry(robot: Robot) -> Robot:
         gravity=None if robot.gravity is None else tuple(map(put, robot.gravity)),  # type: ignore[arg-type]
         links=tuple(link(given) for given in robot.links),
     )
-

@@ -73,7 +73,7 @@ class ColumnSolver:
         return [_reduced(top, scale) for top in tops]
 
     def _column(self, parameter: Parameter) -> Column:
-        entries: dict[Hashable, Polynomial] = dict(self.forms.inertia(parameter))
+        entries: dict[Hashable, Polynomial] = {pair: value for pair, value in self.forms.inertia(parameter).items()}
         entries |= dict(enumerate(self.forms.gravity(parameter)))
         ring = self.domain.ring
         return {

@@ -10,7 +10,6 @@ from derive.mechanics.chain import Body, Chain, Domain, build_chain
 from derive.mechanics.column_relations import Coefficient
 from derive.mechanics.joint_motion import axis
 from derive.mechanics.regrouping import regroup
-from derive.mechanics.screws import with_unit_rotors
 from derive.mechanics.vectors import S, Symmetric, Vector, scale, steiner
 from derive.robot.expression import ZERO
 from derive.robot.inertial import LINK_PARTS, Parameter
@@ -26,9 +25,7 @@ def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domai
     ]
 
 
-def base_values(
-    robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Callable[[Coefficient], S]
-) -> list[S]:
+def base_values(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Callable[[Coefficient], S]) -> list[S]:
     """The base parameters: what the general rule groups, and what the relations of the set add.
 
     Args:

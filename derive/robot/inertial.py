@@ -55,7 +55,7 @@ class Parameter:
 
     @property
     def name(self) -> str:
-        """As it is printed: ``Izz2``, a plain word; entries of a tensor are entries of its matrix (no sign taken off)."""
+        """As it is printed: ``Izz2``; ``Ixy2`` is the entry of the tensor's matrix, no sign taken off."""
         return f"{self.part}{self.joint}"
 
     @property

@@ -11,11 +11,18 @@ from derive.robot.robot import Robot
 HEAD = """
 import numpy as np
 from derive.check.oracle import Oracle
+from derive.mechanics.base_parameters import base_set
+from derive.robot.inertial import has_regressor
 from derive.robot.robot import Robot
 
 ROBOT = Robot.from_text({text!r})
+BASE = base_set(ROBOT).parameters if has_regressor(ROBOT) else None
 DOF = {dof}
 PARAMETERS = {parameters!r}
+
+
+def _oracle(numbers):
+    return Oracle.of(ROBOT, numbers, BASE)
 
 
 def _value(name, arguments, params):
@@ -23,11 +30,11 @@ def _value(name, arguments, params):
     batch = np.broadcast_shapes(*(np.shape(a)[:-1] for a in arguments), *(v.shape for v in numbers.values()))
     arguments = [np.broadcast_to(a, (*batch, DOF)) for a in arguments]
     if all(v.ndim == 0 for v in numbers.values()):
-        return Oracle.of(ROBOT, {{key: float(v) for key, v in numbers.items()}}).evaluate(name, *arguments)
+        return _oracle({{key: float(v) for key, v in numbers.items()}}).evaluate(name, *arguments)
     numbers = {{key: np.broadcast_to(value, batch) for key, value in numbers.items()}}
     values = {{}}
     for k in np.ndindex(batch):
-        oracle = Oracle.of(ROBOT, {{key: float(value[k]) for key, value in numbers.items()}})
+        oracle = _oracle({{key: float(value[k]) for key, value in numbers.items()}})
         values[k] = oracle.evaluate(name, *(a[k] for a in arguments))
     first = next(iter(values.values()))
     return np.array(list(values.values())).reshape(*batch, *first.shape)
@@ -35,7 +42,7 @@ def _value(name, arguments, params):
 
 FUNCTION = """
 
-def {name}({arguments}, params=None):
+def {name}({signature}):
     return _value({name!r}, [{arguments}], params)
 """
 
@@ -46,6 +53,7 @@ def write_stand_in(folder: Path, text: str, fault: str = "") -> Robot:
     source = HEAD.format(text=text, dof=robot.n, parameters=free_symbols(robot))
     for name, definition in FUNCTIONS.items():
         if robot.has_dynamics or not definition.dynamic:
-            source += FUNCTION.format(name=name, arguments=", ".join(definition.arguments))
+            signature = ", ".join((*definition.arguments, "params=None"))
+            source += FUNCTION.format(name=name, arguments=", ".join(definition.arguments), signature=signature)
     (folder / "model_numpy.py").write_text(source + fault, encoding="utf-8")
     return robot

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
 from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
@@ -87,8 +88,9 @@ def small_program(graph: Graph, values: list[Value]) -> Program:
 
 def call(module: ModuleType, name: str, arguments: Mapping[str, object], **options: object) -> object:
     """A function with the arguments that it takes."""
-    taken = {"coriolis_matrix": "q qd", "inverse_dynamics": "q qd qdd", "forward_dynamics": "q qd tau"}.get(name, "q")
-    return getattr(module, name)(*(arguments[k] for k in taken.split()), **options)
+    function = getattr(module, name)
+    taken = [kind for kind in inspect.signature(function).parameters if kind not in ("params", "out")]
+    return function(*(arguments[kind] for kind in taken), **options)
 
 
 FUNCTIONS = (

@@ -28,8 +28,9 @@ def check(robot: Robot, samples: int = 6) -> None:
         for name in sample_set.oracle.functions:
             arguments = tuple(sample_set.arguments[kind] for kind in FUNCTIONS[name].arguments)
             expected = expectation(name, sample_set, arguments)
-            rows = [model.call(name, *row, params=dict(sample_set.parameters)) for row in zip(*arguments, strict=True)]
-            got = np.array(rows, dtype=float)
+            numbers = dict(sample_set.parameters)
+            rows = [model.call(name, *row, params=numbers) for row in zip(*arguments, strict=True)]
+            got = np.array(rows, dtype=float) if arguments else np.array(model.call(name, params=numbers), dtype=float)
             assert got.shape == expected.value.shape
             assert expected.errors(got).max() <= TOLERANCE, name
 

@@ -51,10 +51,12 @@ def base_regressor(robot: Identification, q: Array, qd: Array, qdd: Array) -> Ar
 def base_parameters(robot: Identification) -> Array:
     """The base parameters, (b,), by least squares over random states."""
     q, qd, qdd = fitting_states(robot)
-    matrix = base_regressor(robot, q, qd, qdd).reshape(-1, len(robot.base))
-    torques = inverse_dynamics(robot.arm, q, qd, qdd).reshape(-1)
+    torques = inverse_dynamics(robot.arm, q, qd, qdd)
+    largest = np.abs(torques).max(axis=0)
+    weight = 1.0 / np.where(largest > 0, largest, 1.0)
+    matrix = (base_regressor(robot, q, qd, qdd) * weight[:, None]).reshape(-1, len(robot.base))
     size = np.maximum(np.abs(matrix).max(axis=0), 1e-300)
-    values: Array = np.linalg.lstsq(matrix / size, torques, rcond=None)[0] / size
+    values: Array = np.linalg.lstsq(matrix / size, (torques * weight).ravel(), rcond=None)[0] / size
     return values
 
 
@@ -66,9 +68,7 @@ def fitting_states(robot: Identification) -> tuple[Array, Array, Array]:
     return states[0], states[1], states[2]
 
 
-def _columns(
-    arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, qdd: Array, *, on_axes: bool
-) -> Array:
+def _columns(arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, qdd: Array, *, on_axes: bool) -> Array:
     state = _State.of(arm, q, qd, qdd, on_axes)
     return np.stack([_column(state, parameter) for parameter in parameters], axis=-1)
 
@@ -92,7 +92,7 @@ class _State:
     def of(cls, arm: Arm, q: Array, qd: Array, qdd: Array, on_axes: bool) -> _State:
         frames = chain_frames(arm, q)
         seen = frames[..., 1:, :, :] @ _back_to_axes(arm) if on_axes and arm.standard else frames[..., 1:, :, :]
-        axis, on_axis = joint_axes(arm, frames)
+        axis, _ = joint_axes(arm, frames)
         origins, places = seen[..., :3, 3], rotor_places(arm, frames)
         links = np.arange(1, arm.n + 1)
         return cls(

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.check.oracle import Oracle
+from derive.check.oracle import FUNCTIONS, Oracle
 from derive.check.oracle.arm import Array
+from derive.check.verify.expected import Expectation, relative
+from derive.check.verify.identification import identification_expectation
 from derive.check.verify.report import TOLERANCE
 from derive.check.verify.samples import SampleSet
 from derive.check.verify.scales import FLOOR, Bounds, bounds
@@ -17,52 +19,6 @@ SINGULAR = 1e-13
 
 MASSLESS = 1e-22
 """Share of its natural size below which a diagonal entry of B is the square of rounding."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Expectation:
-    """The oracle's answer for a batch of arguments.
-
-    Attributes:
-        oracle: The robot with its numbers.
-        arguments: Broadcast arguments, (..., n) each.
-        value: The answer, (..., *shape).
-        scale: What an error of each entry is measured against, broadcastable to ``value``.
-    """
-
-    oracle: Oracle
-    arguments: tuple[Array, ...]
-    value: Array
-    scale: Array
-
-    @property
-    def called(self) -> int:
-        """Number of configurations."""
-        return self.arguments[0][..., 0].size
-
-    @property
-    def compared(self) -> int:
-        """Number of configurations that are compared."""
-        return self.called
-
-    def errors(self, got: Array) -> Array:
-        """Relative error of each entry; infinite where ``got`` is not a number."""
-        return _relative(got - self.value, self.scale)
-
-    def farthest_repetitions(self, got: Array, rows: Array) -> Array:
-        """Of a batch that repeats the arguments, for each of them the value that is farthest off.
-
-        Args:
-            got: The values, (len(rows), *shape).
-            rows: Which of the arguments each of them belongs to.
-        """
-        distance = np.abs(got - self.value[rows]).reshape(len(rows), -1).max(axis=1)
-        distance[np.isnan(distance)] = np.inf
-        order = np.argsort(distance, kind="stable")
-        farthest = np.empty(len(self.value), dtype=int)
-        farthest[rows[order]] = order
-        values: Array = got[farthest]
-        return values
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +51,7 @@ class AccelerationExpectation(Expectation):
         finite = np.where(np.isfinite(got), got, 0.0)
         left = self.oracle.evaluate("inverse_dynamics", q, qd, finite) - tau
         inertial = self.root * (self.root * np.abs(finite)).sum(axis=-1, keepdims=True)
-        errors = _relative(left, np.maximum(inertial + np.abs(tau) + np.abs(self.bias), self.scale))
+        errors = relative(left, np.maximum(inertial + np.abs(tau) + np.abs(self.bias), self.scale))
         errors[~np.isfinite(got)] = np.inf
         errors[~self.regular] = 0.0
         return errors
@@ -109,6 +65,8 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
         sample_set: The robot's numbers.
         arguments: Broadcast arguments, (..., n) each.
     """
+    if FUNCTIONS[function].identifies:
+        return identification_expectation(function, sample_set, arguments)
     oracle = sample_set.oracle
     limits = bounds(oracle, arguments[0])
     if function == "forward_dynamics":
@@ -143,14 +101,6 @@ def _is_regular(matrix: Array) -> Array:
     smallest = np.abs(np.linalg.eigvalsh(scaled)).min(axis=-1)
     regular: Array = (smallest > SINGULAR) & (diagonal > 0).all(axis=-1)
     return regular
-
-
-def _relative(difference: Array, scale: Array) -> Array:
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.abs(difference) / scale
-    exact = np.broadcast_to(difference == 0, ratio.shape)
-    errors: Array = np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
-    return errors
 
 
 def _largest(rates: Array) -> Array:

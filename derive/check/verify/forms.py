@@ -104,9 +104,7 @@ def parameter_trials(
     return [trial(index) for index in range(len(sample_sets))]
 
 
-def constant_trials(
-    model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]
-) -> Iterator[Trial]:
+def constant_trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]) -> Iterator[Trial]:
     """A function without arguments: with the parameters of every set, and with all sets at once, (sets,)."""
     for sample_set in sample_sets:
         yield Trial("no arguments", partial(model.call, function, (), sample_set.parameters), (), sample_set)

@@ -9,10 +9,14 @@ import numpy as np
 from derive.check.oracle import Oracle
 from derive.check.oracle.arm import Arm, Array
 from derive.check.oracle.identification import Identification, fitting_states
-from derive.check.verify.expectation import Expectation
+from derive.check.verify.expected import Expectation
+from derive.check.verify.report import TOLERANCE
 from derive.check.verify.samples import SampleSet
 from derive.check.verify.scales import FLOOR, Bounds, bounds
 from derive.robot.inertial import LINK_PARTS, Parameter
+
+_SPARE = 100.0
+"""Rounding of the torques that are fitted, in units of the last place."""
 
 _KIND = {"m": "m", "mm": "m", **dict.fromkeys(("mx", "my", "mz"), "h"), **dict.fromkeys(LINK_PARTS[4:], "I")}
 
@@ -21,31 +25,38 @@ _KIND = {"m": "m", "mm": "m", **dict.fromkeys(("mx", "my", "mz"), "h"), **dict.f
 class BaseExpectation(Expectation):
     """Base parameters, measured by the torques of random motions: by nothing else are they determined.
 
+    An error counts by the share of the torques that it makes, against the parameter's own share where that is not
+    small; and the torques of all parameters together must be right.
+
     Attributes:
-        matrix: Base regressor of these motions, (states, n, b).
-        torques: Their torques, (states, n).
-        size: What an error of each torque is measured against, (n,).
+        matrix: Base regressor of these motions, each row over the natural size of its torque, (states * n, b).
+        torques: Their torques, over the same, (states * n,).
+        small: A share of the torques below which a parameter's own is small, from the condition of ``matrix``.
     """
 
     matrix: Array
     torques: Array
-    size: Array
+    small: float
 
     @property
     def compared(self) -> int:
-        """There is one set of them."""
-        return 1
+        """The torques that are compared."""
+        return len(self.torques)
 
     @property
     def called(self) -> int:
-        """There is one set of them."""
-        return 1
+        """All of them."""
+        return len(self.torques)
 
     def errors(self, got: Array) -> Array:
-        """The worst relative error of a torque, the same for every parameter."""
+        """Relative error of each parameter, or that of the torques if it is larger."""
         if not np.isfinite(got).all():
             return np.full(got.shape, np.inf)
-        return np.full(got.shape, (np.abs(self.matrix @ got - self.torques) / self.size).max())
+        together = np.abs(self.matrix @ got - self.torques).max()
+        weight = np.abs(self.matrix).max(axis=0)
+        alone = np.abs(got - self.value) * weight / np.maximum(np.abs(self.value) * weight, self.small)
+        errors: Array = np.maximum(alone, together)
+        return errors
 
 
 def identification_expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:
@@ -73,10 +84,19 @@ def _base_expectation(oracle: Oracle, known: Identification) -> BaseExpectation:
     torques = oracle.evaluate("inverse_dynamics", q, qd, qdd)
     rates = np.abs(qd).max(axis=0)
     size = np.maximum(np.abs(torques).max(axis=0), FLOOR * bounds(oracle, q).torque(rates, rates))
+    size = np.where(size > 0, size, 1.0)
+    matrix = oracle.evaluate("base_regressor", q, qd, qdd) / size[:, None]
+    flat = matrix.reshape(-1, matrix.shape[-1])
     value = oracle.evaluate("base_parameters")
-    return BaseExpectation(
-        oracle, (), value, np.ones_like(value), oracle.evaluate("base_regressor", q, qd, qdd), torques, size
-    )
+    small = max(FLOOR, _SPARE * np.finfo(float).eps * _condition(flat) / TOLERANCE)
+    return BaseExpectation(oracle, (), value, np.ones_like(value), flat, (torques / size).ravel(), small)
+
+
+def _condition(matrix: Array) -> float:
+    """How much a fit multiplies rounding, the columns brought to one size."""
+    size = np.abs(matrix).max(axis=0)
+    singular = np.linalg.svd(matrix / np.where(size > 0, size, 1.0), compute_uv=False)
+    return float(singular[0] / max(singular[-1], 1e-300))
 
 
 def _entry_scale(limits: Bounds, arm: Arm, parameters: tuple[Parameter, ...], motion: tuple[Array, ...]) -> Array:
@@ -98,4 +118,5 @@ def _entry_scale(limits: Bounds, arm: Arm, parameters: tuple[Parameter, ...], mo
             columns.append(shared + np.where(np.arange(arm.n) == p.joint - 1, own[p.part], 0.0))
         else:
             columns.append(link[_KIND[p.part]])
-    return np.maximum(np.stack(columns, axis=-1), 1e-300)
+    scale: Array = np.maximum(np.stack(columns, axis=-1), 1e-300)
+    return scale

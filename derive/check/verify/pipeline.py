@@ -12,10 +12,10 @@ import numpy as np
 
 from derive.check.oracle import FUNCTIONS
 from derive.check.oracle.arm import Array
-from derive.check.verify.expectation import AccelerationExpectation, Expectation, expectation
+from derive.check.verify.expectation import AccelerationExpectation, expectation
+from derive.check.verify.expected import Expectation
 from derive.check.verify.forms import FORMS, Trial, constant_trials, parameter_trials
 from derive.check.verify.generated import COMPILED, MODULES, GeneratedModel, load_models
-from derive.check.verify.identification import identification_expectation
 from derive.check.verify.report import TOLERANCE, Report, Row
 from derive.check.verify.samples import SampleSet, sample_sets
 from derive.compiler import find_compiler
@@ -76,8 +76,7 @@ class _Verifier:
         for trial in self.trials(function):
             key = (id(trial.sample_set), *map(id, trial.arguments))
             if key not in expectations:
-                expect = identification_expectation if FUNCTIONS[function].identifies else expectation
-                expectations[key] = expect(function, trial.sample_set, trial.arguments)
+                expectations[key] = expectation(function, trial.sample_set, trial.arguments)
             expected = expectations[key]
             called += expected.called
             compared += expected.compared
