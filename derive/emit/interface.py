@@ -36,6 +36,23 @@ WORDING = {
         "Geometric Jacobian at the end effector, in the world frame.",
         "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
     ),
+    "jacobian_dot": Wording(
+        "dJ/dt",
+        "Rate of change of the geometric Jacobian, in the world frame.",
+        "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
+    ),
+    "analytic_jacobian_rpy": Wording(
+        "J_A",
+        "Analytic Jacobian for roll, pitch, yaw.",
+        "rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit of qd; "
+        "no finite numbers where cos(pitch) = 0",
+    ),
+    "analytic_jacobian_zyz": Wording(
+        "J_A",
+        "Analytic Jacobian for Euler angles ZYZ.",
+        "rows: velocity of the end effector's origin [m/s], then rates of phi, theta and psi [rad/s], per unit of qd; "
+        "no finite numbers where sin(theta) = 0",
+    ),
     "inertia_matrix": Wording(
         "B", "Inertia matrix, rotors and armatures included.", "symmetric; kinetic energy is qd^T B qd / 2"
     ),
@@ -50,6 +67,17 @@ WORDING = {
     ),
     "forward_dynamics": Wording(
         "qdd", "Joint accelerations under given torques and forces.", "solution of tau = B qdd + C qd + g + friction"
+    ),
+    "coriolis_vector": Wording("c", "Coriolis and centrifugal torques.", "C qd, quadratic in qd"),
+    "inverse_dynamics_dq": Wording(
+        "dtau/dq",
+        "Derivatives of the joint torques with respect to q.",
+        "row i, column j: d tau_i / d q_j at constant qd and qdd",
+    ),
+    "inverse_dynamics_dqd": Wording(
+        "dtau/dqd",
+        "Derivatives of the joint torques with respect to qd.",
+        "2 C + viscous friction on the diagonal; Coulomb friction counts as constant",
     ),
     "regressor": Wording(
         "Y",

@@ -79,13 +79,13 @@ def coriolis_matrix(chain: Chain[S], velocities: Sequence[S], half: S) -> list[l
     """
     speed = rates(chain, velocities)
     omegas = angular_velocities(chain, speed)
-    bodies = _composites(chain, speed, omegas, half)
+    bodies = moving_composites(chain, speed, omegas, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
         column = _column(chain, joint, bodies[j], omegas[j + 1])
         matrix[j][j] = work(joint, column.force, column.moment)
         for i in range(j - 1, -1, -1):
-            column = _inward(chain.joints[i + 1], column, omegas[i + 1], speed[i + 1])
+            column = column_to_parent(chain.joints[i + 1], column, omegas[i + 1], speed[i + 1])
             if i == j - 1:
                 column = _with_rotor(column, joint, omegas[j], half)
             upper, lower = _entries(chain.joints[i], column, omegas[i + 1])
@@ -103,7 +103,8 @@ def angular_velocities(chain: Chain[S], speed: Sequence[S]) -> list[Vector[S]]:
     return omegas
 
 
-def _composites(chain: Chain[S], speed: Sequence[S], omegas: Sequence[Vector[S]], half: S) -> list[MovingBody[S]]:
+def moving_composites(chain: Chain[S], speed: Sequence[S], omegas: Sequence[Vector[S]], half: S) -> list[MovingBody[S]]:
+    """For each joint, all that it carries and how that moves, in its joint frame; ``omegas`` with that of the base."""
     bodies = [_moving(body, omega, half) for body, omega in zip(chain.bodies, omegas[1:], strict=True)]
     for i in range(chain.n - 1, 0, -1):
         joint = chain.joints[i]
@@ -129,14 +130,14 @@ def _to_parent(joint: ChainJoint[S], moving: MovingBody[S], rate: Vector[S]) -> 
     growth = to_parent(joint, moving.growth)
     body = body_to_parent(joint, moving.body)
     turned = matmul(
-        matmul(joint.fixed.rotation, _turn_matrix(joint.cosine, joint.sine, moving.spread)),
+        matmul(joint.fixed.rotation, turn_matrix(joint.cosine, joint.sine, moving.spread)),
         transpose(joint.fixed.rotation),
     )
     spread = _add_matrices(_add_matrices(turned, _outer(growth, p)), _outer(rate, body.first_moment))
     return MovingBody(body, add(growth, scale(body.mass, rate)), spread)
 
 
-def _turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
+def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
     """Rot(z) E Rot(z)^T, using s^2 + c^2 = 1."""
     w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
     right = (c * m[0][2] - s * m[1][2], s * m[0][2] + c * m[1][2])
@@ -168,7 +169,7 @@ def _column(chain: Chain[S], joint: ChainJoint[S], moving: MovingBody[S], omega:
     return Column(force, moment, unit, eta, (-e[2][0], -e[2][1], planar))
 
 
-def _inward(joint: ChainJoint[S], column: Column[S], omega: Vector[S], rate: S) -> Column[S]:
+def column_to_parent(joint: ChainJoint[S], column: Column[S], omega: Vector[S], rate: S) -> Column[S]:
     """From joint frame i to i-1; ``omega`` of link i-1, ``rate`` of joint i."""
     p = origin(joint)
     force, unit = to_parent(joint, column.force), to_parent(joint, column.unit)

@@ -48,33 +48,42 @@ def no_accelerations(trace: Trace) -> Specification:
 
 
 def _inertia_candidates(trace: Trace) -> Iterator[Candidate]:
-    yield from _searched(trace, "inertia", f"composite bodies {BASE}", _inertia(trace))
+    yield from searched(trace, "inertia", f"composite bodies {BASE}", _inertia(trace))
     yield from _closed(trace, ClosedForm.inertia)
 
 
 def _coriolis_candidates(trace: Trace) -> Iterator[Candidate]:
+    yield from searched(trace, "coriolis", f"composite bodies and their inner motion {BASE}", _coriolis(trace))
+    yield from _closed(trace, ClosedForm.coriolis)
+
+
+def coriolis_forms(trace: Trace) -> tuple[Forms, ...]:
+    """The cheapest forms of the joints for C."""
+    return trace.cheapest_forms("coriolis", _coriolis(trace))
+
+
+def _coriolis(trace: Trace) -> Callable[[Forms], list[Value]]:
     def values(forms: Forms) -> list[Value]:
         return flat(christoffel_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
 
-    yield from _searched(trace, "coriolis", f"composite bodies and their inner motion {BASE}", values)
-    yield from _closed(trace, ClosedForm.coriolis)
+    return values
 
 
 def _gravity_candidates(trace: Trace) -> Iterator[Candidate]:
     def values(forms: Forms) -> list[Value]:
         return gravity_vector(trace.arranged(forms))
 
-    yield from _searched(trace, "gravity", f"composite first moments {BASE}", values)
+    yield from searched(trace, "gravity", f"composite first moments {BASE}", values)
     yield from _closed(trace, ClosedForm.gravity)
 
 
 def _torque_candidates(trace: Trace) -> Iterator[Candidate]:
-    values = _torques(trace, trace.arguments(QDD))
-    yield from _searched(trace, "torques", f"Newton-Euler {BASE}", values, ALL_CHOICES)
+    values = torques(trace, trace.arguments(QDD))
+    yield from searched(trace, "torques", f"Newton-Euler {BASE}", values, ALL_CHOICES)
     yield from _closed(trace, ClosedForm.torques, trace.with_friction)
 
 
-def _searched(
+def searched(
     trace: Trace,
     name: str,
     words: str,
@@ -102,7 +111,8 @@ def _inertia(trace: Trace) -> Callable[[Forms], list[Value]]:
     return lambda forms: flat(inertia_matrix(trace.arranged(forms)))
 
 
-def _torques(trace: Trace, gains: Sequence[Value]) -> Callable[[Forms], list[Value]]:
+def torques(trace: Trace, gains: Sequence[Value]) -> Callable[[Forms], list[Value]]:
+    """Newton-Euler with friction, with any forms of the joints."""
     rates = trace.arguments(QD)
 
     def values(forms: Forms) -> list[Value]:
@@ -112,7 +122,7 @@ def _torques(trace: Trace, gains: Sequence[Value]) -> Callable[[Forms], list[Val
 
 
 def _accelerations(trace: Trace) -> list[Value]:
-    inertia, bias = _inertia(trace), _torques(trace, trace.zeros())
+    inertia, bias = _inertia(trace), torques(trace, trace.zeros())
     n, entries = trace.n, inertia(trace.cheapest_forms("inertia", inertia)[0])
     matrix = [entries[n * i : n * i + n] for i in range(n)]
     return forward_dynamics(matrix, bias(trace.cheapest_forms("bias", bias, ALL_CHOICES)[0]), trace.arguments(TAU))

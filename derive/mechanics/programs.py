@@ -1,15 +1,24 @@
 """The program of a robot: every function's cheapest candidate, as a tape.
 
 The functions and their candidates are listed in `derive.mechanics.kinematic_functions`,
-`derive.mechanics.dynamic_functions` and `derive.mechanics.identification_functions`; a further formulation is one more
-`Candidate` there.
+`derive.mechanics.derivative_functions`, `derive.mechanics.dynamic_functions` and
+`derive.mechanics.identification_functions`; a further formulation is one more `Candidate` there.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import suppress
+
 from derive.algebra.program import Function, Program
 from derive.algebra.tape_finish import Finisher
 from derive.errors import QuantityError
+from derive.mechanics.derivative_functions import (
+    analytic_jacobians,
+    jacobian_rates,
+    torque_derivatives,
+    velocity_torques,
+)
 from derive.mechanics.dynamic_functions import accelerations, dynamic_functions, no_accelerations
 from derive.mechanics.identification_functions import identification_functions
 from derive.mechanics.kinematic_functions import kinematic_functions
@@ -28,9 +37,13 @@ def build_program(robot: Robot) -> Program:
     trace = Trace(robot)
     finisher = Finisher(robot, trace.graph)
     functions = [_function(specification, finisher) for specification in kinematic_functions(trace)]
+    functions.append(_function(jacobian_rates(trace), finisher))
+    functions += _regular(analytic_jacobians(trace), finisher)
     if robot.has_dynamics:
         functions += [_function(specification, finisher) for specification in dynamic_functions(trace)]
         functions.append(_accelerations(trace, finisher))
+        functions.append(_function(velocity_torques(trace), finisher))
+        functions += [_function(specification, finisher) for specification in torque_derivatives(trace)]
         functions += [_function(specification, finisher) for specification in identification_functions(trace)]
     return Program(tuple(functions), free_symbols(robot))
 
@@ -42,6 +55,18 @@ def _function(specification: Specification, finisher: Finisher) -> Function:
     formulation = candidates[chosen].formulation
     name, shape = specification.name, specification.shape
     return Function(name, specification.arguments, shape, tape, formulation, specification.columns)
+
+
+def _regular(specifications: Iterable[Specification], finisher: Finisher) -> list[Function]:
+    """The functions that have a value anywhere: some angles are singular in every configuration of an arm.
+
+    Cells without a value have been refused by the functions before.
+    """
+    found: list[Function] = []
+    for specification in specifications:
+        with suppress(QuantityError):
+            found.append(_function(specification, finisher))
+    return found
 
 
 def _accelerations(trace: Trace, finisher: Finisher) -> Function:

@@ -23,7 +23,7 @@ title: Two links
 convention: standard
 joints:
   - {type: revolute, a: a1}
-  - {type: revolute, theta: -q2, a: 0.4, limits: [-1, 2]}
+  - {type: revolute, theta: -q2, a: 0.4, alpha: pi/2, limits: [-1, 2]}
 gravity: [0, -9.81, 0]
 links:
   - {mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.1}, motor: {mass: 0.3, inertia: 0.01, ratio: 50}}
@@ -35,11 +35,17 @@ FUNCTIONS = (
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
     "inverse_dynamics",
     "forward_dynamics",
+    "coriolis_vector",
+    "inverse_dynamics_dq",
+    "inverse_dynamics_dqd",
     "regressor",
     "base_regressor",
     "base_parameters",

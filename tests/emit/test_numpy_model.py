@@ -37,11 +37,17 @@ SHAPES = {
     "forward_kinematics": (4, 4),
     "link_transforms": (2, 4, 4),
     "jacobian": (6, 2),
+    "jacobian_dot": (6, 2),
+    "analytic_jacobian_rpy": (6, 2),
+    "analytic_jacobian_zyz": (6, 2),
     "inertia_matrix": (2, 2),
     "coriolis_matrix": (2, 2),
     "gravity_vector": (2,),
     "inverse_dynamics": (2,),
     "forward_dynamics": (2,),
+    "coriolis_vector": (2,),
+    "inverse_dynamics_dq": (2, 2),
+    "inverse_dynamics_dqd": (2, 2),
 }
 
 

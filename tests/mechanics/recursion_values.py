@@ -41,12 +41,16 @@ def random_state(program: Program, n: int, values: dict[str, float], seed: int) 
     return State(draw(), draw(), draw(), draw(), tuple(values.get(name, 0.7) for name in program.parameters))
 
 
+def inputs_of(state: State, **changed: npt.NDArray[np.complex128]) -> dict[str, list[complex]]:
+    """The inputs of a tape at a state, with some arguments changed."""
+    inputs = {kind: list(changed.get(kind, getattr(state, kind))) for kind in ("q", "qd", "qdd", "tau")}
+    return {**inputs, PARAMETER: list(state.parameters)}
+
+
 def value(program: Program, name: str, state: State, **changed: npt.NDArray[np.complex128]) -> npt.NDArray[np.float64]:
     """A function at a state, with some arguments changed; complex where they are."""
     function = program[name]
-    inputs = {kind: list(changed.get(kind, getattr(state, kind))) for kind in ("q", "qd", "qdd", "tau")}
-    inputs[PARAMETER] = list(state.parameters)
-    result = np.array(evaluate(function.tape, inputs, ARITHMETIC)).reshape(function.shape)
+    result = np.array(evaluate(function.tape, inputs_of(state, **changed), ARITHMETIC)).reshape(function.shape)
     return result if any(np.iscomplexobj(c) for c in changed.values()) else result.real
 
 

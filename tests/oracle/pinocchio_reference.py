@@ -118,6 +118,52 @@ class Reference:
         full = pin.computeCoriolisMatrix(self.model, data, self.map @ q, self.map @ qd)
         return np.array(self.map.T @ full @ self.map)
 
+    def jacobian_dot(self, q: Array, qd: Array) -> Array:
+        """Rate of the geometric Jacobian, (6, n), from that of Pinocchio's Jacobian at the world's origin."""
+        data = self.model.createData()
+        pin.computeJointJacobiansTimeVariation(self.model, data, self.map @ q, self.map @ qd)
+        full = pin.getJointJacobianTimeVariation(self.model, data, self.joints[-1], pin.WORLD)
+        rate = np.reshape(full, (6, -1)) @ self.map
+        jacobian, place = self.jacobian(q), self.forward_kinematics(q)[:3, 3]
+        linear = rate[:3] - pin.skew(jacobian[:3] @ qd) @ jacobian[3:] - pin.skew(place) @ rate[3:]
+        return np.vstack([linear, rate[3:]])
+
+    def analytic_jacobian_rpy(self, q: Array) -> Array:
+        """Rows of velocity, then of roll, pitch, yaw, (6, n)."""
+        _, pitch, yaw = pin.rpy.matrixToRpy(self.forward_kinematics(q)[:3, :3])
+        turned = pin.utils.rotate("z", yaw)
+        tilted = turned @ pin.utils.rotate("y", pitch)
+        return self.with_angles(q, np.column_stack([tilted[:, 0], turned[:, 1], np.eye(3)[2]]))
+
+    def analytic_jacobian_zyz(self, q: Array) -> Array:
+        """Rows of velocity, then of phi, theta, psi, (6, n)."""
+        rotation = self.forward_kinematics(q)[:3, :3]
+        turned = pin.utils.rotate("z", np.arctan2(rotation[1, 2], rotation[0, 2]))
+        return self.with_angles(q, np.column_stack([np.eye(3)[2], turned[:, 1], rotation[:, 2]]))
+
+    def with_angles(self, q: Array, axes: Array) -> Array:
+        """The geometric Jacobian with the rates of three angles about ``axes`` for the angular velocity."""
+        jacobian = self.jacobian(q)
+        return np.vstack([jacobian[:3], np.linalg.solve(axes, jacobian[3:])])
+
+    def coriolis_vector(self, q: Array, qd: Array) -> Array:
+        """C qd, (n,)."""
+        return self.bias(q, qd) - self.gravity_vector(q)
+
+    def inverse_dynamics_dq(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """d tau / d q, (n, n)."""
+        return self.torque_derivatives(q, qd, qdd)[0]
+
+    def inverse_dynamics_dqd(self, q: Array, qd: Array) -> Array:
+        """d tau / d qd, (n, n)."""
+        return self.torque_derivatives(q, qd, np.zeros_like(q))[1] + np.diag(self.viscous)
+
+    def torque_derivatives(self, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]:
+        """Of the torques without friction, by Pinocchio's analytic recursion."""
+        data = self.model.createData()
+        pin.computeRNEADerivatives(self.model, data, self.map @ q, self.map @ qd, self.map @ qdd)
+        return self.map.T @ data.dtau_dq @ self.map, self.map.T @ data.dtau_dv @ self.map
+
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
         """Accelerations, (n,)."""
         bias = self.inverse_dynamics(q, qd, np.zeros_like(q))

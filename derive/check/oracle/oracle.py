@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from derive.check.oracle import frames, identification, lagrange, newton
+from derive.check.oracle import frames, identification, lagrange, newton, rates
 from derive.check.oracle.arm import Arm, Array, numeric_arm
 from derive.check.oracle.identification import Identification
 from derive.robot.inertial import Parameter, standard_parameters
@@ -50,16 +50,28 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
         "link_transforms": Definition(("q",), False, frames.link_transforms),
         "jacobian": Definition(("q",), False, frames.jacobian),
+        "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
+        "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
+        "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
         "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
         "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
         "gravity_vector": Definition(("q",), True, lagrange.gravity_vector),
         "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics),
         "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics),
+        "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector),
+        "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq),
+        "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd),
         "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, True),
         "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, True),
         "base_parameters": Definition((), True, identification.base_parameters, True),
     }
 )
+
+ANGLES: Mapping[str, str] = MappingProxyType({f"analytic_jacobian_{kind}": kind for kind in rates.TILTED})
+"""Functions that an arm lacks if its orientation angles are singular in every configuration."""
+
+SINGULAR = 1e-9
+"""Distance from singular angles that is rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,12 +112,19 @@ class Oracle:
     @property
     def functions(self) -> tuple[str, ...]:
         """Names of the functions that this robot has."""
-        return tuple(name for name, definition in FUNCTIONS.items() if self._has(definition))
+        return tuple(name for name, definition in FUNCTIONS.items() if self._has(name, definition))
 
-    def _has(self, definition: Definition) -> bool:
+    def _has(self, name: str, definition: Definition) -> bool:
+        if name in ANGLES:
+            return self.has_angles(ANGLES[name])
         if definition.identifies:
             return self.identification is not None
         return self.dynamic or not definition.dynamic
+
+    def has_angles(self, kind: str) -> bool:
+        """Whether the end effector's angles ``rpy`` or ``zyz`` are regular in some configuration."""
+        q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
+        return bool((rates.distance_from_singularity(self.arm, kind, q) > SINGULAR).any())
 
     def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
         """The value of a generated function.

@@ -54,10 +54,11 @@ class CModel:
 
     @property
     def constants(self) -> Mapping[str, Any]:
-        """``DOF`` and ``PARAMETERS``, as the header has them."""
+        """``DOF`` and ``PARAMETERS``, as the header has them, and the shapes of the functions by name."""
         start = f"{self._prefix}index_of_"
         names = [name.removeprefix(start) for name in self._numbers if name.startswith(start)]
-        return {"DOF": self._numbers[f"{self._prefix}dof"], "PARAMETERS": tuple(names)}
+        functions = {name.removeprefix(self._prefix): shape for name, shape in self._shapes.items()}
+        return {**functions, "DOF": self._numbers[f"{self._prefix}dof"], "PARAMETERS": tuple(names)}
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Mapping[str, Any]) -> Array:
         """One configuration, or the batch function for more."""

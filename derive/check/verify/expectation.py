@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.check.oracle import FUNCTIONS, Oracle
+from derive.check.oracle import ANGLES, FUNCTIONS, Oracle
 from derive.check.oracle.arm import Array
-from derive.check.verify.expected import Expectation, relative
+from derive.check.oracle.rates import distance_from_singularity
+from derive.check.verify.expected import Expectation, PartialExpectation, relative
 from derive.check.verify.identification import identification_expectation
 from derive.check.verify.report import TOLERANCE
 from derive.check.verify.samples import SampleSet
@@ -17,33 +18,28 @@ from derive.check.verify.scales import FLOOR, Bounds, bounds
 SINGULAR = 1e-13
 """Smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined."""
 
+NEAR = 1e-3
+"""Distance from singular angles at which rounding may reach a thousandth of what is allowed."""
+
 MASSLESS = 1e-22
 """Share of its natural size below which a diagonal entry of B is the square of rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AccelerationExpectation(Expectation):
+class AccelerationExpectation(PartialExpectation):
     """Accelerations, measured by the torque that is left over, since B may be ill conditioned.
 
     The error of row i is |B qdd + h - tau|_i over sqrt(B_ii) sum_j sqrt(B_jj) |qdd_j| + |tau_i| + |h_i|: rounding alone
     leaves the unit roundoff times a modest factor of that, whatever the condition of B (Higham, Accuracy and Stability
-    of Numerical Algorithms, section 10.1). Configurations where B is singular determine no accelerations; they are
-    called but not compared.
+    of Numerical Algorithms, section 10.1). Configurations where B is singular determine no accelerations.
 
     Attributes:
-        regular: (...) where B is not singular.
         bias: (..., n) C qd + g + friction.
         root: (..., n) square roots of the diagonal of B, where that vanishes of its natural size.
     """
 
-    regular: Array
     bias: Array
     root: Array
-
-    @property
-    def compared(self) -> int:
-        """Number of configurations with a regular B."""
-        return int(self.regular.sum())
 
     def errors(self, got: Array) -> Array:
         """Relative torque error of each row; 0 where B is singular."""
@@ -77,7 +73,19 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     if function == "link_transforms":
         batch = (*batch, arguments[0].ndim - 1)
     yardstick = np.maximum(FLOOR, limits.undetermined(function) / TOLERANCE) * natural
+    if function in ANGLES:
+        return _angle_rates(oracle, arguments, ANGLES[function], value, yardstick)
     return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=batch), yardstick))
+
+
+def _angle_rates(
+    oracle: Oracle, arguments: tuple[Array, ...], kind: str, value: Array, yardstick: Array
+) -> PartialExpectation:
+    """Near singular angles their rates grow with 1/distance, and what rounding leaves with its square."""
+    distance = distance_from_singularity(oracle.arm, kind, arguments[0])
+    regular = distance > NEAR
+    near = np.where(regular, distance, 1.0)[..., None, None]
+    return PartialExpectation(oracle, arguments, value, np.maximum(np.abs(value), yardstick / near**2), regular)
 
 
 def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:

@@ -56,6 +56,28 @@ class Expectation:
         return values
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PartialExpectation(Expectation):
+    """The answer of a function without a value in some configurations, which are called but not compared.
+
+    Attributes:
+        regular: (...) where there is a value.
+    """
+
+    regular: Array
+
+    @property
+    def compared(self) -> int:
+        """Number of configurations with a value."""
+        return int(self.regular.sum())
+
+    def errors(self, got: Array) -> Array:
+        """Relative error of each entry; 0 where there is no value."""
+        errors = relative(got - self.value, self.scale)
+        errors[~self.regular] = 0.0
+        return errors
+
+
 def relative(difference: Array, scale: Array) -> Array:
     """Size of a difference in terms of a scale; 0 where there is none, infinite where it is not a number."""
     with np.errstate(divide="ignore", invalid="ignore"):

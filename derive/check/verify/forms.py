@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from derive.check.oracle import ANGLES
 from derive.check.oracle.arm import Array
 from derive.check.verify.generated import GeneratedModel, Parameters
 from derive.check.verify.samples import SampleSet
@@ -35,6 +36,9 @@ class Trial:
     sample_set: SampleSet
     rows: Array | None = None
 
+
+UNDETERMINED = frozenset({"forward_dynamics", *ANGLES})
+"""Functions without a value in some configurations: where B, or the angles, are singular."""
 
 Form = Callable[[GeneratedModel, str, tuple[Array, ...], SampleSet], Trial]
 
@@ -122,13 +126,13 @@ def constant_trials(model: GeneratedModel, function: str, sample_sets: Sequence[
 
 
 def _single(model: GeneratedModel, function: str, row: Sequence[Array], parameters: Parameters) -> Array:
-    """One value; accelerations that end in a division by zero are not a number, since B may be singular there."""
+    """One value; what ends in a division by zero is not a number where that may be right."""
     try:
         return model.call(function, read_only(row), parameters)
     except (ArithmeticError, np.linalg.LinAlgError):
-        if function != "forward_dynamics":
+        if function not in UNDETERMINED:
             raise
-        return np.full(row[0].shape, np.nan)
+        return np.full((6, len(row[0])) if function in ANGLES else row[0].shape, np.nan)
 
 
 def read_only(arrays: Sequence[Array]) -> list[Array]:

@@ -158,7 +158,7 @@ def _without_casadi_layout(function: str, block: Array) -> Array:
     return block[:, 0] if block.shape[1] == 1 and function in VECTORS else block
 
 
-VECTORS = frozenset({"gravity_vector", "inverse_dynamics", "forward_dynamics", "base_parameters"})
+VECTORS = frozenset({"gravity_vector", "inverse_dynamics", "forward_dynamics", "coriolis_vector", "base_parameters"})
 
 
 def _import(path: Path) -> ModuleType:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.check.oracle import Oracle
+from derive.check.oracle import ANGLES, Oracle
 from derive.check.oracle.arm import Arm, Array
 
 FLOOR = 1e-3
@@ -68,6 +68,18 @@ class Bounds:
                 return self.gravity
             case "inverse_dynamics":
                 return self.torque(*rates)
+            case "jacobian_dot":
+                return self._jacobian() * self._turning(rates[0])
+            case "analytic_jacobian_rpy" | "analytic_jacobian_zyz":
+                return self._jacobian()
+            case "coriolis_vector":
+                coriolis: Array = self._coriolis(rates[0]) @ rates[0]
+                return coriolis
+            case "inverse_dynamics_dq":
+                return self._position_derivative(*rates)
+            case "inverse_dynamics_dqd":
+                viscous: Array = 2.0 * self._coriolis(rates[0]) + np.diag(self.friction[0])
+                return viscous
             case _:
                 raise KeyError(function)
 
@@ -75,6 +87,12 @@ class Bounds:
         """Bound of B qdd + C qd + g + friction, (n,)."""
         moving: Array = self._inertia() @ change + self._coriolis(rate) @ rate
         bound: Array = moving + self.gravity + self.friction[0] * rate + self.friction[1]
+        return bound
+
+    def _position_derivative(self, rate: Array, change: Array) -> Array:
+        """Bound of d tau / d q, (n, n): an angle changes no term by more than the term's size."""
+        rigid = self.torque(rate, change) - self.friction[0] * rate - self.friction[1]
+        bound: Array = np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, 1e-300)))
         return bound
 
     def _transform(self) -> Array:
@@ -92,16 +110,20 @@ class Bounds:
         A base rounded in the file to 0.7071 is no rotation: R (z x r) and (R z) x (R r), both the Jacobian, then differ
         by its defect. A base whose defect is rounding of floats leaves nothing undetermined.
         """
-        return 4.0 * self.base_defect if function == "jacobian" and self.base_defect > ROUNDING else 0.0
+        steps = {"jacobian": 4.0, "jacobian_dot": 8.0, **dict.fromkeys(ANGLES, 8.0)}
+        return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 
     def _inertia(self) -> Array:
         scale: Array = np.sqrt(np.outer(self.inertia, self.inertia))
         return scale
 
     def _coriolis(self, rate: Array) -> Array:
-        turning = np.where(self.revolute, rate, rate / max(self.reach, 1e-300)).sum()
-        scale: Array = self._inertia() * turning
+        scale: Array = self._inertia() * self._turning(rate)
         return scale
+
+    def _turning(self, rate: Array) -> float:
+        """Bound of angular velocities, with displacements counted as turns of the whole arm [rad/s]."""
+        return float(np.where(self.revolute, rate, rate / max(self.reach, 1e-300)).sum())
 
 
 def bounds(oracle: Oracle, q: Array) -> Bounds:
