@@ -92,9 +92,9 @@ def test_arguments_broadcast_against_each_other() -> None:
     np.testing.assert_allclose(found, MODEL.inverse_dynamics(q, qd, qdd, params=PARAMETERS), **EXACT)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_jax_compiles_vectorises_and_differentiates(seed: int) -> None:
-    robot = random_robot(random.Random(seed + 40), 3)
+    robot = random_robot(random.Random(seed + 40), 2 + seed)
     model, params = numpy_model(Robot.from_text(robot.text)), robot.values
     given = arguments(5, joints=robot.n)
     q, qd, qdd = given["q"], given["qd"], given["qdd"]
