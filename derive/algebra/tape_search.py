@@ -36,6 +36,7 @@ class Search:
         self._random = random.Random(seed)
         self._circle = Circle(network)
         self._limit = 0
+        self._turned = network.cost + 1
 
     def run(self, effort: int) -> None:
         """Share what can be shared at once, then try changes.
@@ -46,9 +47,14 @@ class Search:
         self._extractor.run()
         self._limit = self._network.work + effort
         for _ in range(_ROUNDS):
+            cost = self._network.cost
             self._round(self._used_once())
-            self._turn()
+            if cost < self._turned:
+                self._turn()
+                self._turned = self._network.cost
             self._round(self._used_often())
+            if self._network.cost == cost or self._network.work > self._limit:
+                return
 
     def resubstitute(self, effort: int) -> None:
         """Try other definitions of variables in terms of two others.
@@ -92,11 +98,14 @@ class Search:
                 return
             cost, mark = network.cost, network.mark()
             self._write_out_squares(variable)
-            for changed, polynomial in list(network.polynomials()):
-                if variable in self._circle.squares(polynomial):
-                    network.define(changed, self._circle.without(polynomial, variable))
-            if network.mark() > mark:
+            holders = [(v, p) for v, p in network.polynomials() if variable in self._circle.squares(p)]
+            for holder, polynomial in holders:
+                network.define(holder, self._circle.without(polynomial, variable))
+            if holders:
                 self._settle(cost - 1, mark)
+            else:
+                network.undo(mark)
+                self._extractor.drain()
 
     def _write_out_squares(self, variable: int) -> None:
         """Write out products and single-use sums in which a square may hide."""
