@@ -122,10 +122,11 @@ def torques(trace: Trace, gains: Sequence[Value]) -> Callable[[Forms], list[Valu
 
 
 def _accelerations(trace: Trace) -> list[Value]:
-    inertia, bias = _inertia(trace), torques(trace, trace.zeros())
+    inertia, moving, bias = _inertia(trace), torques(trace, trace.arguments(QDD)), torques(trace, trace.zeros())
     n, entries = trace.n, inertia(trace.cheapest_forms("inertia", inertia)[0])
     matrix = [entries[n * i : n * i + n] for i in range(n)]
-    return forward_dynamics(matrix, bias(trace.cheapest_forms("bias", bias, ALL_CHOICES)[0]), trace.arguments(TAU))
+    forms = trace.cheapest_forms("torques", moving, ALL_CHOICES)[0]
+    return forward_dynamics(matrix, bias(forms), trace.arguments(TAU))
 
 
 def _divided_by_zero(trace: Trace) -> list[Value]:

@@ -24,7 +24,10 @@ Trial = Callable[[Forms], Outputs]
 Price = Callable[[Outputs], tuple[int, int]]
 """What some outputs cost, and the nodes looked at to find that."""
 
-_EFFORT = 80_000
+_EFFORT = 45_000
+
+_MANY_JOINTS = 24
+"""Above this the first start is taken as it is."""
 
 _CLOSE = 1.01
 """Costs that improvement may bring below the best one, in terms of it."""
@@ -54,7 +57,12 @@ class FormSearch:
 
     def best(self, starts: Sequence[Forms], count: int = 1) -> tuple[Forms, ...]:
         """The cheapest forms found and up to ``count - 1`` that come close, each with another graph."""
-        forms = min(starts, key=self._cost)
+        if self._chain.n > _MANY_JOINTS:
+            return (starts[0],)
+        forms = starts[0]
+        self._cost(forms)
+        for start in starts[1:]:
+            forms = min(forms, start, key=self._cost) if self._effort > 0 else forms
         while self._effort > 0:
             better = self._swept(forms)
             if better == forms:
