@@ -176,6 +176,24 @@ class KinematicModel:
         k = self.kinematics
         return k.linear_columns(k.end.position), k.angular_columns(self.n)
 
+    @cached_property
+    def J_dot(self) -> Matrix:
+        """dJ/dt(q, qd), 6xn: rate of change of the geometric Jacobian J, world frame.
+
+        The acceleration of the end effector is J qdd + dJ/dt qd (Siciliano et al., Robotics, section 3.8).
+        """
+        if self._long.is_long(0, self.n):
+            rate = sum((self.J.diff(q) * qd for q, qd in zip(self.q, self.qd, strict=True)), sympy.zeros(6, self.n))
+            return sympy.ImmutableMatrix(rate)
+        linear, angular = self._jacobian_columns
+        rows = [[(*v, *w)[row] for v, w in zip(linear, angular, strict=True)] for row in range(6)]
+        return sympy.ImmutableMatrix([[self._rate(entry) for entry in row] for row in rows])
+
+    def _rate(self, entry: Polynomial) -> Expr:
+        """The time derivative of a polynomial in the joint variables, collected by their rates."""
+        slopes = (self.form.kinematic(self.domain.derivative(entry, k)) for k in range(self.n))
+        return sympy.Add(*(slope * qd for slope, qd in zip(slopes, self.qd, strict=True)))
+
     def det_J(self, rows: Sequence[int] | None = None, columns: Sequence[int] | None = None) -> Expr:
         """Determinant of a square block of J.
 

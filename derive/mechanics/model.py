@@ -156,6 +156,11 @@ class Model(KinematicModel):
         return self._rate_matrix(self.dynamics.christoffel)
 
     @cached_property
+    def coriolis_vector(self) -> Matrix:
+        """C qd, nx1: Coriolis and centrifugal torques [N m or N]."""
+        return sympy.ImmutableMatrix([self._velocity_torque(i) for i in range(self.n)])
+
+    @cached_property
     def N(self) -> Matrix:
         """N = Bdot - 2C, nxn, skew-symmetric."""
         return self._rate_matrix(self.dynamics.skew)

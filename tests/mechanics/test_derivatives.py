@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy
 
 from derive.algebra.program import Program
 from derive.algebra.tape import Operations, evaluate
 from derive.algebra.tape_finish import Finisher
+from derive.check.floats import parameter_values
+from derive.check.oracle import Oracle
 from derive.mechanics.articulated_body import articulated_accelerations
+from derive.mechanics.model import Model
 from derive.mechanics.programs import build_program
 from derive.mechanics.trace import Trace
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from tests.mechanics.recursion_values import ARITHMETIC, STEP, State, derivative, inputs_of, value
 from tests.mechanics.test_recursions import Case, assert_close, case_of, units
@@ -112,3 +117,15 @@ def test_angles_that_are_singular_everywhere_have_no_jacobian() -> None:
 def test_a_fixed_axis_has_no_rate() -> None:
     program = build_program(Robot.from_text("name: one\nconvention: standard\njoints: [{type: prismatic}]\n"))
     assert program["jacobian_dot"].operations == Operations()
+
+
+def test_closed_forms_of_rates_are_the_generated_ones() -> None:
+    robot = Robot.load("scara-perugia")
+    model, oracle = Model(robot), Oracle.of(robot, dict.fromkeys(free_symbols(robot), 0.7))
+    q, qd = np.random.default_rng(0).uniform(-1, 1, (2, robot.n))
+    numbers = {symbol: 0.7 for symbol in model.J_dot.free_symbols | model.coriolis_vector.free_symbols}
+    numbers |= {sympy.Symbol(name): float(value) for name, value in parameter_values(robot).items()}
+    numbers |= dict(zip((*model.q, *model.qd), (*q, *qd), strict=True))
+    for matrix, name in ((model.J_dot, "jacobian_dot"), (model.coriolis_vector, "coriolis_vector")):
+        found = np.array(matrix.subs(numbers).tolist(), dtype=float)
+        assert_close(found.reshape(-1), oracle.evaluate(name, q, qd).reshape(-1))
