@@ -66,13 +66,12 @@ EXPORT void free_arm(void *arm) { delete static_cast<Arm *>(arm); }
 #define SQUARE Eigen::Map<RowMatrix>(out, n, n)
 
 LOOP(tau, n, VELOCITY ACCELERATION VECTOR = pinocchio::rnea(arm.model, arm.data, arm.q, arm.qd, arm.qdd);)
-LOOP(B, n *n, pinocchio::crba(arm.model, arm.data, arm.q, pinocchio::Convention::WORLD);
+LOOP(B, n *n, pinocchio::crba(arm.model, arm.data, arm.q);
      SQUARE = arm.data.M.selfadjointView<Eigen::Upper>();)
 LOOP(C, n *n, VELOCITY SQUARE = pinocchio::computeCoriolisMatrix(arm.model, arm.data, arm.q, arm.qd);)
 LOOP(g, n, VECTOR = pinocchio::computeGeneralizedGravity(arm.model, arm.data, arm.q);)
-LOOP(T, 16, pinocchio::forwardKinematics(arm.model, arm.data, arm.q);
-     Eigen::Map<Transform>(out, 4, 4) =
-         pinocchio::updateFramePlacement(arm.model, arm.data, arm.end).toHomogeneousMatrix();)
+LOOP(T, 16, pinocchio::framesForwardKinematics(arm.model, arm.data, arm.q);
+     Eigen::Map<Transform>(out, 4, 4) = arm.data.oMf[arm.end].toHomogeneousMatrix();)
 LOOP(J, 6 * n, arm.jacobian.setZero();
      pinocchio::computeFrameJacobian(arm.model, arm.data, arm.q, arm.end, pinocchio::LOCAL_WORLD_ALIGNED, arm.jacobian);
      Eigen::Map<RowMatrix>(out, 6, n) = arm.jacobian;)

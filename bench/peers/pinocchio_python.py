@@ -41,9 +41,9 @@ def calls(case: Case) -> dict[str, tuple[Callable[..., Any], Callable[..., Array
     model, end = build(plain_arm(case))
     data = model.createData()
 
-    def pose(q: Array) -> Any:
-        pin.forwardKinematics(model, data, q)
-        return pin.updateFramePlacement(model, data, end)
+    def pose(q: Array) -> Array:
+        pin.framesForwardKinematics(model, data, q)
+        return np.asarray(data.oMf[end].homogeneous)
 
     def full(q: Array) -> Array:
         upper = np.triu(pin.crba(model, data, q))
@@ -66,7 +66,7 @@ def calls(case: Case) -> dict[str, tuple[Callable[..., Any], Callable[..., Array
         "B": (lambda q: pin.crba(model, data, q), full),
         "C": (coriolis, coriolis),
         "g": (gravity, gravity),
-        "T": (pose, lambda q: np.asarray(pose(q).homogeneous)),
+        "T": (lambda q: pin.framesForwardKinematics(model, data, q), pose),
         "J": (jacobian, jacobian),
     }
 
