@@ -10,13 +10,14 @@ import pytest
 from bench.counting.casadi_graph import count_casadi, shared
 from bench.counting.counts import Counts
 from bench.counting.python_source import count_nodes, count_python
-from bench.ours import tape_counts
+from bench.operations import _row
+from bench.ours import OURS, program_of, tape_counts
+from bench.quantities import QUANTITIES
 from bench.robots import load
 from derive.emit.numpy_target import render_numpy
-from derive.mechanics.programs import build_program
 from tests.emit.generated_models import source_of
 
-SMALL = ("planar-2r-numeric", "scara-symbolic")
+SMALL = ("planar-2r-numeric", "planar-2r-symbolic")
 
 
 @pytest.mark.parametrize("text", ["x**2 + y", "-x*x - -y", "x*(x + y)"])
@@ -40,7 +41,17 @@ def test_a_power_that_is_no_count_of_multiplications_is_refused() -> None:
 @pytest.mark.parametrize("name", SMALL)
 def test_counts_of_the_tape_are_those_of_the_generated_module(name: str) -> None:
     robot = load(name).robot
-    program = build_program(robot)
+    program = program_of(robot)
     source = render_numpy(source_of(robot, program))["model_numpy.py"]
     counts = {function.name: tape_counts(function) for function in program}
     assert {function: count_python(source, f"_{function}") for function in counts} == counts
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_our_own_figures_belong_to_results_that_are_right(name: str) -> None:
+    case = load(name)
+    row = _row(OURS, case)
+    assert {cell["arithmetic"] for cell in row.values()} == {
+        tape_counts(program_of(case.robot)[quantity.function]).arithmetic for quantity in QUANTITIES
+    }
+    assert not [cell for cell in row.values() if cell["error"] > 1e-12]
