@@ -85,10 +85,11 @@ def turn_tensor(rotation: Matrix[S], tensor: Symmetric[S]) -> Symmetric[S]:
 def shift(mass: S, moment: Vector[S], tensor: Symmetric[S], p: Vector[S]) -> Symmetric[S]:
     """Inertia about a point from which the old one is seen at ``p``; ``moment`` is the first moment about the old one.
 
-    The second moments grow by h p^T + p h^T + m p p^T; the terms of h and of m p go together.
+    The second moments grow by h p^T + p h^T + m p p^T; the terms of h and of m p go together, but for the products of
+    h on the diagonal, which the moments of a force -h and the like need as well.
     """
     moved = add(moment, scale(mass, p))
-    a, b, c = ((moment[k] + moved[k]) * p[k] for k in range(3))
+    a, b, c = (moment[k] * p[k] + moved[k] * p[k] for k in range(3))
     return Symmetric(
         tensor.xx + (b + c),
         tensor.yy + (a + c),
