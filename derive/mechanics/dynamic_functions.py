@@ -14,20 +14,23 @@ from derive.mechanics.form_search import ALL_CHOICES, CHAIN_CHOICES, Forms
 from derive.mechanics.forward_dynamics import forward_dynamics
 from derive.mechanics.gravity import gravity_vector
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.mechanics.specification import Candidate, Specification
+from derive.mechanics.specification import Candidate, Specification, near
 from derive.mechanics.trace import Trace, flat
 
 BASE = "in base parameters"
 
+_NEAR = 1.3
+"""In terms of the cheapest; a closed form may improve by so much more than a recursion."""
+
 
 def dynamic_functions(trace: Trace) -> tuple[Specification, ...]:
     """Inertia, Coriolis and gravity, and the torques that they make."""
-    n = trace.n
+    n, graph = trace.n, trace.graph
     return (
-        Specification("inertia_matrix", (Q,), (n, n), tuple(_inertia_candidates(trace))),
-        Specification("coriolis_matrix", (Q, QD), (n, n), tuple(_coriolis_candidates(trace))),
-        Specification("gravity_vector", (Q,), (n,), tuple(_gravity_candidates(trace))),
-        Specification("inverse_dynamics", (Q, QD, QDD), (n,), tuple(_torque_candidates(trace))),
+        Specification("inertia_matrix", (Q,), (n, n), near(graph, _inertia_candidates(trace), _NEAR)),
+        Specification("coriolis_matrix", (Q, QD), (n, n), near(graph, _coriolis_candidates(trace), _NEAR)),
+        Specification("gravity_vector", (Q,), (n,), near(graph, _gravity_candidates(trace), _NEAR)),
+        Specification("inverse_dynamics", (Q, QD, QDD), (n,), near(graph, _torque_candidates(trace), _NEAR)),
     )
 
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from derive.algebra.tape_domain import Q
-from derive.algebra.tape_price import price
 from derive.algebra.tape_value import Value
 from derive.mechanics import forward_kinematics as kinematics
 from derive.mechanics.cheapest_kinematics import cheapest_jacobian, cheapest_pose
 from derive.mechanics.cheapest_links import cheapest_links
 from derive.mechanics.jacobian import jacobian
-from derive.mechanics.specification import Candidate, Specification
+from derive.mechanics.specification import Candidate, Specification, near
 from derive.mechanics.trace import Trace, flat
 from derive.mechanics.vectors import Frame
 
@@ -26,21 +25,10 @@ def kinematic_functions(trace: Trace) -> tuple[Specification, ...]:
     """Poses and Jacobians."""
     n = trace.n
     return (
-        Specification("forward_kinematics", (Q,), (4, 4), _near(trace, _poses(trace))),
-        Specification("link_transforms", (Q,), (n, 4, 4), _near(trace, _links(trace))),
-        Specification("jacobian", (Q,), (6, n), _near(trace, _jacobians(trace))),
+        Specification("forward_kinematics", (Q,), (4, 4), near(trace.graph, _poses(trace), _NEAR)),
+        Specification("link_transforms", (Q,), (n, 4, 4), near(trace.graph, _links(trace), _NEAR)),
+        Specification("jacobian", (Q,), (6, n), near(trace.graph, _jacobians(trace), _NEAR)),
     )
-
-
-def _near(trace: Trace, candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
-    """Those that are worth improving: no dearer as traced than the cheapest, nearly."""
-    known = [Candidate(candidate.formulation, _held(candidate.values())) for candidate in candidates]
-    prices = [price(trace.graph, [v.ref for v in candidate.values()])[0] for candidate in known]
-    return tuple(c for c, found in zip(known, prices, strict=True) if found <= _NEAR * min(prices))
-
-
-def _held(values: Sequence[Value]) -> Callable[[], Sequence[Value]]:
-    return lambda: values
 
 
 def _poses(trace: Trace) -> Iterator[Candidate]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from derive.algebra.program import Column
+from derive.algebra.tape_graph import Graph
+from derive.algebra.tape_price import price
 from derive.algebra.tape_value import Value
 
 
@@ -41,3 +43,14 @@ class Specification:
     candidates: tuple[Candidate, ...]
     columns: tuple[Column, ...] = ()
     search: bool = True
+
+
+def near(graph: Graph, candidates: Iterable[Candidate], factor: float) -> tuple[Candidate, ...]:
+    """Those worth improving: as traced they cost no more than ``factor`` times the cheapest."""
+    known = [Candidate(candidate.formulation, _held(candidate.values())) for candidate in candidates]
+    prices = [price(graph, [v.ref for v in candidate.values()])[0] for candidate in known]
+    return tuple(c for c, found in zip(known, prices, strict=True) if found <= factor * min(prices))
+
+
+def _held(values: Sequence[Value]) -> Callable[[], Sequence[Value]]:
+    return lambda: values
