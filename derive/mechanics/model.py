@@ -14,6 +14,7 @@ from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
 from derive.mechanics.dynamic_form import DynamicForm, times_rate
 from derive.mechanics.dynamics import Dynamics
+from derive.mechanics.identification import ClosedIdentification
 from derive.mechanics.kinematic_model import KinematicModel
 from derive.mechanics.parts import only_link
 from derive.mechanics.writing import columns_matrix, symmetric_matrix
@@ -207,6 +208,53 @@ class Model(KinematicModel):
         if self.style is Style.BY_GEOMETRY:
             return self.dynamic_form.rate_sum(pairs, self.christoffel_limit)
         return sympy.Add(*(self.dynamic_form.product(p, rates, self.christoffel_limit) for p, rates in pairs))
+
+    # -- identification
+
+    @cached_property
+    def identification(self) -> ClosedIdentification:
+        """Regressors and base parameters, see `derive.mechanics.base_parameters`."""
+        self._require_links("regressor")
+        return ClosedIdentification(self)
+
+    @property
+    def regressor(self) -> Matrix:
+        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi."""
+        return self.identification.regressor
+
+    @property
+    def standard_parameters(self) -> Matrix:
+        """The standard parameters pi, px1, link by link.
+
+        Of each link mass, first moments and inertia about the origin of its DH frame, ten whether the file gives them
+        or not; of its joint rotor mass and inertia, armature and friction where the file gives them.
+        """
+        return self.identification.standard_values
+
+    @property
+    def standard_parameter_names(self) -> tuple[str, ...]:
+        """Names of the standard parameters: ``m1``, ``mx1``, ..., ``Iyz1``, ``mm1``, ``Im1``, ``Ia1``, ``b1``, ``f1``."""
+        return tuple(parameter.name for parameter in self.identification.standard)
+
+    @property
+    def regressor_base(self) -> Matrix:
+        """Y(q, qd, qdd), nxb, with tau = Y beta for the base parameters beta; its columns are independent."""
+        return self.identification.base_regressor
+
+    @property
+    def base_parameters(self) -> Matrix:
+        """The base parameters beta, bx1: as few combinations of the standard parameters as determine the torques.
+
+        Links' parameters are those in joint frames: on the axis of joint i, DH frame i in the modified convention, DH
+        frame i before its a_i and alpha_i in the standard one. How the set is found and proven is in
+        `derive.mechanics.base_parameters` (Gautier and Khalil 1990; Khalil and Dombre, ch. 9).
+        """
+        return self.identification.base_values
+
+    @property
+    def base_parameter_names(self) -> tuple[str, ...]:
+        """Names of the base parameters, each that of the parameter which takes the others over."""
+        return tuple(parameter.name for parameter in self.identification.base.parameters)
 
     # -- with names for what repeats
 

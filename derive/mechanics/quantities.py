@@ -97,6 +97,10 @@ REGISTRY = {
         Quantity("g", (0,), lambda m: m.g, "gravity vector", True),
         Quantity("friction", (0,), lambda m: m.friction, "joint friction", True),
         Quantity("tau", (0,), lambda m: m.tau, "equations of motion", True),
+        Quantity("regressor", (0,), lambda m: m.regressor, "Y with tau = Y pi, standard parameters pi", True),
+        Quantity("standard_parameters", (0,), lambda m: m.standard_parameters, "the standard parameters pi", True),
+        Quantity("regressor_base", (0,), lambda m: m.regressor_base, "Y with tau = Y beta", True),
+        Quantity("base_parameters", (0,), lambda m: m.base_parameters, "the base parameters beta", True),
     )
 }
 
