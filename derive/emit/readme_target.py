@@ -62,6 +62,7 @@ def readme_context(source: Source) -> dict[str, Any]:
         "functions": _functions(source),
         "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
         "numbers": _numbers(robot),
+        "base": _base(source),
         "free": free_symbols(robot),
         "example": ", ".join(["0.1"] * robot.n),
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free_symbols(robot)),
@@ -83,6 +84,12 @@ def _functions(source: Source) -> list[dict[str, str]]:
         }
         for function in source.program
     ]
+
+
+def _base(source: Source) -> list[tuple[str, str]]:
+    """The base parameters and their formulas, which the cell grammar keeps free of markup."""
+    name = "base_parameters"
+    return [(c.name, c.formula) for c in source.program[name].columns] if name in source.program else []
 
 
 def _numbers(robot: Robot) -> list[tuple[str, str]]:

@@ -18,7 +18,7 @@ Symbols with a number count as that number, all others and angles that are no mu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -27,6 +27,8 @@ import numpy as np
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.residues import Array, NoPointError, Residue, ResidueDomain, echelon
 from derive.algebra.ring import TooManyTerms
+from derive.algebra.tape_cells import exact_number
+from derive.algebra.to_expression import polynomial_expression
 from derive.errors import ExpressionError
 from derive.mechanics.chain import build_chain
 from derive.mechanics.column_relations import Coefficient, ColumnSolver, Unproven
@@ -89,13 +91,24 @@ def base_set(robot: Robot) -> BaseSet:
         robot: The robot.
 
     Returns:
-        The set; friction, rotors and armatures among it where the file gives them.
+        The set; friction, rotors and armatures among it where the file gives them. Its relations are in the robot's
+        symbols where these tell the same parameters apart as their numbers do.
     """
-    candidates = _candidates(robot)
+    numbers = {name: value for name, value in number_of(robot).items() if name not in robot.runtime}
+    found = _base_set(robot, numbers)
+    if not numbers or not any(relation.terms for relation in found.relations):
+        return found
+    symbolic = _base_set(robot, {})
+    same = symbolic.parameters == found.parameters and symbolic.proven
+    return symbolic if same and _defined(symbolic, numbers) else found
+
+
+def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
+    candidates, geometry = _candidates(robot), _geometry(robot, numbers)
     samples = _FEWEST_SAMPLES
     while samples <= 4 * len(candidates):
         try:
-            return _proven(robot, candidates, samples)
+            return _proven(geometry, candidates, _friction(robot), samples)
         except Unproven:
             samples *= 2
         except (ExpressionError, TooManyTerms, NoPointError, ZeroDivisionError):
@@ -103,8 +116,17 @@ def base_set(robot: Robot) -> BaseSet:
     return BaseSet(_ordered([*candidates, *_friction(robot)]), (), None, proven=False)
 
 
-def _proven(robot: Robot, candidates: Sequence[Parameter], samples: int) -> BaseSet:
-    domain = PolynomialDomain(with_unit_rotors(_geometry(robot)), rates=False, max_terms=MAX_TERMS)
+def _defined(base: BaseSet, numbers: Mapping[str, Expression]) -> bool:
+    """Whether no denominator vanishes at the numbers."""
+    assert base.domain is not None, "a proven set has a ring"
+    denominators = {c.denominator for relation in base.relations for _, c in relation.terms}
+    return all(exact_number(polynomial_expression(d, base.domain), numbers) != 0 for d in denominators)
+
+
+def _proven(
+    geometry: Robot, candidates: Sequence[Parameter], friction: Sequence[Parameter], samples: int
+) -> BaseSet:
+    domain = PolynomialDomain(with_unit_rotors(geometry), rates=False, max_terms=MAX_TERMS)
     residues, pivots, form = _independent(domain, candidates, samples)
     solver = ColumnSolver(domain, residues)
     relations: list[Relation] = []
@@ -118,7 +140,7 @@ def _proven(robot: Robot, candidates: Sequence[Parameter], samples: int) -> Base
             continue
         relations.append(Relation(candidates[j], tuple(zip(support, coefficients, strict=True))))
     kept = [candidates[pivot] for pivot in pivots]
-    return BaseSet(_ordered([*kept, *too_long, *_friction(robot)]), tuple(relations), domain, proven=not too_long)
+    return BaseSet(_ordered([*kept, *too_long, *friction]), tuple(relations), domain, proven=not too_long)
 
 
 def _independent(
@@ -169,12 +191,11 @@ def _ordered(parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
     return tuple(sorted(parameters, key=lambda p: (p.joint, order[p.part])))
 
 
-def _geometry(robot: Robot) -> Robot:
+def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     """What decides on dependence: numbers put in, no tool, joint variables counted from where they are simplest."""
-    numbers = {name: value for name, value in number_of(robot).items() if name not in robot.runtime}
 
     def put(cell: Expression) -> Expression:
-        return substitute(cell, numbers)
+        return substitute(cell, dict(numbers))
 
     def row(joint: Joint) -> Joint:
         theta = ZERO if joint.is_revolute else put(joint.theta)

@@ -233,7 +233,7 @@ class Model(KinematicModel):
 
     @property
     def standard_parameter_names(self) -> tuple[str, ...]:
-        """Names of the standard parameters: ``m1``, ``mx1``, ..., ``Iyz1``, ``mm1``, ``Im1``, ``Ia1``, ``b1``, ``f1``."""
+        """Names of the standard parameters: ``m1``, ``mx1``, ..., ``Iyz1``, ``mm1``, ``Im1``, ``Ia1``, ..."""
         return tuple(parameter.name for parameter in self.identification.standard)
 
     @property
