@@ -108,4 +108,8 @@ FUNCTIONS = (
     "coriolis_vector",
     "inverse_dynamics_dq",
     "inverse_dynamics_dqd",
+    "base_regressor",
 )
+
+IDENTIFICATION = ("regressor", "base_parameters")
+"""Further functions: one like `base_regressor`, and one without arguments."""

@@ -22,6 +22,7 @@ from derive.emit.numpy_target import render_numpy
 from derive.robot.robot import Robot
 from tests.emit.generated_models import (
     FUNCTIONS,
+    IDENTIFICATION,
     PARAMETERS,
     call,
     casadi_model,
@@ -48,6 +49,7 @@ SHAPES = {
     "coriolis_vector": (2,),
     "inverse_dynamics_dq": (2, 2),
     "inverse_dynamics_dqd": (2, 2),
+    "base_regressor": (2, 7),
 }
 
 
@@ -348,8 +350,9 @@ def test_the_module_says_what_it_is() -> None:
     assert MODEL.JOINT_TYPES == ("revolute", "prismatic")
     assert list(MODEL.LIMITS) == [(-math.pi, 2.0), None]
     assert MODEL.PARAMETERS == ("m1", "m2")
-    assert set(MODEL.OPERATIONS) == set(FUNCTIONS) == set(MODEL.__all__) - {
+    assert set(MODEL.OPERATIONS) == {*FUNCTIONS, *IDENTIFICATION} == set(MODEL.__all__) - {
         "DOF", "JOINT_NAMES", "JOINT_TYPES", "LIMITS", "OPERATIONS", "PARAMETERS", "precompute",
+        "STANDARD_PARAMETERS", "BASE_PARAMETERS", "BASE_FORMULAS",
     }  # fmt: skip
     for name in FUNCTIONS:
         assert "Args:" in getattr(MODEL, name).__doc__
@@ -421,3 +424,25 @@ def test_the_batch_of_the_parameters_leads_whether_a_function_needs_them_or_not(
     assert MODEL.forward_kinematics(q, params=masses).shape == (3, 4, 4)
     assert MODEL.inertia_matrix(q, params=masses).shape == (3, 2, 2)
     assert MODEL.jacobian(np.zeros((4, 1, 2)), params=masses).shape == (4, 3, 6, 2)
+
+
+def test_base_parameters_depend_on_parameters_alone() -> None:
+    """No batch without one in the parameters; the torques are those of the base regressor."""
+    a = arguments(3)
+    one = MODEL.base_parameters(params=PARAMETERS)
+    assert one.shape == (len(MODEL.BASE_PARAMETERS),) == (len(MODEL.BASE_FORMULAS),)
+    torques = MODEL.base_regressor(a["q"], a["qd"], a["qdd"], params=PARAMETERS) @ one
+    np.testing.assert_allclose(torques, call(MODEL, "inverse_dynamics", a, params=PARAMETERS), rtol=0, atol=1e-12)
+    masses = {"m1": np.array([[1.0], [2.0]]), "m2": np.array([0.5, 1.0, 2.0])}
+    many = MODEL.base_parameters(params=masses)
+    assert many.shape == (2, 3, len(one))
+    assert np.array_equal(many[1, 2], MODEL.base_parameters(params={"m1": 2.0, "m2": 2.0}))
+    out = np.empty_like(many)
+    assert MODEL.base_parameters(params=masses, out=out) is out
+    assert np.array_equal(out, many)
+
+
+def test_columns_of_the_regressor_have_names() -> None:
+    shape = call(MODEL, "regressor", arguments(), params=PARAMETERS).shape
+    assert shape == (2, len(MODEL.STANDARD_PARAMETERS))
+    assert MODEL.STANDARD_PARAMETERS[:2] == ("m1", "mx1")

@@ -17,6 +17,7 @@ from derive.check.verify.generated import GeneratedModel, load_models
 from derive.emit.casadi_target import render_casadi
 from derive.emit.numpy_target import render_numpy
 from derive.emit.source import Source
+from derive.mechanics.base_parameters import base_set
 from derive.mechanics.programs import build_program
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
@@ -63,7 +64,8 @@ def test_generated_code_passes_verification(tmp_path: Path, robot: RandomRobot) 
     loaded = Robot.from_text(robot.text)
     generate(loaded, tmp_path)
     report = verify(loaded, tmp_path, samples=6)
-    functions = Oracle.of(loaded, robot.values).functions
+    base = base_set(loaded).parameters if loaded.has_dynamics else None
+    functions = Oracle.of(loaded, robot.values, base).functions
     assert report.worst < 1e-10
     assert {(row.target, row.function) for row in report.rows} == {
         (target, function) for target in ("numpy", "casadi") for function in functions
