@@ -33,7 +33,7 @@ _CLOSE = 1.01
 """Costs that improvement may bring below the best one, in terms of it."""
 
 CHAIN_CHOICES = ("place", "held", "second_moments")
-ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares")
+ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
 
 
 class FormSearch:
@@ -103,6 +103,8 @@ class FormSearch:
                 return [replace(form, column=not form.column)]
             case "squares" if turns and form.column:
                 return [replace(form, squares=not form.squares)]
+            case "grown" if turns and form.held and form.column and form.squares:
+                return [replace(form, grown=not form.grown)]
         return []
 
     def _cost(self, forms: Forms) -> int:

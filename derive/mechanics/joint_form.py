@@ -26,6 +26,8 @@ class JointForm:
             written in second moments; else it is I_yy.
         column: The third column of U comes from the link before (for a slide all of U); else alpha does.
         squares: So does omega_x^2 + omega_y^2; else all three squares are made.
+        grown: In held axes, where omega gains its z alone, the rest of U is that of the link before with what the joint
+            adds; else it is made from omega and alpha.
     """
 
     place: Place = Place.AFTER
@@ -33,6 +35,7 @@ class JointForm:
     second_moments: bool = False
     column: bool = True
     squares: bool = True
+    grown: bool = True
 
 
 PLAIN = JointForm()

@@ -13,7 +13,7 @@ turning alpha; elsewhere turning alpha is cheaper.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic
 
 from derive.mechanics.chain import Chain, ChainJoint
@@ -91,7 +91,21 @@ def _turned(
     alpha = (yz - third[1], third[0] - xz, dot(axis(joint), before.alpha) + growth)
     if not form.squares:
         return _motion(omega, alpha, _carried(joint, before), third)
-    return _from_column(omega, alpha, third, _carried(joint, before))
+    motion = _from_column(omega, alpha, third, _carried(joint, before))
+    return _grown(joint, before, motion, rate, growth) if form.held and form.grown else motion
+
+
+def _grown(joint: ChainJoint[S], before: LinkMotion[S], motion: LinkMotion[S], rate: S, growth: S) -> LinkMotion[S]:
+    """Entries of U off the diagonal from those of the link before, in axes that the joint does not turn."""
+    fixed, u = joint.fixed.rotation, motion.spread
+    old = matmul(matmul(transpose(fixed), before.spread), fixed)
+    twice = rate + rate
+    spread = (
+        (u[0][0], old[0][1] - growth, u[0][2]),
+        (old[1][0] + growth, u[1][1], u[1][2]),
+        (old[2][0] + twice * motion.omega[0], old[2][1] + twice * motion.omega[1], u[2][2]),
+    )
+    return replace(motion, spread=spread)
 
 
 def _from_column(omega: Vector[S], alpha: Vector[S], third: Vector[S], acceleration: Vector[S]) -> LinkMotion[S]:

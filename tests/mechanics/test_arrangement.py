@@ -55,6 +55,7 @@ def random_forms(trace: Trace, rng: random.Random) -> Forms:
             second_moments=rng.random() < 0.5,
             column=rng.random() < 0.5,
             squares=rng.random() < 0.5,
+            grown=rng.random() < 0.5,
         )
         for i in range(trace.n)
     )
