@@ -14,17 +14,23 @@ from derive.algebra.tape_network import ROOT, Definition, Monomial, Network, Opa
 _SUMS = (Op.ADD, Op.SUBTRACT)
 
 
-def network_of(graph: Graph, outputs: Sequence[Ref]) -> Network:
-    """The network of ``outputs``; what depends on parameters alone becomes coefficients.
+def network_of(graph: Graph, outputs: Sequence[Ref], body: Layer = Layer.BODY) -> Network:
+    """The network of ``outputs``.
 
     Sums in sums and products in products or sums, where the inner one serves nothing else, are taken as one.
+
+    Args:
+        graph: A graph.
+        outputs: References into it.
+        body: The layer from which values are variables; what is below becomes coefficients.
     """
-    return _Reader(graph, outputs).run()
+    return _Reader(graph, outputs, body).run()
 
 
 class _Reader:
-    def __init__(self, graph: Graph, outputs: Sequence[Ref]) -> None:
+    def __init__(self, graph: Graph, outputs: Sequence[Ref], body: Layer) -> None:
         self.old = graph
+        self.body = body
         self.outputs = outputs
         self.order = reachable(graph, outputs)
         self.coefficients = Coefficients(Graph())
@@ -50,13 +56,13 @@ class _Reader:
     def _absorbed(self, i: int) -> bool:
         """Whether a sum or product is part of a larger one and of nothing else."""
         op, user = self.old.op[i], self.user.get(i)
-        if self.uses[i] != 1 or user is None or self.old.layer[i] < Layer.BODY:
+        if self.uses[i] != 1 or user is None or self.old.layer[i] < self.body:
             return False
         return (op in _SUMS and user in _SUMS) or (op is Op.MULTIPLY and user in (*_SUMS, Op.MULTIPLY))
 
     def _value(self, i: int) -> Operand:
         op = self.old.op[i]
-        if self.old.layer[i] < Layer.BODY:
+        if self.old.layer[i] < self.body:
             return Operand(None, self._coefficient(i))
         if op in LEAVES:
             return Operand(self.network.create(Opaque(None, (), i)), ONE)

@@ -19,6 +19,9 @@ _CLOSE = 1.03
 
 _FINALISTS = 2
 
+_LARGE = 20_000
+"""Operations from which a longer search finds little for its time."""
+
 
 class Finisher:
     """Puts the robot's numbers into a graph traced with its symbols, improves it and cuts tapes.
@@ -46,15 +49,20 @@ class Finisher:
         All are improved quickly; a longer search is spent on those close to the best, unless none is worth it.
         """
         drafts = [Improvement(*bake(self._graph, outputs, self._replacements)) for outputs in candidates]
-        costs = [draft.draft() for draft in drafts]
+        costs = [self._drafted(draft) for draft in drafts]
         close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
         close.sort(key=costs.__getitem__)
-        finished = {i: self._finish(drafts[i], search) for i in sorted(close[:_FINALISTS])}
+        finalists = close[: 1 if min(costs) > _LARGE else _FINALISTS]
+        finished = {i: self._finish(drafts[i], search) for i in sorted(finalists)}
         winner = min(finished, key=lambda i: finished[i].operations.cost)
         return winner, finished[winner]
 
+    def _drafted(self, draft: Improvement) -> int:
+        draft.draft()
+        return draft.cost()
+
     def _finish(self, draft: Improvement, search: bool) -> Tape:
-        if search:
+        if search and draft.cost() <= _LARGE:
             draft.search(EFFORT)
         return cut(*draft.result())
 

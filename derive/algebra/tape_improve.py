@@ -8,6 +8,7 @@ from derive.algebra.tape import FUNCTION_COST, Op
 from derive.algebra.tape_build import cost
 from derive.algebra.tape_convert import network_of
 from derive.algebra.tape_graph import Graph, Ref
+from derive.algebra.tape_hoist import improve_hoisted
 from derive.algebra.tape_network import Opaque
 from derive.algebra.tape_search import Search
 from derive.algebra.tape_write import graph_of
@@ -16,6 +17,8 @@ EFFORT = 16_000
 """Divisors looked at by trials before the search ends: about a tenth of a second."""
 
 _COSTS = {Op.DIVIDE: 1, Op.ROOT: 1, Op.SINE: FUNCTION_COST, Op.COSINE: FUNCTION_COST}
+
+_HOISTED = EFFORT // 4
 
 _DRAFT = EFFORT // 4
 
@@ -47,9 +50,12 @@ class Improvement:
         self._network = network_of(graph, outputs)
         self._search = Search(self._network)
 
-    def draft(self) -> int:
-        """A short search; returns what `Operations.cost` of the program is then."""
+    def draft(self) -> None:
+        """Search for a short time."""
         self._search.run(_DRAFT)
+
+    def cost(self) -> int:
+        """`Operations.cost` of the program found so far."""
         functions = [d.op for d in self._network.definition.values() if isinstance(d, Opaque) and d.op is not None]
         return self._network.cost + sum(_COSTS.get(op, 0) for op in functions)
 
@@ -60,6 +66,7 @@ class Improvement:
         self._search.run(effort // 2)
 
     def result(self) -> tuple[Graph, tuple[Ref, ...]]:
-        """The cheapest program found so far."""
+        """The cheapest program found so far, its hoisted work improved too."""
         found = graph_of(self._network, self._graph)
-        return found if cost(*found) < cost(self._graph, self._outputs) else (self._graph, self._outputs)
+        best = found if cost(*found) < cost(self._graph, self._outputs) else (self._graph, self._outputs)
+        return improve_hoisted(*best, _HOISTED)

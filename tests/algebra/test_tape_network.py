@@ -13,6 +13,7 @@ from derive.algebra.tape_graph import Graph
 from derive.algebra.tape_improve import improve
 from derive.algebra.tape_network import Network
 from derive.algebra.tape_resubstitute import Resubstitution
+from derive.algebra.tape_schedule import live, schedule
 from derive.algebra.tape_search import Search
 from derive.algebra.tape_value import Value
 from derive.algebra.tape_write import graph_of
@@ -158,3 +159,23 @@ def test_results_do_not_depend_on_the_run(program: RandomProgram) -> None:
         tapes.append(cut(*improve(graph, program.trace(graph))))
     assert tapes[0] == tapes[1]
     assert cost(graph, program.trace(graph)) >= cost(*improve(graph, program.trace(graph)))
+
+
+def test_hoisted_work_is_shared_like_the_body() -> None:
+    _, (x, y, *_), (a, b, c, d, *_) = names()
+    tape = cut(*improve(x.graph, [((a * b + a * c) * x).ref, ((d * b + d * c) * y).ref]))
+    assert tape.operations == Operations(mul=2)
+    assert tape.hoisted_operations == Operations(mul=2, add=1)
+
+
+def test_few_values_are_alive_where_an_order_allows_it() -> None:
+    _, variables, _ = names(40)
+    squares = [v * v for v in variables]
+    total = squares[-1]
+    for square in squares[-2::-1]:
+        total = square + total
+    graph, outputs = improve(total.graph, [total.ref])
+    order = schedule(graph, outputs)
+    assert live(graph, order)[0] <= 2
+    places = {i: step for step, i in enumerate(order)}
+    assert all(places[k] < places[i] for i in order for k in graph.operands[i])
