@@ -70,3 +70,10 @@ def test_links_stand_side_by_side() -> None:
     found = np.array(MODEL.link_transforms([0.3, 0.2], list(PARAMETERS.values())))
     assert found.shape == (4, 8)
     assert found[:, 4:] == pytest.approx(reference.link_transforms([0.3, 0.2])[1])
+
+
+def test_base_parameters_of_a_robot_in_numbers_have_no_input() -> None:
+    robot = Robot.load("scara-matlab")
+    function, reference = casadi_model(robot).base_parameters, numpy_model(robot).base_parameters()
+    assert function.n_in() == 0
+    np.testing.assert_allclose(function()["beta"].full()[:, 0], reference, rtol=1e-14)

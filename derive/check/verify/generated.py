@@ -121,7 +121,8 @@ class CasadiModel:
         if parameters:
             columns.append(np.repeat([[float(parameters[name])] for name in names], count, axis=1))
         mapped = handle if count == 1 else handle.map(count)
-        stacked = np.asarray(mapped(*columns).full())
+        value = mapped(*columns) if columns else mapped()[handle.name_out(0)]
+        stacked = np.asarray(value.full())
         width = handle.size2_out(0)
         blocks = stacked.reshape(stacked.shape[0], count, width).transpose(1, 0, 2)
         shaped = np.stack([_without_casadi_layout(function, block) for block in blocks])
