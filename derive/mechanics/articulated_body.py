@@ -18,8 +18,10 @@ from dataclasses import dataclass, replace
 from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
+from derive.mechanics.composite_inertia import Wrench
 from derive.mechanics.coriolis import turn_matrix
 from derive.mechanics.forward_dynamics import F
+from derive.mechanics.joint_form import JointForm
 from derive.mechanics.joint_motion import (
     axis,
     origin,
@@ -92,17 +94,20 @@ class Release(Generic[S]):
     lower: Vector[S]
 
 
-def articulated_accelerations(chain: Chain[F], velocities: Sequence[F], torques: Sequence[F]) -> list[F]:
+def articulated_accelerations(
+    chain: Chain[F], velocities: Sequence[F], torques: Sequence[F], forms: Sequence[JointForm] = ()
+) -> list[F]:
     """The accelerations qdd under given torques, friction taken off them.
 
     Args:
         chain: The arm.
         velocities: qd, n entries.
         torques: tau less friction, n entries.
+        forms: One for each joint, those by which the chain was arranged; or none.
     """
     speed, push = rates(chain, velocities), rates(chain, torques)
-    motions = link_motions(chain, speed, [chain.zero] * chain.n)
-    releases = _releases(chain, motions, speed, push)
+    motions = link_motions(chain, speed, [chain.zero] * chain.n, forms)
+    releases = _releases(chain, motions, speed, push, forms)
     a = alpha = (chain.zero, chain.zero, chain.zero)
     found: list[F] = []
     for joint, release in zip(chain.joints, releases, strict=True):
@@ -117,14 +122,19 @@ def articulated_accelerations(chain: Chain[F], velocities: Sequence[F], torques:
 
 
 def _releases(
-    chain: Chain[F], motions: Sequence[LinkMotion[F]], speed: Sequence[F], push: Sequence[F]
+    chain: Chain[F],
+    motions: Sequence[LinkMotion[F]],
+    speed: Sequence[F],
+    push: Sequence[F],
+    forms: Sequence[JointForm],
 ) -> list[Release[F]]:
     """From the tip inward; ``motions`` are those without any acceleration of the joints, gravity included."""
     found: list[Release[F]] = []
     beyond: Articulated[F] | None = None
     for i in range(chain.n - 1, -1, -1):
         joint, before = chain.joints[i], motions[i]
-        link = _link(chain, chain.bodies[i], motions[i + 1])
+        wrench = body_wrench(chain.bodies[i], motions[i + 1], bool(forms) and forms[i].second_moments)
+        link = _link(chain, chain.bodies[i], wrench)
         link = link if beyond is None else link + beyond
         own = push[i] - joint.coupling * dot(axis(joint), before.alpha)
         release, free = _release(joint, link, own)
@@ -135,12 +145,11 @@ def _releases(
     return found[::-1]
 
 
-def _link(chain: Chain[F], body: Body[F], motion: LinkMotion[F]) -> Articulated[F]:
+def _link(chain: Chain[F], body: Body[F], wrench: Wrench[F]) -> Articulated[F]:
     """One link alone."""
     m, z, (x, y, w) = body.mass, chain.zero, body.first_moment
     hat = ((z, -w, y), (w, z, -x), (-y, x, z))
-    force, moment = body_wrench(body, motion)
-    return Articulated(Symmetric(m, m, m, z, z, z), hat, body.inertia, force, moment)
+    return Articulated(Symmetric(m, m, m, z, z, z), hat, body.inertia, *wrench)
 
 
 def _release(joint: ChainJoint[F], link: Articulated[F], push: F) -> tuple[Release[F], Articulated[F]]:

@@ -7,6 +7,7 @@ from functools import partial
 
 from derive.algebra.tape_domain import QD, QDD, TAU, Q
 from derive.algebra.tape_value import Value
+from derive.mechanics.articulated_body import articulated_accelerations
 from derive.mechanics.christoffel_recursion import christoffel_matrix
 from derive.mechanics.closed_form import ClosedForm
 from derive.mechanics.composite_inertia import inertia_matrix
@@ -22,6 +23,12 @@ BASE = "in base parameters"
 _NEAR = 1.3
 """In terms of the cheapest; a closed form may improve by so much more than a recursion."""
 
+ARTICULATED = 7
+"""Fewest joints for which articulated bodies may be cheaper than the factorised inertia matrix."""
+
+FACTORISED = 10
+"""Most joints for which the inertia matrix may be cheaper, whose factorisation grows with the cube."""
+
 
 def dynamic_functions(trace: Trace) -> tuple[Specification, ...]:
     """Inertia, Coriolis and gravity, and the torques that they make."""
@@ -36,10 +43,7 @@ def dynamic_functions(trace: Trace) -> tuple[Specification, ...]:
 
 def accelerations(trace: Trace) -> Specification:
     """Forward dynamics."""
-    words = "inertia matrix and Newton-Euler, factorised without roots"
-    return Specification(
-        "forward_dynamics", (Q, QD, TAU), (trace.n,), (Candidate(words, lambda: _accelerations(trace)),)
-    )
+    return Specification("forward_dynamics", (Q, QD, TAU), (trace.n,), tuple(_acceleration_candidates(trace)))
 
 
 def no_accelerations(trace: Trace) -> Specification:
@@ -130,6 +134,24 @@ def _accelerations(trace: Trace) -> list[Value]:
     matrix = [entries[n * i : n * i + n] for i in range(n)]
     forms = trace.cheapest_forms("torques", moving, ALL_CHOICES)[0]
     return forward_dynamics(matrix, bias(forms), trace.arguments(TAU))
+
+
+def _acceleration_candidates(trace: Trace) -> Iterator[Candidate]:
+    if trace.n <= FACTORISED:
+        words = "inertia matrix and Newton-Euler, factorised without roots"
+        yield Candidate(words, lambda: _accelerations(trace))
+    if trace.n >= ARTICULATED:
+        yield from searched(trace, "articulated", f"articulated bodies {BASE}", _articulated(trace), ALL_CHOICES)
+
+
+def _articulated(trace: Trace) -> Callable[[Forms], list[Value]]:
+    friction = trace.with_friction(trace.zeros())
+    push = [torque - loss for torque, loss in zip(trace.arguments(TAU), friction, strict=True)]
+
+    def values(forms: Forms) -> list[Value]:
+        return articulated_accelerations(trace.arranged(forms), trace.arguments(QD), push, forms)
+
+    return values
 
 
 def _divided_by_zero(trace: Trace) -> list[Value]:
