@@ -53,18 +53,15 @@ class Finisher:
         close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
         close.sort(key=costs.__getitem__)
         finalists = close[: 1 if min(costs) > _LARGE else _FINALISTS]
-        finished = {i: self._finish(drafts[i], search) for i in sorted(finalists)}
-        winner = min(finished, key=lambda i: finished[i].operations.cost)
-        return winner, finished[winner]
+        if search and min(costs) <= _LARGE:
+            for i in finalists:
+                drafts[i].search(EFFORT)
+        winner = min(sorted(finalists), key=lambda i: drafts[i].cost())
+        return winner, cut(*drafts[winner].result())
 
     def _drafted(self, draft: Improvement) -> int:
         draft.draft()
         return draft.cost()
-
-    def _finish(self, draft: Improvement, search: bool) -> Tape:
-        if search and draft.cost() <= _LARGE:
-            draft.search(EFFORT)
-        return cut(*draft.result())
 
 
 def _replacements(robot: Robot) -> dict[int, Callable[[Graph], Ref]]:
