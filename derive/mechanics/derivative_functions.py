@@ -24,8 +24,8 @@ from derive.mechanics.vectors import Frame, column
 
 Matrix = list[list[Value]]
 
-SHORT = 4
-"""Most joints for which torques are also differentiated operation by operation: for more, that is never cheaper."""
+SHORT = 7
+"""Most joints for which torques are also differentiated operation by operation: the work grows with n^3 or so."""
 
 
 def jacobian_rates(trace: Trace) -> Specification:
@@ -78,10 +78,8 @@ def _position_candidates(trace: Trace) -> Iterator[Candidate]:
     if trace.n <= SHORT:
         found = torques(trace, gains)
         forms = trace.cheapest_forms("torques", found, ALL_CHOICES)[0]
-        differentiated = improved(found(forms))
-        yield Candidate(
-            f"Newton-Euler {BASE}, differentiated", lambda: flat(gradient_columns(differentiated, trace.arguments(Q)))
-        )
+        words = f"Newton-Euler {BASE}, its operations differentiated"
+        yield Candidate(words, lambda: flat(gradient_columns(found(forms), trace.arguments(Q))))
 
 
 def _velocity_candidates(trace: Trace) -> Iterator[Candidate]:
