@@ -13,7 +13,9 @@ from derive.emit.interface import ARGUMENTS, WORDING, function_notes
 
 _ARRAYS = {PARAMETER: "params", "s": "sines", "c": "cosines"}
 _ORDER = ("q", "qd", "qdd", "tau", "sines", "cosines", "k", "params")
-_LANES = "LANES"
+
+_LANES = ((128, 32), (256, 16))
+"""Lanes of a block by the most entries that its result may have; larger ones have 8."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,7 @@ class CFunction:
         used: Those that have a say in the result.
         unused: The others.
         size: Entries of the result.
+        lanes: Configurations in a block.
         shape: ``6 x 6``.
         angle_count: Angles whose sine or cosine is taken.
         has_sines: Whether a sine is taken of any.
@@ -69,6 +72,7 @@ class CFunction:
     used: tuple[str, ...]
     unused: tuple[str, ...]
     size: int
+    lanes: int
     shape: str
     angle_count: int
     has_sines: bool
@@ -103,14 +107,15 @@ def _function(function: Function, parameters: Sequence[str]) -> CFunction:
         used=used,
         unused=tuple(a for a in function.arguments if a not in used),
         size=prod(function.shape),
+        lanes=next((lanes for size, lanes in _LANES if prod(function.shape) <= size), 8),
         shape=" x ".join(str(k) for k in function.shape),
         angle_count=len(kernel.angles.results),
         has_sines="sines" in _arrays(kernel.body.reads),
         has_cosines="cosines" in _arrays(kernel.body.reads),
         constant_count=len(kernel.constants.results),
-        constants=_part(kernel.constants, "k", step=False),
-        angles=_part(kernel.angles, "angles"),
-        lane=_part(kernel.body, "result"),
+        constants=_part(kernel.constants, "k", "", step=False),
+        angles=_part(kernel.angles, "angles", f"{function.name}_lanes"),
+        lane=_part(kernel.body, "result", f"{function.name}_lanes"),
         declaration=_pointers([*inputs], "result", "restrict "),
         batch_declaration=f"size_t count, {_pointers(inputs, 'result', 'restrict ')}",
         prototype=_pointers(inputs, "result"),
@@ -126,15 +131,15 @@ def _pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
     return ", ".join([*names, f"double *{qualifier}{output}"])
 
 
-def _part(part: Part, output: str, step: bool = True) -> CPart:
+def _part(part: Part, output: str, lanes: str, *, step: bool = True) -> CPart:
     arrays = [name for name in _ORDER if name in _arrays(part.reads)]
     steps = _steps(part) if step else ()
     reads = tuple(f"const double {read.name} = {_entry(_array(read), read.index, step)};" for read in part.reads)
     return CPart(
         declaration=", ".join([_pointers(arrays, output, "restrict "), *(f"const size_t {name}" for name in steps)]),
         one=", ".join([*arrays, output, *("1" for _ in steps)]),
-        lane=_lane_call(arrays, output, steps, varying=False),
-        varying=_lane_call(arrays, output, steps, varying=True),
+        lane=_lane_call(arrays, output, steps, lanes, varying=False),
+        varying=_lane_call(arrays, output, steps, lanes, varying=True),
         body=reads + part.body,
         results=tuple(f"{_entry(output, i, step)} = {text};" for i, text in enumerate(part.results)),
     )
@@ -147,10 +152,10 @@ def _steps(part: Part) -> tuple[str, ...]:
     return ("lanes",) * lanes + ("k_lanes",) * ("k" in further)
 
 
-def _lane_call(arrays: Sequence[str], output: str, steps: Sequence[str], *, varying: bool) -> str:
+def _lane_call(arrays: Sequence[str], output: str, steps: Sequence[str], lanes: str, *, varying: bool) -> str:
     """A call for lane ``i`` of a block; constants are the same in all lanes, or not."""
     moved = [name if name == "k" and not varying else f"{name} + i" for name in (*arrays, output)]
-    return ", ".join([*moved, *(_LANES if step == "lanes" or varying else "1" for step in steps)])
+    return ", ".join([*moved, *(lanes if step == "lanes" or varying else "1" for step in steps)])
 
 
 def _arrays(reads: Iterable[Read]) -> frozenset[str]:

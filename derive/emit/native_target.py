@@ -15,7 +15,7 @@ from derive.emit.source import Source
 from derive.emit.target import Target
 from derive.emit.templating import render
 
-MODULE, CODE, LIBRARY = "model_native.py", "model_native.c", "model_native.so"
+MODULE, CODE, LIBRARY = "model_native.py", "model_native.c", "libmodel_native.so"
 
 
 @dataclass(frozen=True, slots=True)

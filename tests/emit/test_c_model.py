@@ -46,6 +46,7 @@ def test_no_compiler_warns(tmp_path: Path, options: tuple[str, ...]) -> None:
     compiled(tmp_path, *STRICT, *options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_no_compiler_warns_about_random_robots(tmp_path: Path, seed: int) -> None:
     write_c_model(tmp_path, Robot.from_text(random_robot(random.Random(seed)).text))
@@ -86,7 +87,8 @@ def test_the_header_can_be_read_by_cpp(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
 def test_random_robots_give_what_the_numpy_model_gives(seed: int) -> None:
     robot = random_robot(random.Random(seed))
     loaded = Robot.from_text(robot.text)
@@ -102,7 +104,7 @@ def test_random_robots_give_what_the_numpy_model_gives(seed: int) -> None:
             assert np.abs(found - expected).max() <= 1e-12 * max(1, np.abs(expected).max())
 
 
-@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 16, 1003])
+@pytest.mark.parametrize("count", [0, 1, 31, 32, 33, 64, 1003])
 def test_a_batch_of_any_length_gives_what_its_configurations_give(planar_model: CModel, count: int) -> None:
     q, qd, qdd = np.random.default_rng(count).uniform(-2, 2, (3, count, 2))
     batch = planar_model.call("inverse_dynamics", [q, qd, qdd], PARAMETERS)
@@ -112,7 +114,7 @@ def test_a_batch_of_any_length_gives_what_its_configurations_give(planar_model: 
 
 
 def test_a_batch_writes_no_further_than_its_result(planar_model: CModel) -> None:
-    for count in (1, 8, 13):
+    for count in (1, 8, 32, 77):
         q = np.ones((count, 2))
         guarded = np.full((count + 1) * 16, -7.0)
         pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (q, guarded)]
@@ -152,12 +154,12 @@ def test_batches_are_vectorised(tmp_path: Path) -> None:
     version = subprocess.run([*compiler, "--version"], capture_output=True, text=True).stdout
     if "Free Software Foundation" not in version:
         pytest.skip("the report is that of gcc")
-    texts = write_c_model(tmp_path, Robot.load("puma560-corke"))
-    command = [*compiler, "-std=c99", "-O3", "-march=native", "-fopt-info-vec", "-c", "model.c", "-o", "model.o"]
+    texts = write_c_model(tmp_path, planar())
+    command = [*compiler, "-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fopt-info-vec", "-c", "model.c", "-o", "model.o"]
     report = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stderr
     vectorised = {int(line) for line in re.findall(r"model\.c:(\d+):.*loop vectorized", report)}
     lines = texts["model.c"].splitlines()
-    loops = [i + 1 for i, line in enumerate(lines) if line.endswith("LANES; ++i)") and "_lane(" in lines[i + 1]]
+    loops = [i + 1 for i, line in enumerate(lines) if line.endswith("_lanes; ++i)") and "_lane(" in lines[i + 1]]
     assert loops
     assert set(loops) <= vectorised
 

@@ -68,7 +68,7 @@ def assert_same(found: np.ndarray, wanted: np.ndarray) -> None:
     assert np.allclose(found, wanted, rtol=1e-12, atol=1e-12, equal_nan=True)
 
 
-@pytest.mark.parametrize("batch", [(), (1,), (7,), (8,), (2, 3), (0,), (3, 0, 2), (1001,)])
+@pytest.mark.parametrize("batch", [(), (1,), (7,), (32,), (2, 3), (0,), (3, 0, 2), (1001,)])
 def test_both_models_agree_on_batches_of_every_shape(models: Models, batch: tuple[int, ...]) -> None:
     for name in FUNCTIONS:
         given = values(models.numpy, name, *batch)
@@ -197,7 +197,7 @@ def test_finite_numbers_and_what_is_no_number_raise_no_warning(models: Models) -
 
 def test_there_is_a_generalised_ufunc_behind_every_function(models: Models) -> None:
     ufuncs = models.native.UFUNCS
-    assert set(ufuncs) == set(FUNCTIONS)
+    assert set(ufuncs) == set(models.numpy.OPERATIONS)
     assert all(isinstance(ufunc, np.ufunc) for ufunc in ufuncs.values())
     assert ufuncs["link_transforms"].signature == "(2)->(2,4,4)"
     q = np.asfortranarray(np.random.default_rng(0).uniform(-1, 1, (2, 7)))
@@ -224,7 +224,7 @@ def test_threads_do_not_disturb_each_other(models: Models) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_random_robots_give_what_the_numpy_model_gives(tmp_path: Path, seed: int) -> None:
     robot = random_robot(random.Random(seed))
     models = built(Robot.from_text(robot.text), tmp_path)
@@ -250,7 +250,7 @@ def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:
     result = build_robot(robot, tmp_path, ["native"])
     assert result.report is not None
     assert {row.target for row in result.report.rows} == {"native", "c"}
-    library = result.folder / "model_native.so"
+    library = result.folder / "libmodel_native.so"
     assert library.name in result.files
     assert check_robot(robot, tmp_path, ["native"]).is_current
     assert build_robot(robot, tmp_path, ["native"]).unchanged
@@ -258,10 +258,10 @@ def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:
     assert not build_robot(robot, tmp_path, ["native", "numpy"]).unchanged
     assert (library.read_bytes(), library.stat().st_mtime_ns) == before
     library.unlink()
-    assert check_robot(robot, tmp_path, ["native", "numpy"]).missing == ("model_native.so",)
+    assert check_robot(robot, tmp_path, ["native", "numpy"]).missing == ("libmodel_native.so",)
     assert not build_robot(robot, tmp_path, ["native", "numpy"]).unchanged
     assert library.is_file()
-    assert check_robot(robot, tmp_path, ["numpy"]).extra == ("model.c", "model.h", "model_native.c", "model_native.py", "model_native.so")  # fmt: skip  # noqa: E501
+    assert check_robot(robot, tmp_path, ["numpy"]).extra == ("libmodel_native.so", "model.c", "model.h", "model_native.c", "model_native.py")  # fmt: skip  # noqa: E501
     build_robot(robot, tmp_path, ["numpy"])
     assert not library.exists()
 
@@ -272,9 +272,9 @@ def test_a_library_that_does_not_belong_to_the_module_is_refused(models: Models,
 
     built = build_robot(Robot.from_text(ONE_JOINT), tmp_path, ["native"], verified=False).folder
     foreign, spoilt, empty = (Path(shutil.copytree(built, tmp_path / name)) for name in ("a", "b", "c"))
-    shutil.copy(models.folder / "model_native.so", foreign)
-    (spoilt / "model_native.so").write_bytes(b"no library")
-    (empty / "model_native.so").unlink()
+    shutil.copy(models.folder / "libmodel_native.so", foreign)
+    (spoilt / "libmodel_native.so").write_bytes(b"no library")
+    (empty / "libmodel_native.so").unlink()
     with pytest.raises(VerificationError, match="not of this robot file"):
         load_models(foreign)
     with pytest.raises(VerificationError, match=r"cannot be loaded here.*derive build one --target native"):
@@ -296,4 +296,4 @@ def test_a_compiler_that_fails_leaves_the_old_folder(tmp_path: Path, monkeypatch
 
 def test_only_native_is_compiled() -> None:
     assert library_names(targets_named()) == ()
-    assert library_names(targets_named(["native"])) == ("model_native.so",)
+    assert library_names(targets_named(["native"])) == ("libmodel_native.so",)
