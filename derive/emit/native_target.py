@@ -75,6 +75,11 @@ class _Both:
     python: PythonFunction
     constant_count: int
 
+    @property
+    def one_arguments(self) -> str:
+        """Of the call for one configuration: the arguments, and an array for the result."""
+        return ", ".join([text for text in (self.python.arguments, f"np.empty({self.python.shape})") if text])
+
     def __getattr__(self, name: str) -> Any:
         return getattr(self.python, name)
 

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import random
 import re
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from derive.build import build_robot
 from derive.emit.casadi_c_target import render_casadi_c
-from derive.robot.robot import Robot
 from tests.emit.c_models import needs_compiler
 from tests.emit.generated_models import planar, source_of
 from tests.emit.test_numpy_model import TITLES
-from tests.random_robots import random_robot
 
 
 def test_the_text_is_the_same_every_time_and_names_no_folder() -> None:
@@ -40,11 +36,3 @@ def test_a_build_compiles_and_verifies_it(tmp_path: Path) -> None:
     assert report is not None
     assert {row.target for row in report.rows} == {"casadi-c"}
     assert report.worst < 1e-12
-
-
-@needs_compiler
-def test_functions_without_arguments_and_entries_that_are_zero_are_dense(tmp_path: Path) -> None:
-    text = random_robot(random.Random(5)).text
-    report = build_robot(Robot.from_text(text), tmp_path, ["casadi-c"]).report
-    assert report is not None
-    assert np.isfinite(report.worst)
