@@ -2,47 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 
 from derive.algebra.tape import LEAVES, PARAMETER, Node, Op, Output, Source, Tape
 from derive.algebra.tape_graph import Graph, Ref
 from derive.algebra.tape_schedule import schedule
 from derive.algebra.tape_signs import absorb_signs
 
-Leaf = Callable[[Graph, int, Graph], Ref]
 
+def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) -> list[int]:
+    """Indices of the nodes that the outputs need, ascending: operands come first.
 
-def reachable(graph: Graph, outputs: Iterable[Ref]) -> list[int]:
-    """Indices of the nodes that the outputs need, ascending: operands come first."""
-    seen = {ref >> 1 for ref in outputs}
+    Args:
+        graph: A graph.
+        outputs: References into it.
+        known: Nodes that are left out, with what they alone need.
+    """
+    operands = graph.operands
+    seen = {ref >> 1 for ref in outputs if ref >> 1 not in known}
     stack = list(seen)
     while stack:
-        for operand in graph.operands[stack.pop()]:
-            if operand not in seen:
+        for operand in operands[stack.pop()]:
+            if operand not in seen and operand not in known:
                 seen.add(operand)
                 stack.append(operand)
     return sorted(seen)
-
-
-def rebuild(graph: Graph, outputs: Sequence[Ref], leaf: Leaf) -> tuple[Graph, tuple[Ref, ...]]:
-    """The same values in a new graph, folded again, with other leaves.
-
-    Args:
-        graph: The old graph.
-        outputs: References into it.
-        leaf: Makes a leaf: called with the old graph, the index of the leaf and the new graph.
-
-    Returns:
-        The new graph and the outputs in it.
-    """
-    fresh = Graph()
-    moved: dict[int, Ref] = {}
-    for i in reachable(graph, outputs):
-        if graph.op[i] in LEAVES:
-            moved[i] = leaf(graph, i, fresh)
-        else:
-            moved[i] = fresh.apply(graph.op[i], *(moved[k] for k in graph.operands[i]))
-    return fresh, tuple(fresh.negate(moved[r >> 1]) if r & 1 else moved[r >> 1] for r in outputs)
 
 
 def copy_leaf(graph: Graph, index: int, fresh: Graph) -> Ref:
@@ -53,27 +37,51 @@ def copy_leaf(graph: Graph, index: int, fresh: Graph) -> Ref:
     return fresh.number(payload)
 
 
-def bake(
-    graph: Graph, outputs: Sequence[Ref], parameters: Mapping[int, Callable[[Graph], Ref]]
-) -> tuple[Graph, tuple[Ref, ...]]:
+Replacements = Mapping[int, Callable[[Graph], Ref]]
+"""For each parameter index, what makes its replacement in a new graph."""
+
+
+class Baker:
+    """Replaces parameters of a graph and folds again, in one new graph for all that is asked of it.
+
+    Args:
+        graph: A graph traced with symbols; it may grow.
+        parameters: What to put in their places.
+    """
+
+    def __init__(self, graph: Graph, parameters: Replacements) -> None:
+        self._old = graph
+        self._parameters = parameters
+        self._new = Graph()
+        self._moved: dict[int, Ref] = {}
+
+    def bake(self, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
+        """The new graph and some outputs in it."""
+        old, new, moved = self._old, self._new, self._moved
+        for i in reachable(old, outputs, moved):
+            op = old.op[i]
+            moved[i] = self._leaf(i) if op in LEAVES else new.apply(op, *[moved[k] for k in old.operands[i]])
+        return new, tuple(new.negate(moved[r >> 1]) if r & 1 else moved[r >> 1] for r in outputs)
+
+    def _leaf(self, index: int) -> Ref:
+        payload = self._old.payload[index]
+        if isinstance(payload, Source) and payload.kind == PARAMETER:
+            return self._parameters[payload.index](self._new)
+        return copy_leaf(self._old, index, self._new)
+
+
+def bake(graph: Graph, outputs: Sequence[Ref], parameters: Replacements) -> tuple[Graph, tuple[Ref, ...]]:
     """Replace parameters by what ``parameters`` makes of them, and fold again.
 
     Args:
         graph: A graph traced with symbols.
         outputs: References into it.
-        parameters: For each parameter index, what makes its replacement in the new graph.
+        parameters: What to put in their places.
 
     Returns:
         The new graph and the outputs in it.
     """
-
-    def leaf(old: Graph, index: int, fresh: Graph) -> Ref:
-        payload = old.payload[index]
-        if isinstance(payload, Source) and payload.kind == PARAMETER:
-            return parameters[payload.index](fresh)
-        return copy_leaf(old, index, fresh)
-
-    return rebuild(graph, outputs, leaf)
+    return Baker(graph, parameters).bake(outputs)
 
 
 def cut(graph: Graph, outputs: Sequence[Ref]) -> Tape:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from derive.algebra.tape import PARAMETER, Tape
-from derive.algebra.tape_build import bake, cut
+from derive.algebra.tape_build import Baker, bake, cut
 from derive.algebra.tape_cells import exact_number
 from derive.algebra.tape_graph import Graph, Ref
 from derive.algebra.tape_improve import EFFORT, Improvement
@@ -34,10 +34,11 @@ class Finisher:
     def __init__(self, robot: Robot, graph: Graph) -> None:
         self._graph = graph
         self._replacements = _replacements(robot)
+        self._priced = Baker(graph, self._replacements)
 
     def price(self, outputs: Sequence[Ref]) -> tuple[int, int]:
         """What some outputs cost before they are improved, and how many nodes were looked at."""
-        return price(*bake(self._graph, outputs, self._replacements))
+        return price(*self._priced.bake(outputs))
 
     def tape(self, outputs: Sequence[Ref]) -> Tape:
         """The tape of some outputs."""

@@ -19,6 +19,10 @@ ZERO: Ref = 0
 ONE: Ref = 2
 MINUS_ONE: Ref = 3
 
+_ONE = ONE >> 1
+_CONSTANT = Layer.CONSTANT
+_ADD, _SUBTRACT, _MULTIPLY = Op.ADD, Op.SUBTRACT, Op.MULTIPLY
+
 
 class Graph:
     """Nodes by index; all methods return references."""
@@ -76,19 +80,17 @@ class Graph:
             return b
         if b == ZERO:
             return a
-        if a >> 1 == b >> 1:
+        first, second = a >> 1, b >> 1
+        if first == second:
             return self.multiply(self.number(Fraction(2)), a) if a == b else ZERO
-        x, y = self.constant_of(a), self.constant_of(b)
-        if x is not None and y is not None:
-            return self.number(constants.add(x, y))
-        if a > b:
-            a, b = b, a
-        op = Op.SUBTRACT if (a ^ b) & 1 else Op.ADD
-        return self._intern(op, a >> 1, b >> 1) | (a & 1)
+        if self.layer[first] == self.layer[second] == _CONSTANT:
+            return self.number(constants.add(self.constant_of(a), self.constant_of(b)))
+        sign = a & 1 if first < second else b & 1
+        return self._commutative(_SUBTRACT if (a ^ b) & 1 else _ADD, first, second) | sign
 
     def subtract(self, a: Ref, b: Ref) -> Ref:
         """A - b."""
-        return self.add(a, self.negate(b))
+        return self.add(a, b ^ 1 if b else b)
 
     def negate(self, a: Ref) -> Ref:
         """-a."""
@@ -99,29 +101,25 @@ class Graph:
         if a == ZERO or b == ZERO:
             return ZERO
         sign = (a ^ b) & 1
-        a, b = (a | 1) ^ 1, (b | 1) ^ 1
-        if a == ONE or b == ONE:
-            return (b if a == ONE else a) | sign
-        x, y = self.constant_of(a), self.constant_of(b)
-        if x is not None and y is not None:
-            return self.number(constants.multiply(x, y)) ^ sign
-        if x is not None or y is not None:
-            return self._scale(*((a, b) if x is not None else (b, a))) ^ sign
-        if a > b:
-            a, b = b, a
-        return self._intern(Op.MULTIPLY, a >> 1, b >> 1) | sign
+        first, second = a >> 1, b >> 1
+        if first == _ONE or second == _ONE:
+            return 2 * (second if first == _ONE else first) | sign
+        if self.layer[first] == _CONSTANT:
+            return self._scale(first, second) ^ sign
+        if self.layer[second] == _CONSTANT:
+            return self._scale(second, first) ^ sign
+        return self._commutative(_MULTIPLY, first, second) | sign
 
-    def _scale(self, factor: Ref, a: Ref) -> Ref:
+    def _scale(self, factor: int, index: int) -> Ref:
         """Constant times value; two constants in a row become one."""
-        index = a >> 1
-        if self.op[index] is Op.MULTIPLY:
+        if self.layer[index] == _CONSTANT:
+            return self.number(constants.multiply(self.payload[factor], self.payload[index]))
+        if self.op[index] is _MULTIPLY:
             inner = self.constant_of(2 * self.operands[index][0])
             if inner is not None:
-                number = self.number(constants.multiply(self.constant_of(factor), inner))
+                number = self.number(constants.multiply(self.constant_of(2 * factor), inner))
                 return self.multiply(number, 2 * self.operands[index][1])
-        first, second = factor >> 1, index
-        key = (Op.MULTIPLY, first, second)
-        return 2 * self._find(key, Op.MULTIPLY, (first, second))
+        return self._intern(_MULTIPLY, factor, index)
 
     def divide(self, a: Ref, b: Ref) -> Ref:
         """A over b; what depends on the arguments may be divided by zero, as floats may.
@@ -198,14 +196,21 @@ class Graph:
                 return self.sign(*operands)
         raise QuantityError(f"no operation {op!r} on {len(operands)} values", allowed=f"{list(FUNCTION_NAMES)}")
 
-    def _intern(self, op: Op, *operands: int) -> Ref:
-        return 2 * self._find((op, *operands), op, operands)
-
-    def _find(self, key: tuple[object, ...], op: Op, operands: tuple[int, ...]) -> int:
+    def _commutative(self, op: Op, first: int, second: int) -> Ref:
+        """An operation (of opposite sign, for a difference) on two nodes, the older first."""
+        operands = (first, second) if first < second else (second, first)
+        key = (op, operands)
         index = self._index.get(key)
-        if index is not None:
-            return index
-        return self._append(key, op, operands, max(self.layer[i] for i in operands))
+        if index is None:
+            index = self._append(key, op, operands, max(self.layer[first], self.layer[second]))
+        return 2 * index
+
+    def _intern(self, op: Op, *operands: int) -> Ref:
+        key = (op, operands)
+        index = self._index.get(key)
+        if index is None:
+            index = self._append(key, op, operands, max(self.layer[i] for i in operands))
+        return 2 * index
 
     def _append(self, key: tuple[object, ...], op: Op, operands: tuple[int, ...], layer: int) -> int:
         index = len(self.op)

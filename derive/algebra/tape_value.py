@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Self
 
 from derive.algebra.tape_graph import Graph, Ref
 
@@ -18,43 +17,46 @@ class Value:
         self.graph = graph
         self.ref = ref
 
-    def __add__(self, other: Value | int | Fraction, /) -> Self:
+    def __add__(self, other: Value | int | Fraction, /) -> Value:
         """Self + other."""
-        return self._make(self.graph.add(self.ref, self._ref(other)))
+        graph = self.graph
+        return Value(graph, graph.add(self.ref, other.ref if isinstance(other, Value) else _number(graph, other)))
 
     __radd__ = __add__
 
-    def __sub__(self, other: Value | int | Fraction, /) -> Self:
+    def __sub__(self, other: Value | int | Fraction, /) -> Value:
         """Self - other."""
-        return self._make(self.graph.subtract(self.ref, self._ref(other)))
+        graph = self.graph
+        return Value(graph, graph.subtract(self.ref, other.ref if isinstance(other, Value) else _number(graph, other)))
 
-    def __rsub__(self, other: Value | int | Fraction, /) -> Self:
+    def __rsub__(self, other: Value | int | Fraction, /) -> Value:
         """Other - self."""
-        return self._make(self.graph.subtract(self._ref(other), self.ref))
+        return Value(self.graph, self.graph.subtract(_ref(self.graph, other), self.ref))
 
-    def __mul__(self, other: Value | int | Fraction, /) -> Self:
+    def __mul__(self, other: Value | int | Fraction, /) -> Value:
         """Self times other."""
-        return self._make(self.graph.multiply(self.ref, self._ref(other)))
+        graph = self.graph
+        return Value(graph, graph.multiply(self.ref, other.ref if isinstance(other, Value) else _number(graph, other)))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Value | int | Fraction, /) -> Self:
+    def __truediv__(self, other: Value | int | Fraction, /) -> Value:
         """Self over other."""
-        return self._make(self.graph.divide(self.ref, self._ref(other)))
+        return Value(self.graph, self.graph.divide(self.ref, _ref(self.graph, other)))
 
-    def __rtruediv__(self, other: Value | int | Fraction, /) -> Self:
+    def __rtruediv__(self, other: Value | int | Fraction, /) -> Value:
         """Other over self."""
-        return self._make(self.graph.divide(self._ref(other), self.ref))
+        return Value(self.graph, self.graph.divide(_ref(self.graph, other), self.ref))
 
-    def __neg__(self) -> Self:
+    def __neg__(self) -> Value:
         """-self."""
-        return self._make(self.graph.negate(self.ref))
+        return Value(self.graph, self.graph.negate(self.ref))
 
-    def __pow__(self, exponent: int, /) -> Self:
+    def __pow__(self, exponent: int, /) -> Value:
         """Integer powers by repeated squaring; a negative one divides."""
         if exponent < 0:
             return 1 / self ** (-exponent)
-        result, square = self._make(self.graph.number(Fraction(1))), self
+        result, square = Value(self.graph, self.graph.number(Fraction(1))), self
         while exponent:
             if exponent & 1:
                 result = result * square
@@ -63,30 +65,30 @@ class Value:
                 square = square * square
         return result
 
-    def sin(self) -> Self:
+    def sin(self) -> Value:
         """The sine, radians."""
-        return self._make(self.graph.sine(self.ref))
+        return Value(self.graph, self.graph.sine(self.ref))
 
-    def cos(self) -> Self:
+    def cos(self) -> Value:
         """The cosine, radians."""
-        return self._make(self.graph.cosine(self.ref))
+        return Value(self.graph, self.graph.cosine(self.ref))
 
-    def sqrt(self) -> Self:
+    def sqrt(self) -> Value:
         """The square root."""
-        return self._make(self.graph.root(self.ref))
+        return Value(self.graph, self.graph.root(self.ref))
 
-    def sign(self) -> Self:
+    def sign(self) -> Value:
         """-1, 0 or 1."""
-        return self._make(self.graph.sign(self.ref))
+        return Value(self.graph, self.graph.sign(self.ref))
 
     def __repr__(self) -> str:
         """``v7``, or ``-v7``."""
         return f"{'-' if self.ref & 1 else ''}v{self.ref >> 1}"
 
-    def _make(self, ref: Ref) -> Self:
-        return type(self)(self.graph, ref)
 
-    def _ref(self, other: Value | int | Fraction) -> Ref:
-        if isinstance(other, Value):
-            return other.ref
-        return self.graph.number(Fraction(other))
+def _ref(graph: Graph, other: Value | int | Fraction) -> Ref:
+    return other.ref if isinstance(other, Value) else _number(graph, other)
+
+
+def _number(graph: Graph, number: int | Fraction) -> Ref:
+    return graph.number(Fraction(number))

@@ -11,7 +11,7 @@ from derive.algebra.tape_domain import QD, QDD, Q
 from derive.algebra.tape_value import Value
 from derive.mechanics.angle_rates import TILTED, analytic_jacobian
 from derive.mechanics.cheapest_kinematics import cheapest_jacobian, cheapest_pose
-from derive.mechanics.dynamic_functions import BASE, coriolis_forms, searched, torques
+from derive.mechanics.dynamic_functions import BASE, coriolis_forms, searched, torque_forms, torques
 from derive.mechanics.form_search import ALL_CHOICES, Forms
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.jacobian import jacobian
@@ -55,7 +55,7 @@ def velocity_torques(trace: Trace) -> Specification:
         return inverse_dynamics(weightless, rates, gains, forms)
 
     words = f"Newton-Euler without gravity and accelerations {BASE}"
-    candidates = searched(trace, "velocity torques", words, values, ALL_CHOICES)
+    candidates = searched(trace, "velocity torques", words, values, ALL_CHOICES, torque_forms(trace)[:1])
     return Specification("coriolis_vector", (Q, QD), (trace.n,), tuple(candidates))
 
 
@@ -74,10 +74,10 @@ def _position_candidates(trace: Trace) -> Iterator[Candidate]:
     def values(forms: Forms) -> list[Value]:
         return flat(torque_position_derivative(trace.arranged(forms), rates, gains, trace.half, forms))
 
-    yield from searched(trace, "torque slopes", f"moving composite bodies {BASE}", values, ALL_CHOICES)
+    starts = (*torque_forms(trace), *coriolis_forms(trace))
+    yield from searched(trace, "torque slopes", f"moving composite bodies {BASE}", values, (), starts)
     if trace.n <= SHORT:
-        found = torques(trace, gains)
-        forms = trace.cheapest_forms("torques", found, ALL_CHOICES)[0]
+        found, forms = torques(trace, gains), torque_forms(trace)[0]
         words = f"Newton-Euler {BASE}, its operations differentiated"
         yield Candidate(words, lambda: flat(gradient_columns(found(forms), trace.arguments(Q))))
 

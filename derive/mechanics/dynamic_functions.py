@@ -76,6 +76,11 @@ def _coriolis(trace: Trace) -> Callable[[Forms], list[Value]]:
     return values
 
 
+def torque_forms(trace: Trace) -> tuple[Forms, ...]:
+    """The cheapest forms of the joints for tau; what is like Newton-Euler takes them too."""
+    return trace.cheapest_forms("torques", torques(trace, trace.arguments(QDD)), ALL_CHOICES)
+
+
 def _gravity_candidates(trace: Trace) -> Iterator[Candidate]:
     def values(forms: Forms) -> list[Value]:
         return gravity_vector(trace.arranged(forms))
@@ -96,9 +101,10 @@ def searched(
     words: str,
     values: Callable[[Forms], list[Value]],
     choices: Sequence[str] = CHAIN_CHOICES,
+    starts: Sequence[Forms] = (),
 ) -> Iterator[Candidate]:
     """A recursion with each of the cheapest forms of the joints."""
-    for forms in trace.cheapest_forms(name, values, choices):
+    for forms in trace.cheapest_forms(name, values, choices, starts):
         yield Candidate(words, partial(values, forms))
 
 

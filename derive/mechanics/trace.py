@@ -65,14 +65,19 @@ class Trace:
         return arrange(self.chain, forms, self.domain.cosine_sine_of_sum, self.half, axial=axial)
 
     def cheapest_forms(
-        self, name: str, values: Callable[[Forms], Sequence[Value]], choices: Sequence[str] = CHAIN_CHOICES
+        self,
+        name: str,
+        values: Callable[[Forms], Sequence[Value]],
+        choices: Sequence[str] = CHAIN_CHOICES,
+        starts: Sequence[Forms] = (),
     ) -> tuple[Forms, ...]:
         """The forms with which a function takes the fewest operations, as far as a short search finds them.
 
         Args:
             name: Of the function; what is found for it once is remembered.
             values: Its outputs with some forms.
-            choices: The choices that make a difference to it.
+            choices: The choices that are tried: those that make a difference to it.
+            starts: Where the search starts, if not where any does.
 
         Returns:
             The cheapest before improvement, and others that come close.
@@ -83,7 +88,7 @@ class Trace:
 
         if name not in self._forms:
             search = FormSearch(self.chain, choices, trial, self._finisher.price)
-            self._forms[name] = search.best(starting_forms(self.chain), _CLOSE_FORMS)
+            self._forms[name] = search.best(starts or starting_forms(self.chain), _CLOSE_FORMS)
         return self._forms[name]
 
     @cached_property
