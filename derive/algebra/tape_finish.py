@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from derive.algebra.effort import Effort
 from derive.algebra.tape import PARAMETER, Tape
 from derive.algebra.tape_build import Baker, bake, cut
 from derive.algebra.tape_cells import exact_number
@@ -29,9 +30,11 @@ class Finisher:
     Args:
         robot: The robot.
         graph: The graph that a `TapeDomain` of this robot has filled.
+        effort: How long programs are improved.
     """
 
-    def __init__(self, robot: Robot, graph: Graph) -> None:
+    def __init__(self, robot: Robot, graph: Graph, effort: Effort = Effort.FULL) -> None:
+        self._effort = effort
         self._graph = graph
         self._replacements = _replacements(robot)
         self._priced = Baker(graph, self._replacements)
@@ -49,6 +52,8 @@ class Finisher:
 
         All are improved quickly; a longer search is spent on those close to the best, unless none is worth it.
         """
+        if self._effort is Effort.QUICK:
+            return self._cheapest_as_traced(candidates)
         drafts = [Improvement(*bake(self._graph, outputs, self._replacements)) for outputs in candidates]
         costs = [self._drafted(draft) for draft in drafts]
         close = [i for i, cost in enumerate(costs) if cost <= _CLOSE * min(costs)]
@@ -59,6 +64,11 @@ class Finisher:
                 drafts[i].search(EFFORT)
         winner = min(sorted(finalists), key=lambda i: drafts[i].cost())
         return winner, cut(*drafts[winner].result())
+
+    def _cheapest_as_traced(self, candidates: Sequence[Sequence[Ref]]) -> tuple[int, Tape]:
+        programs = [bake(self._graph, outputs, self._replacements) for outputs in candidates]
+        winner = min(range(len(programs)), key=lambda i: price(*programs[i])[0])
+        return winner, cut(*programs[winner])
 
     def _drafted(self, draft: Improvement) -> int:
         draft.draft()

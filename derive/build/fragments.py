@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from derive.algebra.effort import Effort
 from derive.build.quantities import Written, expanded_terms
 from derive.build.render import source_of
 from derive.emit.handout.assemble import context_of, section_of
@@ -61,7 +62,7 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str) -> str:
     Raises:
         QuantityError: Neither a part nor a quantity, or one that this robot does not have.
     """
-    source = source_of(robot, ())
+    source = source_of(robot, (), Effort.QUICK)
     context = context_of(source, options)
     section = _part(context, name) if name in PARTS else _quantity(context, name)
     needed = "".join(f"\\usepackage{{{package}}}" for package in _packages(section))
@@ -174,7 +175,7 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
             symbol = symbols.frame("A", i, i - 1)
         case "T", (i, j):
             symbol = symbols.frame("T", j, i)
-        case ("T" | "J" | "C" | "N"), ():
+        case (("T" | "J" | "C" | "N"), ()):
             return _Name(bold(name), EntryNamer(symbols, "t" if name == "T" else name))
         case "B", ():
             return _Name(context.dynamics.inertia_symbol, context.dynamics.inertia_entry)

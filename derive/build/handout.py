@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from derive.algebra.effort import Effort
 from derive.build.latex import compile_latex
 from derive.build.render import source_of
 from derive.emit.handout.assemble import context_of, document
@@ -56,7 +57,7 @@ def handout_files(
         TargetError: There is no such language, or a package for the web page is missing.
         LatexError: LaTeX is missing or refused the document.
     """
-    source = source_of(robot, ())
+    source = source_of(robot, (), Effort.QUICK)
     context = context_of(source, options)
     whole = document(context)
     handout = Handout(parts=tuple(section.part for section in whole.sections))

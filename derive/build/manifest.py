@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from derive.algebra.effort import Effort
 from derive.emit.interface import hoisted_operations_of, operations_of
 from derive.emit.source import Source
 from derive.emit.target import Target
@@ -20,7 +21,9 @@ LARGEST = 10_000_000
 """Bytes of a manifest that is read at all."""
 
 
-def manifest_text(source: Source, targets: Collection[Target], files: Mapping[str, bytes]) -> str:
+def manifest_text(
+    source: Source, targets: Collection[Target], files: Mapping[str, bytes], effort: Effort = Effort.FULL
+) -> str:
     """The manifest of a build; keys sorted, one entry a line."""
     robot = source.robot
     content = {
@@ -28,6 +31,7 @@ def manifest_text(source: Source, targets: Collection[Target], files: Mapping[st
         "version": source.version,
         "robot": robot.name,
         "robot_file_sha256": robot.digest,
+        "effort": effort.value,
         "convention": robot.convention.value,
         "dof": robot.n,
         "joints": [{"name": joint.variable, "type": joint.type.value} for joint in robot.joints],
@@ -63,13 +67,15 @@ def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
 
 
-def is_current(folder: Path, robot_digest: str, version: str, targets: Iterable[Target]) -> bool:
+def is_current(
+    folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort = Effort.FULL
+) -> bool:
     """Whether a folder holds, untouched, what these targets of this version make of this robot file."""
     manifest = read_manifest(folder)
     if manifest is None:
         return False
-    wanted = (robot_digest, version, [target.name for target in targets])
-    found = (manifest.get("robot_file_sha256"), manifest.get("version"), manifest.get("targets"))
+    wanted = (robot_digest, version, [target.name for target in targets], effort)
+    found = tuple(manifest.get(key) for key in ("robot_file_sha256", "version", "targets", "effort"))
     compiled = all((folder / name).is_file() for name in compiled_files(manifest))
     return (
         found == wanted

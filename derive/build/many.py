@@ -29,7 +29,7 @@ class _Task(Generic[R]):
     work: Callable[..., R]
     out: Path
     targets: tuple[str, ...] | None
-    options: tuple[tuple[str, bool], ...]
+    options: tuple[tuple[str, bool | str | None], ...]
 
     def __call__(self, robot: Robot, progress: Progress | None = None) -> R | BuildFailure:
         extra = {"progress": progress} if progress else {}
@@ -47,6 +47,7 @@ def build_many(
     jobs: int = 1,
     verified: bool = True,
     force: bool = False,
+    effort: str | None = None,
     progress: Progress | None = None,
 ) -> list[BuildResult | BuildFailure]:
     """Builds robots; results come in the order of ``robots``, whatever finished first.
@@ -58,13 +59,14 @@ def build_many(
         jobs: Robots built at once, each in a process of its own.
         verified: See `build_robot`.
         force: See `build_robot`.
+        effort: See `build_robot`.
         progress: Told the stages; with several jobs only the end of each robot.
 
     Raises:
         OutputError: Two different robots would share a folder.
     """
     _require_distinct(robots)
-    options = (("verified", verified), ("force", force))
+    options = (("verified", verified), ("force", force), ("effort", effort))
     task = _Task(build_robot, out, None if targets is None else tuple(targets), options)
     return _run(task, robots, jobs, progress, hears=True)
 
@@ -75,10 +77,11 @@ def check_many(
     targets: Iterable[str] | None = None,
     *,
     jobs: int = 1,
+    effort: str | None = None,
     progress: Progress | None = None,
 ) -> list[CheckResult | BuildFailure]:
     """Checks robots as `check_robot` does; results come in the order of ``robots``."""
-    task = _Task(check_robot, out, None if targets is None else tuple(targets), ())
+    task = _Task(check_robot, out, None if targets is None else tuple(targets), (("effort", effort),))
     return _run(task, robots, jobs, progress, hears=False)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from derive import __version__
+from derive.algebra.effort import effort_named
 from derive.build.libraries import compile_libraries, library_names
 from derive.build.manifest import FILE as MANIFEST
 from derive.build.manifest import compiled_files, is_current, read_manifest
@@ -32,6 +33,7 @@ def build_robot(
     *,
     verified: bool = True,
     force: bool = False,
+    effort: str | None = None,
     progress: Progress | None = None,
 ) -> BuildResult:
     """Builds one robot into ``out/<robot_name>``.
@@ -42,6 +44,7 @@ def build_robot(
         targets: Names of targets; None for all.
         verified: Whether every generated function is compared with the independent recursion first.
         force: Whether to build even what has not changed.
+        effort: See `effort_named`.
         progress: Told the stages.
 
     Raises:
@@ -51,10 +54,10 @@ def build_robot(
     """
     started = time.perf_counter()
     tell = progress or _silent
-    chosen = targets_named(targets)
+    chosen, spent = targets_named(targets), effort_named(effort)
     target = folder_of(robot, out)
     heal(out)
-    if not force and is_current(target, robot.digest, __version__, chosen):
+    if not force and is_current(target, robot.digest, __version__, chosen, spent):
         tell(robot.name, "unchanged")
         manifest = read_manifest(target) or {"files": {}}
         names = (*manifest["files"], MANIFEST, *compiled_files(manifest))
@@ -62,7 +65,7 @@ def build_robot(
     libraries = library_names(chosen)
     compiler = require_compiler() if libraries else None
     tell(robot.name, "derive")
-    rendered = render_robot(robot, chosen)
+    rendered = render_robot(robot, chosen, spent)
 
     def check(folder: Path) -> Report | None:
         if compiler:
@@ -80,7 +83,9 @@ def build_robot(
     )
 
 
-def check_robot(robot: Robot, out: Path, targets: Iterable[str] | None = None) -> CheckResult:
+def check_robot(
+    robot: Robot, out: Path, targets: Iterable[str] | None = None, effort: str | None = None
+) -> CheckResult:
     """Compares the folder of a robot with what a build would write, byte by byte; writes nothing.
 
     Of compiled libraries only the presence is checked: what a compiler makes of the same text is its own affair.
@@ -90,7 +95,7 @@ def check_robot(robot: Robot, out: Path, targets: Iterable[str] | None = None) -
     """
     target = folder_of(robot, out)
     chosen = targets_named(targets)
-    wanted = render_robot(robot, chosen).files
+    wanted = render_robot(robot, chosen, effort_named(effort)).files
     found = {name: _contents(target / name) for name in wanted}
     libraries = library_names(chosen)
     absent = [name for name in libraries if not (target / name).is_file()]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive import __version__
+from derive.algebra.effort import Effort
 from derive.build.example import Example
 from derive.build.manifest import FILE as MANIFEST
 from derive.build.manifest import manifest_text
@@ -44,22 +45,22 @@ class Rendered:
         return package_name(self.robot)
 
 
-def render_robot(robot: Robot, targets: Sequence[Target]) -> Rendered:
+def render_robot(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Rendered:
     """Every file of every target, the package file and the manifest."""
-    source = source_of(robot, targets)
+    source = source_of(robot, targets, effort)
     files = {PACKAGE: _package(source).encode()}
     for target in targets:
         files |= {name: text.encode() for name, text in target.render(source).items()}
-    files[MANIFEST] = manifest_text(source, targets, files).encode()
+    files[MANIFEST] = manifest_text(source, targets, files, effort).encode()
     return Rendered(robot, files, operations_of(source.program))
 
 
-def source_of(robot: Robot, targets: Sequence[Target]) -> Source:
+def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Source:
     """What the targets are rendered from."""
     names = (PACKAGE, *(name for target in targets for name in target.files), MANIFEST)
     return Source(
         robot,
-        build_program(robot),
+        build_program(robot, effort),
         ModelQuantities(robot),
         __version__,
         tuple(sorted(names)),

@@ -32,6 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--jobs", metavar="N", type=positive, default=1, help="robots built at once (default 1)")
     add("--check", action="store_true", help="write nothing; list what is stale and exit with 1")
     add("--force", action="store_true", help="build even what has not changed")
+    add("--effort", choices=("full", "quick"), help="quick: a tenth of the time, more operations in the generated code")
     add("--quiet", action="store_true", help="no progress and no report")
     add("--json", action="store_true", help="machine-readable report")
 
@@ -52,9 +53,11 @@ def run(arguments: argparse.Namespace) -> int:
         work = (robots, arguments.out, targets)
         results: Sequence[BuildResult | CheckResult | BuildFailure]
         if arguments.check:
-            results = check_many(*work, jobs=arguments.jobs, progress=tell)
+            results = check_many(*work, jobs=arguments.jobs, effort=arguments.effort, progress=tell)
         else:
-            results = build_many(*work, jobs=arguments.jobs, force=arguments.force, progress=tell)
+            results = build_many(
+                *work, jobs=arguments.jobs, force=arguments.force, effort=arguments.effort, progress=tell
+            )
     if arguments.json:
         print_json([result.as_dict() for result in results])
     elif not arguments.quiet:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import suppress
 
+from derive.algebra.effort import Effort, effort_named
 from derive.algebra.program import Function, Program
 from derive.algebra.tape_finish import Finisher
 from derive.errors import QuantityError
@@ -28,14 +29,19 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
 
-def build_program(robot: Robot) -> Program:
+def build_program(robot: Robot, effort: Effort | None = None) -> Program:
     """All functions of ``robot``: kinematics, and dynamics where the file has links.
+
+    Args:
+        robot: The robot.
+        effort: See `effort_named`.
 
     Raises:
         QuantityError: A cell divides by zero or has no real root once the parameters have their numbers.
     """
-    trace = Trace(robot)
-    finisher = Finisher(robot, trace.graph)
+    spent = effort_named(effort)
+    trace = Trace(robot, spent)
+    finisher = Finisher(robot, trace.graph, spent)
     functions = [_function(specification, finisher) for specification in kinematic_functions(trace)]
     functions.append(_function(jacobian_rates(trace), finisher))
     functions += _regular(analytic_jacobians(trace), finisher)

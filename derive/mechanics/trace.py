@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property
 
+from derive.algebra.effort import Effort
 from derive.algebra.tape_domain import QD, TapeDomain
 from derive.algebra.tape_finish import Finisher
 from derive.algebra.tape_graph import Graph, Ref
@@ -29,10 +30,12 @@ class Trace:
 
     Args:
         robot: The robot.
+        effort: How long the cheapest forms are looked for.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, effort: Effort = Effort.FULL) -> None:
         self.robot = robot
+        self.effort = effort
         self.graph = Graph()
         self.domain = TapeDomain(robot, self.graph)
         self.n = robot.n
@@ -82,6 +85,8 @@ class Trace:
         Returns:
             The cheapest before improvement, and others that come close.
         """
+        if self.effort is Effort.QUICK:
+            return starting_forms(self.chain)[:1]
 
         def trial(forms: Forms) -> tuple[Ref, ...]:
             return tuple(value.ref for value in values(forms))

@@ -16,6 +16,8 @@ from derive.errors import QuantityError
 from derive.mechanics.programs import build_program
 from derive.robot.robot import Robot
 
+pytestmark = pytest.mark.usefixtures("full_effort")
+
 
 def robot(theta: str, alpha: str = "0", a: str = "0", **extra: str) -> Robot:
     """One joint."""

@@ -17,6 +17,8 @@ from bench.robots import load
 from derive.emit.numpy_target import render_numpy
 from tests.emit.generated_models import source_of
 
+pytestmark = pytest.mark.usefixtures("full_effort")
+
 SMALL = ("planar-2r-numeric", "planar-2r-symbolic")
 
 

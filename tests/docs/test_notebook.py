@@ -14,6 +14,8 @@ from derive import Model, Robot
 from derive.robot.catalogue import catalogue_names
 from tests.docs.console import ROOT
 
+pytestmark = pytest.mark.usefixtures("full_effort")
+
 TOUR = ROOT / "examples" / "tour.ipynb"
 
 
