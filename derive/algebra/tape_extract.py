@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from heapq import heappop, heappush
 
 from derive.algebra.tape_divisors import Found, Key, Place, factor_pairs, price, term_pairs
@@ -10,6 +11,21 @@ from derive.algebra.tape_network import Definition, Monomial, Network, Operand, 
 
 _LONG = 40
 """Terms from which sums are not searched for pairs of terms: there are too many."""
+
+
+Entry = tuple[int, list[Place], int]
+"""The number of a divisor, its places in one polynomial, and what they save together."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Term:
+    """A term of sums, with the divisors in it and in pairs with other terms as far as they have been asked for."""
+
+    number: int
+    monomial: Monomial
+    coefficient: Ref
+    factors: tuple[Entry, ...]
+    pairs: dict[int, tuple[Entry, ...]]
 
 
 class Extractor:
@@ -21,12 +37,15 @@ class Extractor:
 
     def __init__(self, network: Network) -> None:
         self.network = network
-        self._places: dict[Key, dict[int, list[Place]]] = {}
-        self._gains: dict[Key, int] = {}
-        self._pairs: dict[int, Found] = {}
-        self._known: dict[int, tuple[Polynomial, Found]] = {}
-        self._memory: dict[tuple[tuple[Monomial, Ref], tuple[Monomial, Ref]], Found] = {}
-        self._heap: list[tuple[int, int, Key]] = []
+        self._numbers: dict[Key, int] = {}
+        self._keys: list[Key] = []
+        self._prices: list[int] = []
+        self._places: list[dict[int, list[Place]]] = []
+        self._gains: list[int] = []
+        self._terms: dict[tuple[Monomial, Ref], _Term] = {}
+        self._entries: dict[int, list[Entry]] = {}
+        self._known: dict[int, tuple[Polynomial, list[Entry], int]] = {}
+        self._heap: list[tuple[int, int, int]] = []
         self._count = 0
         for variable, polynomial in network.polynomials():
             self.learn(variable, polynomial)
@@ -36,65 +55,65 @@ class Extractor:
         """Take up the divisors of a new definition."""
         if not isinstance(definition, dict):
             return
-        found = self._pairs[variable] = self._divisors(definition)
-        self.network.work += 1 + len(found)
+        known = self._known.get(id(definition))
+        if known is None:
+            known = self._known[id(definition)] = self._divided(definition)
+        _, entries, count = known
+        self._entries[variable] = entries
+        self.network.work += 1 + count
         places, gains = self._places, self._gains
-        for key, place in found:
-            row = places.get(key)
-            if row is None:
-                places[key] = {variable: [place]}
-                gains[key] = place[3] - price(key)
-                continue
-            gains[key] += place[3]
-            spots = row.get(variable)
-            if spots is None:
-                row[variable] = [place]
-            else:
-                spots.append(place)
-        for key, _ in found:
-            if gains[key] > 0:
+        for number, spots, saving in entries:
+            places[number][variable] = spots
+            gain = gains[number] = gains[number] + saving
+            if gain > 0:
                 self._count += 1
-                heappush(self._heap, (-gains[key], self._count, key))
+                heappush(self._heap, (-gain, self._count, number))
 
     def forget(self, variable: int, definition: Definition) -> None:
         """Drop the divisors of a definition."""
         if not isinstance(definition, dict):
             return
         places, gains = self._places, self._gains
-        for key, place in self._pairs.pop(variable):
-            row = places[key]
-            spots = row[variable]
-            if len(spots) > 1:
-                spots.pop()
-            elif len(row) > 1:
-                del row[variable]
-            else:
-                del places[key], gains[key]
-                continue
-            gains[key] -= place[3]
+        for number, _, saving in self._entries.pop(variable):
+            del places[number][variable]
+            gains[number] -= saving
 
-    def _divisors(self, polynomial: Polynomial) -> Found:
+    def _divided(self, polynomial: Polynomial) -> tuple[Polynomial, list[Entry], int]:
         """Kept, for definitions come and go; and the polynomial with them, lest its address be given to another."""
-        known = self._known.get(id(polynomial))
-        if known is None:
-            found: Found = []
-            for monomial, coefficient in polynomial.items():
-                if len(monomial) > 1 or coefficient >> 1 != 1:
-                    found += factor_pairs(monomial, coefficient)
-            if 1 < len(polynomial) <= _LONG:
-                self._add_term_pairs(polynomial, found)
-            known = self._known[id(polynomial)] = (polynomial, found)
-        return known[1]
+        terms = [self._terms.get(term) or self._term(term) for term in polynomial.items()]
+        found = [entry for term in terms for entry in term.factors]
+        if 1 < len(terms) <= _LONG:
+            terms.sort(key=_in_order)
+            for i, one in enumerate(terms):
+                pairs = one.pairs
+                for other in terms[i + 1 :]:
+                    found += pairs.get(other.number) or self._pair(one, other)
+        return polynomial, _grouped(found), len(found)
 
-    def _add_term_pairs(self, polynomial: Polynomial, found: Found) -> None:
-        terms = sorted(polynomial.items())
-        memory = self._memory
-        for i, one in enumerate(terms):
-            for other in terms[i + 1 :]:
-                pair = memory.get((one, other))
-                if pair is None:
-                    pair = memory[one, other] = term_pairs(*one, *other, self.network.coefficients)
-                found += pair
+    def _term(self, term: tuple[Monomial, Ref]) -> _Term:
+        monomial, coefficient = term
+        factors = self._entered(factor_pairs(monomial, coefficient))
+        made = self._terms[term] = _Term(len(self._terms), monomial, coefficient, factors, {})
+        return made
+
+    def _pair(self, one: _Term, other: _Term) -> tuple[Entry, ...]:
+        coefficients = self.network.coefficients
+        found = term_pairs(one.monomial, one.coefficient, other.monomial, other.coefficient, coefficients)
+        entries = one.pairs[other.number] = self._entered(found)
+        return entries
+
+    def _entered(self, found: Found) -> tuple[Entry, ...]:
+        return tuple((self._number(key), [place], place[3]) for key, place in found)
+
+    def _number(self, key: Key) -> int:
+        number = self._numbers.get(key)
+        if number is None:
+            number = self._numbers[key] = len(self._keys)
+            self._keys.append(key)
+            self._prices.append(price(key))
+            self._places.append({})
+            self._gains.append(-price(key))
+        return number
 
     def divisor(self, key: Key) -> Polynomial:
         """The polynomial of a divisor."""
@@ -107,24 +126,24 @@ class Extractor:
     def run(self) -> None:
         """Extract until nothing saves."""
         while self._heap:
-            claimed, order, key = heappop(self._heap)
-            if self._gains.get(key, 0) <= 0:
+            claimed, order, number = heappop(self._heap)
+            if self._gains[number] <= 0:
                 continue
-            chosen = self._disjoint(key)
-            gain = sum(place[3] for places in chosen.values() for place in places) - price(key)
+            chosen = self._disjoint(number)
+            gain = sum([place[3] for places in chosen.values() for place in places]) - self._prices[number]
             if gain == -claimed:
-                self._extract(key, chosen)
+                self._extract(self._keys[number], chosen)
             elif gain > 0:
-                heappush(self._heap, (-gain, order, key))
+                heappush(self._heap, (-gain, order, number))
 
     def drain(self) -> None:
         """Forget what was on offer: nothing saves."""
         self._heap.clear()
 
-    def _disjoint(self, key: Key) -> dict[int, list[Place]]:
+    def _disjoint(self, number: int) -> dict[int, list[Place]]:
         """Places of a divisor that do not share a term."""
         chosen: dict[int, list[Place]] = {}
-        for variable, places in self._places[key].items():
+        for variable, places in self._places[number].items():
             if len(places) == 1:
                 chosen[variable] = places
                 continue
@@ -138,9 +157,11 @@ class Extractor:
 
     def _extract(self, key: Key, chosen: dict[int, list[Place]]) -> None:
         network, divisor = self.network, self.divisor(key)
-        home = network.find(network.evaluate(divisor)) or Operand(network.create(divisor), ONE)
+        home = network.find(network.evaluate(divisor))
+        fresh = home is None
+        home = home or Operand(network.create(divisor), ONE)
         for variable, places in chosen.items():
-            if home.variable is None or not (home.variable == variable or network.needs(home.variable, variable)):
+            if fresh or home.variable is None or not network.needs(home.variable, variable):
                 self._replace(variable, places, home)
         network.settle()
 
@@ -155,3 +176,17 @@ class Extractor:
             product = network.coefficients.multiply(coefficient, home.coefficient)
             network.plus(new, tuple(sorted((*quotient, *factor))), product)
         network.define(variable, new)
+
+
+def _in_order(term: _Term) -> tuple[Monomial, Ref]:
+    return term.monomial, term.coefficient
+
+
+def _grouped(found: list[Entry]) -> list[Entry]:
+    """One entry for each divisor."""
+    groups: dict[int, Entry] = {}
+    for entry in found:
+        number = entry[0]
+        old = groups.get(number)
+        groups[number] = entry if old is None else (number, old[1] + entry[1], old[2] + entry[2])
+    return list(groups.values())

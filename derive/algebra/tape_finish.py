@@ -63,7 +63,10 @@ class Finisher:
             for i in finalists:
                 drafts[i].search(EFFORT)
         winner = min(sorted(finalists), key=lambda i: drafts[i].cost())
-        return winner, cut(*drafts[winner].result())
+        tape = cut(*drafts[winner].result())
+        for draft in drafts:
+            draft.close()
+        return winner, tape
 
     def _cheapest_as_traced(self, candidates: Sequence[Sequence[Ref]]) -> tuple[int, Tape]:
         programs = [bake(self._graph, outputs, self._replacements) for outputs in candidates]

@@ -70,3 +70,7 @@ class Improvement:
         found = graph_of(self._network, self._graph)
         best = found if cost(*found) < cost(self._graph, self._outputs) else (self._graph, self._outputs)
         return improve_hoisted(*best, _HOISTED)
+
+    def close(self) -> None:
+        """Let go of what refers to itself, so that its memory is free at once."""
+        self._network.watcher = None

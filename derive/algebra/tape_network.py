@@ -126,7 +126,9 @@ class Network:
         return None
 
     def needs(self, variable: int, other: int) -> bool:
-        """Whether the definition of a variable, or that of any in it, uses another."""
+        """Whether a variable is another, or its definition or that of any in it uses that."""
+        if variable == other:
+            return True
         seen = {variable}
         stack = [variable]
         while stack:

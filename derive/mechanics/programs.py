@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import suppress
 
+from derive.algebra.collection import uncollected
 from derive.algebra.effort import Effort, effort_named
 from derive.algebra.program import Function, Program
 from derive.algebra.tape_finish import Finisher
@@ -40,8 +41,13 @@ def build_program(robot: Robot, effort: Effort | None = None) -> Program:
         QuantityError: A cell divides by zero or has no real root once the parameters have their numbers.
     """
     spent = effort_named(effort)
-    trace = Trace(robot, spent)
-    finisher = Finisher(robot, trace.graph, spent)
+    with uncollected():
+        return Program(tuple(_functions(robot, spent)), free_symbols(robot))
+
+
+def _functions(robot: Robot, effort: Effort) -> list[Function]:
+    trace = Trace(robot, effort)
+    finisher = Finisher(robot, trace.graph, effort)
     functions = [_function(specification, finisher) for specification in kinematic_functions(trace)]
     functions.append(_function(jacobian_rates(trace), finisher))
     functions += _regular(analytic_jacobians(trace), finisher)
@@ -51,7 +57,7 @@ def build_program(robot: Robot, effort: Effort | None = None) -> Program:
         functions.append(_function(velocity_torques(trace), finisher))
         functions += [_function(specification, finisher) for specification in torque_derivatives(trace)]
         functions += [_function(specification, finisher) for specification in identification_functions(trace)]
-    return Program(tuple(functions), free_symbols(robot))
+    return functions
 
 
 def _function(specification: Specification, finisher: Finisher) -> Function:
