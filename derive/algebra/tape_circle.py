@@ -46,7 +46,10 @@ class Circle:
 
     def shortest(self, polynomial: Polynomial) -> Polynomial:
         """The polynomial with one kind of squares written out, if that is cheaper."""
-        forms = [polynomial, *(self.without(polynomial, variable) for variable in self.squares(polynomial))]
+        squares = self.squares(polynomial)
+        if not squares:
+            return polynomial
+        forms = [polynomial, *(self.without(polynomial, variable) for variable in squares)]
         return min(forms, key=self._network.cost_of)
 
 

@@ -67,6 +67,7 @@ class Network:
         self.definition: dict[int, Definition] = {}
         self.users: dict[int, dict[int, int]] = {}
         self.cost = 0
+        self._costs: dict[int, int] = {}
         self.residue: list[int] = []
         self._by_residue: dict[int, list[int]] = {}
         self.log: list[tuple[int, Definition | None]] = []
@@ -154,22 +155,29 @@ class Network:
         return old
 
     def _learn(self, variable: int, definition: Definition) -> None:
-        self.cost += self.cost_of(definition)
+        cost = self._costs[variable] = self.cost_of(definition)
+        self.cost += cost
+        users = self.users
         for used in occurrences(definition):
-            row = self.users.setdefault(used, {})
-            row[variable] = row.get(variable, 0) + 1
+            row = users.get(used)
+            if row is None:
+                users[used] = {variable: 1}
+            else:
+                row[variable] = row.get(variable, 0) + 1
         self.changed.append(variable)
         if self.watcher is not None:
             self.watcher.learn(variable, definition)
 
     def _forget(self, variable: int, definition: Definition) -> None:
-        self.cost -= self.cost_of(definition)
-        for used in occurrences(definition):
-            row = self.users[used]
-            row[variable] -= 1
-            if not row[variable]:
+        self.cost -= self._costs[variable]
+        used = occurrences(definition)
+        for other in used:
+            row = self.users[other]
+            if row[variable] > 1:
+                row[variable] -= 1
+            else:
                 del row[variable]
-            self.changed.append(used)
+        self.changed += used
         if self.watcher is not None:
             self.watcher.forget(variable, definition)
 
@@ -211,7 +219,7 @@ class Network:
             users = self.users.get(variable)
             if not users:
                 self.define(variable, None)
-            elif isinstance(definition, dict):
+            elif isinstance(definition, dict) and (len(definition) < 2 or len(users) == 1):
                 self._settle_polynomial(variable, definition, users)
 
     def _settle_polynomial(self, variable: int, polynomial: Polynomial, users: dict[int, int]) -> None:
@@ -250,11 +258,11 @@ class Network:
         """Multiplications and additions of one definition."""
         if isinstance(definition, Opaque):
             return 0
-        cost = max(len(definition) - 1, 0)
+        cost = len(definition) - 1
         for monomial, coefficient in definition.items():
             if monomial:
-                cost += len(monomial) - 1 + (coefficient >> 1 != 1)
-        return cost
+                cost += len(monomial) if coefficient >> 1 != 1 else len(monomial) - 1
+        return cost if cost > 0 else 0
 
     def plus(self, into: Polynomial, monomial: Monomial, coefficient: Ref) -> None:
         """Add a term to a polynomial that is being made."""
