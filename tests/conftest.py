@@ -10,6 +10,7 @@ import pytest
 from derive.algebra.effort import VARIABLE, Effort
 
 os.environ[VARIABLE] = Effort.QUICK
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores: threads would wait for each other
 
 
 @pytest.fixture(scope="module")

@@ -54,12 +54,28 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
     left_out = frozenset() if compiler else COMPILED & {path.name for path in folder.iterdir()}
     sets = sample_sets(robot, samples, np.random.default_rng(seed))
     rows: list[Row] = []
+    expectations = _Expectations()
     for model in models:
         _check_interface(robot, folder, model)
-        verifier = _Verifier(model, sets)
+        verifier = _Verifier(model, sets, expectations)
         rows += [verifier.row(function) for function in _functions(sets[0].oracle, model)]
     _check_coverage(folder, models, rows, sets[0].oracle.functions, left_out)
     return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
+
+
+class _Expectations:
+    """What the oracle answers, asked once: the targets are called at the same configurations."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[object, ...], Expectation] = {}
+
+    def of(self, function: str, trial: Trial) -> Expectation:
+        """The answer to a trial."""
+        key = (function, id(trial.sample_set), *((a.shape, a.tobytes()) for a in trial.arguments))
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = expectation(function, trial.sample_set, trial.arguments)
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,16 +84,13 @@ class _Verifier:
 
     model: GeneratedModel
     sets: tuple[SampleSet, ...]
+    expectations: _Expectations
 
     def row(self, function: str) -> Row:
         """The worst error of one function over all trials."""
         compared, called, worst = 0, 0, 0.0
-        expectations: dict[tuple[int, ...], Expectation] = {}
         for trial in self.trials(function):
-            key = (id(trial.sample_set), *map(id, trial.arguments))
-            if key not in expectations:
-                expectations[key] = expectation(function, trial.sample_set, trial.arguments)
-            expected = expectations[key]
+            expected = self.expectations.of(function, trial)
             called += expected.called
             compared += expected.compared
             worst = max(worst, self.check(function, trial, expected))
