@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from derive import __version__
+from derive.algebra.collection import uncollected
 from derive.algebra.effort import effort_named
 from derive.build.libraries import compile_libraries, library_names
 from derive.build.manifest import FILE as MANIFEST
@@ -65,7 +66,8 @@ def build_robot(
     libraries = library_names(chosen)
     compiler = require_compiler() if libraries else None
     tell(robot.name, "derive")
-    rendered = render_robot(robot, chosen, spent)
+    with uncollected():
+        rendered = render_robot(robot, chosen, spent)
 
     def check(folder: Path) -> Report | None:
         if compiler:
