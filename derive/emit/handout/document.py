@@ -7,7 +7,7 @@ both understand.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -72,7 +72,7 @@ class Formula:
     omitted: tuple[str, ...] = ()
     note: str = ""
     function: str = ""
-    entries: tuple[Entry, ...] = ()
+    entries: Sequence[Entry] = ()
     blanks: tuple[str, ...] = ()
 
 

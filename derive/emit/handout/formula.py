@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
+from typing import overload
+
 from derive.emit.handout.context import Context
 from derive.emit.handout.document import Entry, Formula, Rows
 from derive.emit.latex.quantity import Block
@@ -16,17 +20,40 @@ def formula(context: Context, block: Block, function: str = "") -> Formula:
         block: The laid-out quantity.
         function: The generated function that computes it.
     """
-    python = PlainPrinter().doprint
-    latex = context.printer.latex
     return Formula(
         rows=_rows(block),
         named=block.named,
         omitted=block.omitted,
         note=_note(context, block),
         function=function,
-        entries=tuple(Entry(name.tex, latex(value), python(value)) for name, value in block.values),
+        entries=_Copied(context, block),
         blanks=block.blanks,
     )
+
+
+class _Copied(Sequence[Entry]):
+    """Entries of a quantity for copying, written when they are looked at: paper has no use for them."""
+
+    def __init__(self, context: Context, block: Block) -> None:
+        self._values = block.values
+        self._latex = context.printer.latex
+
+    @cached_property
+    def _entries(self) -> tuple[Entry, ...]:
+        python = PlainPrinter().doprint
+        return tuple(Entry(name.tex, self._latex(value), python(value)) for name, value in self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    @overload
+    def __getitem__(self, place: int) -> Entry: ...
+
+    @overload
+    def __getitem__(self, place: slice) -> tuple[Entry, ...]: ...
+
+    def __getitem__(self, place: int | slice) -> Entry | tuple[Entry, ...]:
+        return self._entries[place]
 
 
 def _rows(block: Block) -> tuple[Rows, ...]:

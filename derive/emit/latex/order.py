@@ -33,10 +33,17 @@ class Order:
     def __init__(self, notation: Notation) -> None:
         self._notation = notation
         self._bases: dict[Any, tuple[int, tuple[int, ...], str]] = {}
+        self._factors: dict[Any, FactorKey] = {}
         self._terms: dict[Any, TermKey] = {}
 
     def factor(self, factor: Any) -> FactorKey:
         """Sort key of a factor of a product."""
+        known = self._factors.get(factor)
+        if known is None:
+            known = self._factors[factor] = self._factor(factor)
+        return known
+
+    def _factor(self, factor: Any) -> FactorKey:
         base, exponent = factor.as_base_exp()
         found = self._bases.get(base)
         if found is None:

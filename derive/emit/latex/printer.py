@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from sympy import Add, Integer, Rational, pi
+from sympy import Add, Integer, S, pi
 
 from derive.emit.latex.metrics import EMPTY, MINUS_WIDTH, Box, concatenate, fraction, greek, italic, operator, script
 from derive.emit.latex.notation import Notation
@@ -18,7 +18,7 @@ from derive.errors import TargetError
 WIDEST_FRACTION = 120.0
 """Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken."""
 
-_HALF = Rational(1, 2)
+_HALF, _ONE = S.Half, S.One
 
 MINUS = Piece(Box("-", MINUS_WIDTH))
 ONE = italic("1")
@@ -73,11 +73,11 @@ class LatexPrinter:
         coefficient, rest = term.as_coeff_Mul()
         if not coefficient.is_Rational:
             coefficient, rest = type(coefficient)(1), term
-        factors = rest.args if rest.is_Mul else () if rest == 1 else (rest,)
+        factors = rest.args if rest.is_Mul else () if rest is _ONE else (rest,)
         powers = [factor.as_base_exp() for factor in sorted(factors, key=self._order.factor)]
         value = Fraction(int(coefficient.p), int(coefficient.q))
         for index, (base, exponent) in enumerate(powers):
-            if exponent == 1 and base.is_Add and all(map(_is_negative, base.args)):
+            if exponent is _ONE and base.is_Add and all(map(_is_negative, base.args)):
                 powers[index] = (_opposite(base), exponent)
                 value = -value
         return value < 0, self._product(abs(value), powers, depth)
@@ -148,11 +148,11 @@ class LatexPrinter:
         return joined(self._power(base, exponent, 0))
 
     def _power(self, base: Any, exponent: Any, depth: int, closed: bool = False) -> Pieces:
-        if exponent == _HALF:
+        if exponent is _HALF:
             inner = joined(self._expression(base, 0))
             if inner.width <= WIDEST_FRACTION:
                 return [Piece(Box(f"\\sqrt{{{inner.tex.rstrip()}}}", inner.width + 10.0), depth=depth)]
-        raised = EMPTY if exponent == 1 else self._exponent(exponent)
+        raised = EMPTY if exponent is _ONE else self._exponent(exponent)
         return self._raised(base, raised, depth, closed)
 
     def _exponent(self, exponent: Any) -> Box:
