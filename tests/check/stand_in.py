@@ -1,4 +1,7 @@
-"""Stand-ins for generated modules: right by construction, so that faults can be planted in them."""
+"""Stand-ins for generated modules: right by construction, so that faults can be planted in them.
+
+They ask the oracle once for each configuration, however often a batch repeats it.
+"""
 
 from __future__ import annotations
 
@@ -21,23 +24,28 @@ DOF = {dof}
 PARAMETERS = {parameters!r}
 
 
-def _oracle(numbers):
-    return Oracle.of(ROBOT, numbers, BASE)
-
-
 def _value(name, arguments, params):
     numbers = {{key: np.asarray(value, dtype=float) for key, value in (params or {{}}).items()}}
     batch = np.broadcast_shapes(*(np.shape(a)[:-1] for a in arguments), *(v.shape for v in numbers.values()))
-    arguments = [np.broadcast_to(a, (*batch, DOF)) for a in arguments]
-    if all(v.ndim == 0 for v in numbers.values()):
-        return _oracle({{key: float(v) for key, v in numbers.items()}}).evaluate(name, *arguments)
-    numbers = {{key: np.broadcast_to(value, batch) for key, value in numbers.items()}}
-    values = {{}}
-    for k in np.ndindex(batch):
-        oracle = _oracle({{key: float(value[k]) for key, value in numbers.items()}})
-        values[k] = oracle.evaluate(name, *(a[k] for a in arguments))
-    first = next(iter(values.values()))
-    return np.array(list(values.values())).reshape(*batch, *first.shape)
+    columns = [np.broadcast_to(v, batch).reshape(-1, 1) for v in numbers.values()]
+    columns += [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arguments]
+    if not columns:
+        return _evaluated(name, numbers, np.zeros((1, 0)))[0]
+    rows, places = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
+    sets, kinds = np.unique(rows[:, : len(numbers)], axis=0, return_inverse=True)
+    values = None
+    for k, chosen in enumerate(sets):
+        found = _evaluated(name, dict(zip(numbers, chosen)), rows[kinds.reshape(-1) == k, len(numbers) :])
+        values = np.empty((len(rows), *found.shape[1:])) if values is None else values
+        values[kinds.reshape(-1) == k] = found
+    return values[places.reshape(-1)].reshape(*batch, *values.shape[1:])
+
+
+def _evaluated(name, numbers, rows):
+    oracle = Oracle.of(ROBOT, {{key: float(value) for key, value in numbers.items()}}, BASE)
+    arguments = [rows[:, k : k + DOF] for k in range(0, rows.shape[1], DOF)]
+    value = oracle.evaluate(name, *arguments)
+    return value if arguments else np.broadcast_to(value, (len(rows), *value.shape))
 """
 
 FUNCTION = """
