@@ -12,6 +12,8 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
 HEAD = """
+from functools import cache
+
 import numpy as np
 from derive.check.oracle import Oracle
 from derive.mechanics.base_parameters import base_set
@@ -31,18 +33,27 @@ def _value(name, arguments, params):
     columns += [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arguments]
     if not columns:
         return _evaluated(name, numbers, np.zeros((1, 0)))[0]
-    rows, places = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
+    rows = np.ascontiguousarray(np.concatenate(columns, axis=1))
+    whole = rows.view(np.dtype((np.void, rows.itemsize * rows.shape[1]))).reshape(-1)
+    _, first, places = np.unique(whole, return_index=True, return_inverse=True)
+    rows = rows[first]
     sets, kinds = np.unique(rows[:, : len(numbers)], axis=0, return_inverse=True)
     values = None
     for k, chosen in enumerate(sets):
-        found = _evaluated(name, dict(zip(numbers, chosen)), rows[kinds.reshape(-1) == k, len(numbers) :])
+        mine = kinds.reshape(-1) == k
+        found = _evaluated(name, dict(zip(numbers, chosen)), rows[mine, len(numbers) :])
         values = np.empty((len(rows), *found.shape[1:])) if values is None else values
-        values[kinds.reshape(-1) == k] = found
+        values[mine] = found
     return values[places.reshape(-1)].reshape(*batch, *values.shape[1:])
 
 
+@cache
+def _oracle(numbers):
+    return Oracle.of(ROBOT, dict(numbers), BASE)
+
+
 def _evaluated(name, numbers, rows):
-    oracle = Oracle.of(ROBOT, {{key: float(value) for key, value in numbers.items()}}, BASE)
+    oracle = _oracle(tuple((key, float(value)) for key, value in numbers.items()))
     arguments = [rows[:, k : k + DOF] for k in range(0, rows.shape[1], DOF)]
     value = oracle.evaluate(name, *arguments)
     return value if arguments else np.broadcast_to(value, (len(rows), *value.shape))
