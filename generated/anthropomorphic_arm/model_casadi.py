@@ -16,6 +16,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify anthropomorphic-arm` compares every function with an independent recursion.
 """
@@ -28,9 +31,12 @@ JOINT_TYPES = ("revolute", "revolute", "revolute")
 LIMITS = (None, None, None)
 PARAMETERS = ("a2", "a3")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 22, "add": 9, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "link_transforms": {"mul": 22, "add": 9, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "jacobian": {"mul": 24, "add": 11, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "forward_kinematics": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "link_transforms": {"mul": 14, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_dot": {"mul": 22, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
 }
 
 __all__ = [
@@ -43,6 +49,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -59,23 +68,18 @@ def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     p_a2, p_a3 = k
-    c3 = cos(q3)
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = c1*c2
-    s3 = sin(q3)
     s2 = sin(q2)
-    t2 = c1*s2
-    t3 = c3*t1 - s3*t2
+    t1 = q2 + q3
+    t2 = sin(t1)
+    t3 = cos(t1)
+    c2 = cos(q2)
+    t4 = p_a2*c2 + p_a3*t3
     s1 = sin(q1)
-    t4 = s1*c2
-    t5 = s1*s2
-    t6 = c3*t4 - s3*t5
-    t7 = s2*c3 + c2*s3
+    c1 = cos(q1)
     return (
-        t3, -(c3*t2 + s3*t1), s1, p_a2*t1 + p_a3*t3,
-        t6, -(c3*t5 + s3*t4), -c1, p_a2*t4 + p_a3*t6,
-        t7, c2*c3 - s2*s3, 0.0, p_a2*s2 + p_a3*t7,
+        c1*t3, -c1*t2, s1, c1*t4,
+        s1*t3, -s1*t2, -c1, s1*t4,
+        t2, t3, 0.0, p_a2*s2 + p_a3*t2,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -91,34 +95,32 @@ def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     p_a2, p_a3 = k
-    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = p_a2*s2
+    t2 = q2 + q3
+    t3 = sin(t2)
+    t4 = cos(t2)
     s1 = sin(q1)
     c2 = cos(q2)
-    t1 = c1*c2
-    s2 = sin(q2)
-    t2 = c1*s2
-    t3 = p_a2*t1
-    t4 = s1*c2
-    t5 = s1*s2
-    t6 = p_a2*t4
-    t7 = p_a2*s2
-    c3 = cos(q3)
-    s3 = sin(q3)
-    t8 = c3*t1 - s3*t2
-    t9 = c3*t4 - s3*t5
-    t10 = s2*c3 + c2*s3
+    t5 = s1*c2
+    t6 = p_a2*t5
+    t7 = s1*t4
+    c1 = cos(q1)
+    t8 = c1*c2
+    t9 = p_a2*t8
+    t10 = c1*t4
     return (
         c1, 0.0, s1, 0.0,
         s1, 0.0, -c1, 0.0,
         0.0, 1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -t2, s1, t3,
-        t4, -t5, -c1, t6,
-        s2, c2, 0.0, t7,
+        t8, -c1*s2, s1, t9,
+        t5, -s1*s2, -c1, t6,
+        s2, c2, 0.0, t1,
         0.0, 0.0, 0.0, 1.0,
-        t8, -(c3*t2 + s3*t1), s1, t3 + p_a3*t8,
-        t9, -(c3*t5 + s3*t4), -c1, t6 + p_a3*t9,
-        t10, c2*c3 - s2*s3, 0.0, t7 + p_a3*t10,
+        t10, -c1*t3, s1, t9 + p_a3*t10,
+        t7, -s1*t3, -c1, t6 + p_a3*t7,
+        t3, t4, 0.0, t1 + p_a3*t3,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -134,28 +136,131 @@ def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     p_a2, p_a3 = k
-    s1 = sin(q1)
     c2 = cos(q2)
-    t1 = s1*c2
-    t2 = p_a2*t1
-    c3 = cos(q3)
-    s3 = sin(q3)
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a3*t2
+    t5 = p_a2*c2 + t4
+    t6 = p_a3*t3
+    s1 = sin(q1)
     s2 = sin(q2)
-    t3 = t2 + p_a3*(c3*t1 - s3*(s1*s2))
+    t7 = p_a2*s2 + t6
     c1 = cos(q1)
-    t4 = p_a2*s2
-    t5 = t4 + p_a3*(s2*c3 + c2*s3)
-    t6 = t4 - t5
-    t7 = c1*c2
-    t8 = p_a2*t7
-    t9 = t8 + p_a3*(c3*t7 - s3*(c1*s2))
     return (
-        -t3, -c1*t5, c1*t6,
-        t9, -s1*t5, s1*t6,
-        0.0, s1*t3 + c1*t9, -(s1*(t2 - t3) + c1*(t8 - t9)),
+        -s1*t5, -c1*t7, -c1*t6,
+        c1*t5, -s1*t7, -s1*t6,
+        0.0, t5, t4,
         0.0, s1, s1,
         0.0, -c1, -c1,
         1.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a2, p_a3,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    qd1, qd2, qd3 = qd
+    p_a2, p_a3 = k
+    c2 = cos(q2)
+    t1 = p_a2*c2
+    t2 = q2 + q3
+    t3 = cos(t2)
+    t4 = sin(t2)
+    t5 = p_a3*t3
+    t6 = p_a3*t4
+    t7 = t1 + t5
+    c1 = cos(q1)
+    t8 = c1*qd1
+    t9 = qd2 + qd3
+    t10 = t5*t9
+    t11 = t6*t9
+    t12 = t10 + t1*qd2
+    s2 = sin(q2)
+    t13 = p_a2*s2
+    t14 = t11 + qd2*t13
+    t15 = t13 + t6
+    s1 = sin(q1)
+    t16 = qd1*s1
+    return (
+        s1*t14 - t7*t8, t15*t16 - c1*t12, t6*t16 - c1*t10,
+        -(t7*t16 + c1*t14), -(t8*t15 + s1*t12), -(t8*t6 + s1*t10),
+        0.0, -t14, -t11,
+        0.0, t8, t8,
+        0.0, t16, t16,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = t2*(1.0/sqrt(t2*t2))
+    t5 = p_a3*t2
+    t6 = p_a3*t3
+    c2 = cos(q2)
+    t7 = t5 + p_a2*c2
+    s1 = sin(q1)
+    s2 = sin(q2)
+    t8 = t6 + p_a2*s2
+    c1 = cos(q1)
+    return (
+        -s1*t7, -c1*t8, -c1*t6,
+        t7*c1, -s1*t8, -s1*t6,
+        0.0, t7, t5,
+        0.0, 0.0, 0.0,
+        0.0, -t4, -t4,
+        1.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a3*t2
+    t5 = p_a3*t3
+    c2 = cos(q2)
+    t6 = t4 + p_a2*c2
+    s1 = sin(q1)
+    s2 = sin(q2)
+    t7 = t5 + p_a2*s2
+    c1 = cos(q1)
+    return (
+        -s1*t6, -c1*t7, -c1*t5,
+        t6*c1, -s1*t7, -s1*t5,
+        0.0, t6, t4,
+        1.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 1.0, 1.0,
     )
 
 
@@ -209,6 +314,39 @@ jacobian = _function(
     shape=(6, 3),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 3),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0, 1,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1,
     ),

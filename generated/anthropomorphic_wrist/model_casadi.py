@@ -19,6 +19,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify anthropomorphic-wrist` compares every function with an independent recursion.
 """
@@ -31,9 +34,12 @@ JOINT_TYPES = ("revolute", "revolute", "revolute", "revolute", "revolute", "revo
 LIMITS = (None, None, None, None, None, None)
 PARAMETERS = ("a2", "d4", "d6")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 59, "add": 28, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
-    "link_transforms": {"mul": 59, "add": 28, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
-    "jacobian": {"mul": 61, "add": 33, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "forward_kinematics": {"mul": 39, "add": 19, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "link_transforms": {"mul": 51, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian": {"mul": 43, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_dot": {"mul": 111, "add": 66, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
 }
 
 __all__ = [
@@ -46,6 +52,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -54,52 +63,46 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics_constants(functions, p):
     p_a2, p_d4, p_d6 = p
     return (
-        p_a2, p_d4, p_d6,
+        p_d6, p_a2, p_d4,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_a2, p_d4, p_d6 = k
-    c6 = cos(q6)
+    p_d6, p_a2, p_d4 = k
     c5 = cos(q5)
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
     c4 = cos(q4)
-    c3 = cos(q3)
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = c1*c2
-    s3 = sin(q3)
-    s2 = sin(q2)
-    t2 = c1*s2
-    t3 = c3*t1 - s3*t2
-    s1 = sin(q1)
-    s4 = sin(q4)
-    t4 = c4*t3 + s1*s4
     s5 = sin(q5)
-    t5 = c3*t2 + s3*t1
-    t6 = c5*t4 - s5*t5
+    t4 = c4*s5
+    t5 = c5*t2 - t3*t4
+    s2 = sin(q2)
+    c6 = cos(q6)
+    s4 = sin(q4)
     s6 = sin(q6)
-    t7 = s1*c4 - s4*t3
-    t8 = c5*t5 + s5*t4
-    t9 = s1*c2
-    t10 = s1*s2
-    t11 = c3*t9 - s3*t10
-    t12 = c4*t11 - c1*s4
-    t13 = c3*t10 + s3*t9
-    t14 = c5*t12 - s5*t13
-    t15 = c1*c4 + s4*t11
-    t16 = c5*t13 + s5*t12
-    t17 = s2*c3 + c2*s3
-    t18 = c4*t17
-    t19 = c2*c3 - s2*s3
-    t20 = c5*t18 + s5*t19
-    t21 = s4*t17
-    t22 = c5*t19 - s5*t18
+    t6 = c5*s6
+    t7 = c6*s4 + c4*t6
+    t8 = s6*s5
+    t9 = c4*c6 - s4*t6
+    t10 = c5*t3 + t2*t4
+    t11 = s4*s5
+    t12 = t7*t3 + t2*t8
+    t13 = t2*t7 - t3*t8
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t14 = c1*t9 + s1*t13
+    t15 = t9*s1 - c1*t13
+    t16 = c1*t10 + s1*t11
+    t17 = s1*t10 - c1*t11
+    c2 = cos(q2)
+    t18 = p_a2*c2 + p_d4*t3
     return (
-        c6*t6 + s6*t7, c6*t7 - s6*t6, t8, p_a2*t1 + p_d4*t5 + p_d6*t8,
-        c6*t14 - s6*t15, -(c6*t15 + s6*t14), t16, p_a2*t9 + p_d4*t13 + p_d6*t16,
-        c6*t20 - s6*t21, -(c6*t21 + s6*t20), -t22, p_a2*s2 - p_d4*t19 - p_d6*t22,
+        t14*t5 + t12*t17, t15, t16, c1*t18 + p_d6*t16,
+        t5*t15 - t12*t16, -t14, t17, s1*t18 + p_d6*t17,
+        t14*t16 + t17*t15, -t12, -t5, p_a2*s2 - p_d4*t2 - p_d6*t5,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -107,78 +110,75 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_a2, p_d4, p_d6 = p
     return (
-        p_a2, p_d4, p_d6,
+        p_d6, p_a2, p_d4,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_a2, p_d4, p_d6 = k
+    p_d6, p_a2, p_d4 = k
+    c5 = cos(q5)
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    c4 = cos(q4)
+    t4 = c4*t3
+    s5 = sin(q5)
+    t5 = c5*t2 - s5*t4
+    s2 = sin(q2)
+    t6 = p_a2*s2
+    t7 = t6 - p_d4*t2
+    t8 = c5*t4 + s5*t2
+    s6 = sin(q6)
+    s4 = sin(q4)
+    t9 = s4*t3
+    c6 = cos(q6)
     c1 = cos(q1)
     s1 = sin(q1)
+    t10 = s1*t2
+    t11 = c1*t2
+    t12 = c1*s4 - c4*t10
+    t13 = s1*t3
+    t14 = c1*t3
+    t15 = c5*t13 - s5*t12
     c2 = cos(q2)
-    t1 = c1*c2
-    s2 = sin(q2)
-    t2 = c1*s2
-    t3 = p_a2*t1
-    t4 = s1*c2
-    t5 = s1*s2
-    t6 = p_a2*t4
-    t7 = p_a2*s2
-    c3 = cos(q3)
-    s3 = sin(q3)
-    t8 = c3*t1 - s3*t2
-    t9 = c3*t2 + s3*t1
-    t10 = c3*t4 - s3*t5
-    t11 = c3*t5 + s3*t4
-    t12 = s2*c3 + c2*s3
-    t13 = c2*c3 - s2*s3
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t14 = c4*t8 + s1*s4
-    t15 = s1*c4 - s4*t8
-    t16 = t3 + p_d4*t9
-    t17 = c4*t10 - c1*s4
-    t18 = c1*c4 + s4*t10
-    t19 = t6 + p_d4*t11
-    t20 = c4*t12
-    t21 = s4*t12
-    t22 = t7 - p_d4*t13
-    c5 = cos(q5)
-    s5 = sin(q5)
-    t23 = c5*t14 - s5*t9
-    t24 = c5*t9 + s5*t14
-    t25 = c5*t17 - s5*t11
-    t26 = c5*t11 + s5*t17
-    t27 = c5*t20 + s5*t13
-    t28 = c5*t13 - s5*t20
-    c6 = cos(q6)
-    s6 = sin(q6)
+    t16 = s1*c2
+    t17 = p_a2*t16
+    t18 = c1*c2
+    t19 = c1*c4 + s4*t10
+    t20 = p_a2*t18
+    t21 = t17 + p_d4*t13
+    t22 = c5*t12 + s5*t13
+    t23 = s1*s4 + c4*t11
+    t24 = s1*c4 - s4*t11
+    t25 = c5*t14 + s5*t23
+    t26 = t20 + p_d4*t14
+    t27 = c5*t23 - s5*t14
     return (
         c1, 0.0, s1, 0.0,
         s1, 0.0, -c1, 0.0,
         0.0, 1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -t2, s1, t3,
-        t4, -t5, -c1, t6,
-        s2, c2, 0.0, t7,
+        t18, -c1*s2, s1, t20,
+        t16, -s1*s2, -c1, t17,
+        s2, c2, 0.0, t6,
         0.0, 0.0, 0.0, 1.0,
-        t8, s1, t9, t3,
-        t10, -c1, t11, t6,
-        t12, 0.0, -t13, t7,
+        t11, s1, t14, t20,
+        t10, -c1, t13, t17,
+        t3, 0.0, -t2, t6,
         0.0, 0.0, 0.0, 1.0,
-        t14, -t9, t15, t16,
-        t17, -t11, -t18, t19,
-        t20, t13, -t21, t22,
+        t23, -t14, t24, t26,
+        -t12, -t13, -t19, t21,
+        t4, t2, -t9, t7,
         0.0, 0.0, 0.0, 1.0,
-        t23, t15, t24, t16,
-        t25, -t18, t26, t19,
-        t27, -t21, -t28, t22,
+        t27, t24, t25, t26,
+        -t22, -t19, t15, t21,
+        t8, -t9, -t5, t7,
         0.0, 0.0, 0.0, 1.0,
-        c6*t23 + s6*t15, c6*t15 - s6*t23, t24, t16 + p_d6*t24,
-        c6*t25 - s6*t18, -(c6*t18 + s6*t25), t26, t19 + p_d6*t26,
-        c6*t27 - s6*t21, -(c6*t21 + s6*t27), -t28, t22 - p_d6*t28,
+        c6*t27 + s6*t24, c6*t24 - s6*t27, t25, p_d6*t25 + t26,
+        -(c6*t22 + s6*t19), s6*t22 - c6*t19, t15, p_d6*t15 + t21,
+        c6*t8 - s6*t9, -(c6*t9 + s6*t8), -t5, t7 - p_d6*t5,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -186,60 +186,281 @@ def _link_transforms(functions, k, q):
 def _jacobian_constants(functions, p):
     p_a2, p_d4, p_d6 = p
     return (
-        p_a2, p_d4, p_d6,
+        p_d6, p_d4, p_a2,
     )
 
 
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_a2, p_d4, p_d6 = k
-    s1 = sin(q1)
-    c2 = cos(q2)
-    t1 = s1*c2
-    t2 = p_a2*t1
-    c3 = cos(q3)
-    s2 = sin(q2)
-    t3 = s1*s2
-    s3 = sin(q3)
-    t4 = c3*t3 + s3*t1
-    t5 = t2 + p_d4*t4
+    p_d6, p_d4, p_a2 = k
+    t1 = q2 + q3
+    t2 = sin(t1)
+    t3 = cos(t1)
     c5 = cos(q5)
+    t4 = p_d6*c5
+    t5 = p_d4 + t4
     s5 = sin(q5)
+    t6 = p_d6*s5
+    t7 = t3*t6
     c4 = cos(q4)
-    t6 = c3*t1 - s3*t3
+    t8 = t2*t5 + c4*t7
+    c2 = cos(q2)
+    t9 = t8 + p_a2*c2
+    s1 = sin(q1)
     c1 = cos(q1)
     s4 = sin(q4)
-    t7 = c5*t4 + s5*(c4*t6 - c1*s4)
-    t8 = t5 + p_d6*t7
-    t9 = p_a2*s2
-    t10 = c2*c3 - s2*s3
-    t11 = t9 - p_d4*t10
-    t12 = s2*c3 + c2*s3
-    t13 = c5*t10 - s5*(c4*t12)
-    t14 = t11 - p_d6*t13
-    t15 = t9 - t14
-    t16 = t11 - t14
-    t17 = t5 - t8
-    t18 = c1*c4 + s4*t6
-    t19 = s4*t12
-    t20 = c1*c2
-    t21 = p_a2*t20
-    t22 = c1*s2
-    t23 = c3*t22 + s3*t20
-    t24 = t21 + p_d4*t23
-    t25 = c3*t20 - s3*t22
-    t26 = c5*t23 + s5*(c4*t25 + s1*s4)
-    t27 = t24 + p_d6*t26
-    t28 = t24 - t27
-    t29 = s1*c4 - s4*t25
+    t10 = c1*s4
+    t11 = t2*c4
+    t12 = t5*t3 - t6*t11
+    s2 = sin(q2)
+    t13 = t12 - p_a2*s2
+    t14 = s1*c4
+    t15 = c4*c1
+    t16 = t2*c1
+    t17 = t14 - t3*t10
+    t18 = t10 - t3*t14
+    t19 = s1*s4
+    t20 = s1*t2
+    t21 = t2*s4
+    t22 = t19 + t3*t15
+    t23 = t15 + t3*t19
     return (
-        -t8, -c1*t14, c1*t15, -(t4*t16 + t10*t17), t18*t16 - t19*t17, 0.0,
-        t27, -s1*t14, s1*t15, t10*t28 + t23*t16, t19*t28 + t29*t16, 0.0,
-        0.0, s1*t8 + c1*t27, -(s1*(t2 - t8) + c1*(t21 - t27)), t4*t28 - t23*t17, -(t29*t17 + t18*t28), 0.0,
-        0.0, s1, s1, t23, t29, t26,
-        0.0, -c1, -c1, t4, -t18, t7,
-        1.0, 0.0, 0.0, -t10, -t19, -t13,
+        t6*t10 - s1*t9, c1*t13, c1*t12, t6*t17, t4*t22 - t6*t16, 0.0,
+        t9*c1 + t6*t19, s1*t13, s1*t12, -t6*t23, -(t4*t18 + t6*t20), 0.0,
+        0.0, t9, t8, -t6*t21, t7 + t4*t11, 0.0,
+        0.0, s1, s1, t16, t17, c5*t16 + s5*t22,
+        0.0, -c1, -c1, t20, -t23, c5*t20 - s5*t18,
+        1.0, 0.0, 0.0, -t3, -t21, s5*t11 - c5*t3,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_d4, p_a2,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    qd1, qd2, qd3, qd4, qd5, qd6 = qd
+    p_d6, p_d4, p_a2 = k
+    t1 = q2 + q3
+    t2 = sin(t1)
+    t3 = cos(t1)
+    s4 = sin(q4)
+    t4 = s4*qd4
+    t5 = qd2 + qd3
+    t6 = t3*t5
+    t7 = t2*t5
+    c4 = cos(q4)
+    t8 = t2*t4 - c4*t6
+    s5 = sin(q5)
+    t9 = s5*qd5
+    c5 = cos(q5)
+    t10 = t2*c4
+    t11 = c5*qd5
+    t12 = c4*qd4
+    t13 = t2*t12 + t6*s4
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t14 = qd1*s1
+    t15 = c1*t12 - s4*t14
+    t16 = c4*s1
+    t17 = c1*qd1
+    t18 = s1*t4 - t17*c4
+    t19 = t3*t18 + (t15 + t7*t16)
+    t20 = t17*t2 + s1*t6
+    t21 = c1*s4
+    t22 = t21 - t3*t16
+    t23 = t2*s1
+    t24 = c1*t4 + c4*t14
+    t25 = s1*s4
+    t26 = s1*t12 + t17*s4
+    t27 = t3*t26 - (t24 + t7*t25)
+    t28 = c1*c4
+    t29 = t3*t24 - (t26 - t7*t28)
+    t30 = t2*t14 - c1*t6
+    t31 = t25 + t3*t28
+    t32 = c1*t2
+    t33 = t3*t15 + (t18 - t7*t21)
+    t34 = p_d6*c5
+    t35 = p_d6*t11
+    t36 = p_d6*s5
+    t37 = p_d6*t9
+    t38 = t35*t25
+    t39 = t35*t21
+    t40 = t3*t35 - t36*t7
+    t41 = t3*t36
+    t42 = p_d4 + t34
+    t43 = t41*t4 - (c4*t40 - (t2*t37 - t42*t6))
+    t44 = t42*t7 + (t35*t10 + (t3*t37 - t36*t8))
+    t45 = t42*t3 - t36*t10
+    s2 = sin(q2)
+    t46 = p_a2*s2
+    t47 = t43 + qd2*t46
+    t48 = t46 - t45
+    c2 = cos(q2)
+    t49 = p_a2*c2
+    t50 = t44 + t49*qd2
+    t51 = c4*t41 + (t49 + t2*t42)
+    return (
+        t36*t15 + (s1*t47 + (t39 - t17*t51)), t14*t48 - c1*t50, -(c1*t44 + t14*t45),
+        t35*t16 - t36*t33 - t3*t39, -(t35*t32 + (t34*t29 - (t36*t30 - t37*t31))), 0.0,
+        t36*t26 - (c1*t47 - (t38 - t51*t14)), -(t17*t48 + s1*t50), t17*t45 - s1*t44,
+        -(t3*t38 + (t35*t28 + t36*t27)), -(t35*t23 + (t34*t19 + (t36*t20 - t37*t22))), 0.0,
+        0.0, -t47, -t43, -(s4*(t2*t35) + t36*t13), t40 - t37*t10 - t34*t8, 0.0,
+        0.0, t17, t17, -t30, -t33, -(t9*t32 + (s5*t29 + (c5*t30 - t11*t31))),
+        0.0, t14, t14, t20, -t27, -(t9*t23 + (s5*t19 - (c5*t20 - t11*t22))),
+        0.0, 0.0, 0.0, t7, -t13, t11*t10 + (t3*t9 + c5*t7) - s5*t8,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_d4, p_a2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d4, p_a2 = k
+    t1 = q2 + q3
+    t2 = sin(t1)
+    t3 = cos(t1)
+    c5 = cos(q5)
+    t4 = p_d6*c5
+    t5 = p_d4 + t4
+    s5 = sin(q5)
+    t6 = p_d6*s5
+    t7 = t3*t6
+    c4 = cos(q4)
+    t8 = t2*t5 + c4*t7
+    c2 = cos(q2)
+    t9 = t8 + p_a2*c2
+    s1 = sin(q1)
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t10 = c1*s4
+    t11 = t2*c4
+    t12 = t5*t3 - t6*t11
+    s2 = sin(q2)
+    t13 = t12 - p_a2*s2
+    t14 = s1*c4
+    t15 = t14 - t3*t10
+    t16 = t10 - t3*t14
+    t17 = s1*s4
+    t18 = c4*c1
+    t19 = t17 + t3*t18
+    t20 = t2*c1
+    t21 = t18 + t3*t17
+    t22 = s1*t2
+    t23 = t2*s4
+    t24 = c5*t22 - s5*t16
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t25 = s5*s6
+    t26 = c5*s6
+    t27 = s4*c6 + c4*t26
+    t28 = c4*c6 - s4*t26
+    t29 = t2*t27 + t3*t25
+    t30 = t3*t27 - t2*t25
+    t31 = c1*t28 + s1*t30
+    t32 = s1*t28 - c1*t30
+    t33 = c5*t3 - s5*t11
+    t34 = c5*t20 + s5*t19
+    t35 = t24*t29 + t31*t33
+    t36 = t29*t34 - t33*t32
+    t37 = t24*t32 + t31*t34
+    t38 = t35*t35 + t36*t36
+    t39 = 1.0/t38
+    t40 = 1.0/sqrt(t38)
+    t41 = t35*t39
+    t42 = t36*t39
+    t43 = t35*t40
+    t44 = t36*t40
+    t45 = s1*t41 + c1*t42
+    t46 = c1*t43 - s1*t44
+    t47 = t45*t37
+    t48 = t20*t41 - t22*t42
+    t49 = t15*t41 + t21*t42
+    return (
+        t6*t10 - s1*t9, c1*t13, c1*t12, t6*t15, t4*t19 - t6*t20, 0.0,
+        t9*c1 + t6*t17, s1*t13, s1*t12, -t6*t21, -(t4*t16 + t6*t22), 0.0,
+        0.0, t9, t8, -t6*t23, t7 + t4*t11, 0.0,
+        0.0, t45, t45, t48, t49, t34*t41 - t24*t42,
+        0.0, -t46, -t46, t22*t43 + t20*t44, t15*t44 - t21*t43, t29*t40,
+        1.0, -t47, -t47, -(t3 + t48*t37), -(t23 + t49*t37), -t33*t39,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_d4, p_a2,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d4, p_a2 = k
+    t1 = q2 + q3
+    t2 = sin(t1)
+    t3 = cos(t1)
+    c5 = cos(q5)
+    t4 = p_d6*c5
+    t5 = p_d4 + t4
+    s5 = sin(q5)
+    t6 = p_d6*s5
+    t7 = t3*t6
+    c4 = cos(q4)
+    t8 = t2*t5 + c4*t7
+    c2 = cos(q2)
+    t9 = t8 + p_a2*c2
+    s1 = sin(q1)
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t10 = c1*s4
+    t11 = t2*c4
+    t12 = t5*t3 - t6*t11
+    s2 = sin(q2)
+    t13 = t12 - p_a2*s2
+    t14 = s1*c4
+    t15 = c4*c1
+    t16 = t14 - t3*t10
+    t17 = t10 - t3*t14
+    t18 = s1*s4
+    t19 = t2*s4
+    t20 = t18 + t3*t15
+    t21 = t2*c1
+    t22 = s1*t2
+    t23 = t15 + t3*t18
+    t24 = c5*t21 + s5*t20
+    t25 = c5*t22 - s5*t17
+    t26 = c5*t3 - s5*t11
+    t27 = t24*t24 + t25*t25
+    t28 = 1.0/t27
+    t29 = 1.0/sqrt(t27)
+    t30 = t24*t28
+    t31 = t25*t28
+    t32 = t24*t29
+    t33 = t25*t29
+    t34 = s1*t30 - c1*t31
+    t35 = t26*t34
+    t36 = c1*t32 + s1*t33
+    t37 = t21*t30 + t22*t31
+    return (
+        t6*t10 - s1*t9, c1*t13, c1*t12, t6*t16, t4*t20 - t6*t21, 0.0,
+        t9*c1 + t6*t18, s1*t13, s1*t12, -t6*t23, -(t4*t17 + t6*t22), 0.0,
+        0.0, t9, t8, -t6*t19, t7 + t4*t11, 0.0,
+        1.0, t35, t35, t26*t37 - t3, -t19*t28, 0.0,
+        0.0, -t36, -t36, t22*t32 - t21*t33, -(t23*t32 + t16*t33), 0.0,
+        0.0, t34, t34, t37, t16*t30 - t23*t31, 1.0,
     )
 
 
@@ -293,6 +514,39 @@ jacobian = _function(
     shape=(6, 6),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 6),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1, 2,
     ),

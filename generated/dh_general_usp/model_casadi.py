@@ -14,6 +14,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify dh-general-usp` compares every function with an independent recursion.
 """
@@ -29,6 +32,9 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 6, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "link_transforms": {"mul": 6, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "jacobian_dot": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
 }
 
 __all__ = [
@@ -41,6 +47,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -52,20 +61,20 @@ def _forward_kinematics_constants(functions, p):
     t1 = cos(p_alpha1)
     t2 = sin(p_alpha1)
     return (
-        t1, t2, p_a1, p_d1,
+        p_d1, t1, t2, p_a1,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     (q1,) = q
-    k1, k2, p_a1, p_d1 = k
-    c1 = cos(q1)
+    p_d1, k2, k3, p_a1 = k
     s1 = sin(q1)
+    c1 = cos(q1)
     return (
-        c1, -k1*s1, k2*s1, p_a1*c1,
-        s1, k1*c1, -k2*c1, p_a1*s1,
-        0.0, k2, k1, p_d1,
+        c1, -k2*s1, k3*s1, p_a1*c1,
+        s1, k2*c1, -k3*c1, p_a1*s1,
+        0.0, k3, k2, p_d1,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -76,20 +85,20 @@ def _link_transforms_constants(functions, p):
     t1 = cos(p_alpha1)
     t2 = sin(p_alpha1)
     return (
-        t1, t2, p_a1, p_d1,
+        p_d1, t1, t2, p_a1,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     (q1,) = q
-    k1, k2, p_a1, p_d1 = k
-    c1 = cos(q1)
+    p_d1, k2, k3, p_a1 = k
     s1 = sin(q1)
+    c1 = cos(q1)
     return (
-        c1, -k1*s1, k2*s1, p_a1*c1,
-        s1, k1*c1, -k2*c1, p_a1*s1,
-        0.0, k2, k1, p_d1,
+        c1, -k2*s1, k3*s1, p_a1*c1,
+        s1, k2*c1, -k3*c1, p_a1*s1,
+        0.0, k3, k2, p_d1,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -114,6 +123,77 @@ def _jacobian(functions, k, q):
         0.0,
         0.0,
         1.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    (p_a1,) = p
+    return (
+        p_a1,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    (q1,) = q
+    (qd1,) = qd
+    (p_a1,) = k
+    c1 = cos(q1)
+    t1 = p_a1*qd1
+    s1 = sin(q1)
+    return (
+        -c1*t1,
+        -t1*s1,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    (p_a1,) = p
+    return (
+        p_a1,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    (q1,) = q
+    (p_a1,) = k
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -p_a1*s1,
+        p_a1*c1,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    (p_a1,) = p
+    return (
+        p_a1,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    (q1,) = q
+    (p_a1,) = k
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -p_a1*s1,
+        p_a1*c1,
+        0.0,
+        1.0,
+        0.0,
+        0.0,
     )
 
 
@@ -167,6 +247,39 @@ jacobian = _function(
     shape=(6, 1),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        1,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 1),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        1,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 1),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        1,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 1),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         1,
     ),

@@ -14,6 +14,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify dh-modified-deluca` compares every function with an independent recursion.
 """
@@ -29,6 +32,9 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "jacobian_dot": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 7, "add": 1, "div": 2, "sin": 1, "cos": 1, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
 }
 
 __all__ = [
@@ -41,6 +47,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -50,24 +59,24 @@ def _forward_kinematics_constants(functions, p):
     sin, cos, sqrt, sign = functions
     p_d1, p_a0, p_alpha0 = p
     t1 = cos(p_alpha0)
-    t2 = sin(p_alpha0)
-    t3 = p_d1*t2
-    t4 = p_d1*t1
+    t2 = p_d1*t1
+    t3 = sin(p_alpha0)
+    t4 = p_d1*t3
     return (
-        p_a0, t1, t2, t3, t4,
+        t1, t2, t3, t4, p_a0,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     (q1,) = q
-    p_a0, k2, k3, k4, k5 = k
+    k1, k2, k3, k4, p_a0 = k
     c1 = cos(q1)
     s1 = sin(q1)
     return (
         c1, -s1, 0.0, p_a0,
-        k2*s1, k2*c1, -k3, -k4,
-        k3*s1, k3*c1, k2, k5,
+        k1*s1, k1*c1, -k3, -k4,
+        k3*s1, k3*c1, k1, k2,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -76,24 +85,24 @@ def _link_transforms_constants(functions, p):
     sin, cos, sqrt, sign = functions
     p_d1, p_a0, p_alpha0 = p
     t1 = cos(p_alpha0)
-    t2 = sin(p_alpha0)
-    t3 = p_d1*t2
-    t4 = p_d1*t1
+    t2 = p_d1*t1
+    t3 = sin(p_alpha0)
+    t4 = p_d1*t3
     return (
-        p_a0, t1, t2, t3, t4,
+        t1, t2, t3, t4, p_a0,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     (q1,) = q
-    p_a0, k2, k3, k4, k5 = k
+    k1, k2, k3, k4, p_a0 = k
     c1 = cos(q1)
     s1 = sin(q1)
     return (
         c1, -s1, 0.0, p_a0,
-        k2*s1, k2*c1, -k3, -k4,
-        k3*s1, k3*c1, k2, k5,
+        k1*s1, k1*c1, -k3, -k4,
+        k3*s1, k3*c1, k1, k2,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -117,6 +126,59 @@ def _jacobian(functions, k, q):
         0.0,
         -k1,
         k2,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    return (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    sin, cos, sqrt, sign = functions
+    (p_alpha0,) = p
+    t1 = cos(p_alpha0)
+    t2 = t1*t1
+    t3 = 1.0 - t2
+    t4 = sin(p_alpha0)
+    t5 = t1*t4
+    return (
+        t1, t2, t3, t4, t5,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    (q1,) = q
+    k1, k2, k3, k4, k5 = k
+    c1 = cos(q1)
+    t6 = k2 + c1*(k3*c1)
+    t7 = 1.0/t6
+    s1 = sin(q1)
+    return (
+        0.0,
+        0.0,
+        0.0,
+        -t7*(k5*s1),
+        -1.0/sqrt(t6)*(k4*c1),
+        k1*t7,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    return (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
     )
 
 
@@ -173,4 +235,29 @@ jacobian = _function(
     needs=(
         2,
     ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 1),
+    kernel=_jacobian_dot,
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 1),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        2,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 1),
+    kernel=_analytic_jacobian_zyz,
 )

@@ -29,13 +29,18 @@ Order of the entries of q, qd, qdd and tau:
 
 Every function takes one configuration, shape (n,) with n = 21, or any batch of them, shape (..., n); several
 arguments broadcast against each other, and the batch's shape leads in the result. Arguments are never modified.
+With `out=`, an array of float64 of the result's shape, the result is written there and returned.
+Arrays of another library (JAX, CuPy, PyTorch with array-api-compat, ...) give an array of that library, of the same
+dtype and on the same device; there the functions can be compiled, vectorised and differentiated.
 Parameters without a number are given as `params`: a dictionary by name, or a sequence in the order of PARAMETERS
 (or an array of shape (..., len(PARAMETERS))). Each is a number or an array that broadcasts against the batch. A
-function asks only for those that it needs.
+function asks only for those that it needs. For many calls with the same numbers pass `precompute(params)`.
 Self-check: `derive verify human-body` compares every function with an independent recursion.
 """
 
 import math
+import operator
+import struct
 
 import numpy as np
 
@@ -55,9 +60,12 @@ LIMITS = (
 )
 PARAMETERS = ("L1", "L2", "L3", "L4", "L5", "L6", "L7", "L8")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 254, "add": 133, "div": 0, "sin": 21, "cos": 21, "sqrt": 0},
+    "forward_kinematics": {"mul": 253, "add": 133, "div": 0, "sin": 21, "cos": 21, "sqrt": 0},
     "link_transforms": {"mul": 254, "add": 133, "div": 0, "sin": 21, "cos": 21, "sqrt": 0},
-    "jacobian": {"mul": 336, "add": 194, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
+    "jacobian": {"mul": 330, "add": 167, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
+    "jacobian_dot": {"mul": 753, "add": 496, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 453, "add": 234, "div": 2, "sin": 21, "cos": 21, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 432, "add": 224, "div": 2, "sin": 20, "cos": 20, "sqrt": 1},
 }
 
 __all__ = [
@@ -70,31 +78,37 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
+    "precompute",
 ]
 
 
-def forward_kinematics(q, params=None):
+def forward_kinematics(q, params=None, out=None):
     """Pose of the end effector in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         T, (..., 4, 4):
         base A_1 ... A_n tool, a 4x4 homogeneous transform.
 
-    Transforms of joint frames from the base outwards: 254 mul, 133 add, 21 sin, 21 cos.
+    Columns of the pose by the shortest ways to the world frame, turned by sums of angles of parallel joints: 253 mul, 133 add, 21 sin, 21 cos.
     """
-    return _FUNCTIONS["forward_kinematics"]((q,), params)
+    return _FUNCTIONS["forward_kinematics"]((q,), params, out)
 
 
-def link_transforms(q, params=None):
+def link_transforms(q, params=None, out=None):
     """Poses of the DH frames 1..n in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         T_i, (..., 21, 4, 4):
@@ -102,23 +116,88 @@ def link_transforms(q, params=None):
 
     Transforms of joint frames from the base outwards: 254 mul, 133 add, 21 sin, 21 cos.
     """
-    return _FUNCTIONS["link_transforms"]((q,), params)
+    return _FUNCTIONS["link_transforms"]((q,), params, out)
 
 
-def jacobian(q, params=None):
+def jacobian(q, params=None, out=None):
     """Geometric Jacobian at the end effector, in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         J, (..., 6, 21):
         rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
 
-    Geometric, from axes and origins: 336 mul, 194 add, 20 sin, 20 cos.
+    Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 330 mul, 167 add, 20 sin, 20 cos.
     """
-    return _FUNCTIONS["jacobian"]((q,), params)
+    return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_dot(q, qd, params=None, out=None):
+    """Rate of change of the geometric Jacobian, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dJ/dt, (..., 6, 21):
+        the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first.
+
+    Velocities of axes and origins: 753 mul, 496 add, 20 sin, 20 cos.
+    """
+    return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def analytic_jacobian_rpy(q, params=None, out=None):
+    """Analytic Jacobian for roll, pitch, yaw.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_A, (..., 6, 21):
+        rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit of qd; no finite numbers where cos(pitch) = 0.
+
+    Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 453 mul, 234 add, 2 div, 21 sin, 21 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["analytic_jacobian_rpy"]((q,), params, out)
+
+
+def analytic_jacobian_zyz(q, params=None, out=None):
+    """Analytic Jacobian for Euler angles ZYZ.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_A, (..., 6, 21):
+        rows: velocity of the end effector's origin [m/s], then rates of phi, theta and psi [rad/s], per unit of qd; no finite numbers where sin(theta) = 0.
+
+    Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 432 mul, 224 add, 2 div, 20 sin, 20 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def precompute(params):
+    """Parameters for many calls: checked once, and what a function computes from them alone is computed once.
+
+    Args:
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        What every function takes as `params`. Later changes of the dictionary have no effect on it.
+    """
+    return _Parameters("precompute", params)
 
 
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
@@ -127,172 +206,174 @@ def jacobian(q, params=None):
 def _forward_kinematics_constants(functions, p):
     p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
     return (
-        p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8,
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
-    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = k
-    c21 = cos(q21)
-    s20 = sin(q20)
-    c19 = cos(q19)
-    c18 = cos(q18)
-    s17 = sin(q17)
-    s16 = sin(q16)
-    c15 = cos(q15)
-    c14 = cos(q14)
-    c13 = cos(q13)
-    s12 = sin(q12)
-    s11 = sin(q11)
-    s10 = sin(q10)
-    s9 = sin(q9)
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
+    s2 = sin(q2)
+    s4 = sin(q4)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t1 = c2*s3
+    c4 = cos(q4)
+    t2 = s2*s4 - c4*t1
+    s6 = sin(q6)
+    t3 = s4*t1 + s2*c4
+    s5 = sin(q5)
+    c3 = cos(q3)
+    t4 = c2*c3
+    c5 = cos(q5)
+    t5 = s5*t3 - c5*t4
+    t6 = s5*t4 + c5*t3
+    c6 = cos(q6)
+    t7 = s6*t2 - c6*t5
+    t8 = s6*t5 + c6*t2
     s8 = sin(q8)
     s7 = sin(q7)
-    s6 = sin(q6)
-    s5 = sin(q5)
-    s4 = sin(q4)
-    s3 = sin(q3)
-    s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = s1*s2
-    c1 = cos(q1)
-    c3 = cos(q3)
-    t2 = s3*t1 - c1*c3
-    c4 = cos(q4)
-    c2 = cos(q2)
-    t3 = s1*c2
-    t4 = s4*t2 - c4*t3
-    c5 = cos(q5)
-    t5 = c1*s3 + c3*t1
-    t6 = s5*t4 - c5*t5
-    c6 = cos(q6)
-    t7 = s4*t3 + c4*t2
-    t8 = s6*t6 - c6*t7
     c7 = cos(q7)
-    t9 = s5*t5 + c5*t4
-    t10 = s7*t8 - c7*t9
+    t9 = s7*t8 - c7*t6
     c8 = cos(q8)
-    t11 = s6*t7 + c6*t6
-    t12 = s8*t10 - c8*t11
+    t10 = s8*t7 - c8*t9
+    t11 = s8*t9 + c8*t7
+    s10 = sin(q10)
+    s9 = sin(q9)
+    t12 = s7*t6 + c7*t8
     c9 = cos(q9)
-    t13 = s7*t9 + c7*t8
-    t14 = s9*t12 - c9*t13
+    t13 = s9*t11 - c9*t12
+    t14 = s9*t12 + c9*t11
     c10 = cos(q10)
-    t15 = s8*t11 + c8*t10
-    t16 = s10*t14 - c10*t15
+    t15 = s10*t10 - c10*t13
+    s12 = sin(q12)
+    t16 = s10*t13 + c10*t10
+    s11 = sin(q11)
     c11 = cos(q11)
-    t17 = s9*t13 + c9*t12
-    t18 = s11*t16 - c11*t17
+    t17 = s11*t16 - c11*t14
+    t18 = s11*t14 + c11*t16
     c12 = cos(q12)
-    t19 = s10*t15 + c10*t14
-    t20 = s12*t18 - c12*t19
+    t19 = s12*t15 - c12*t17
+    t20 = s12*t17 + c12*t15
+    c14 = cos(q14)
+    c13 = cos(q13)
     s13 = sin(q13)
-    t21 = s11*t17 + c11*t16
-    t22 = c13*t20 + s13*t21
+    t21 = c13*t20 + s13*t18
     s14 = sin(q14)
-    t23 = s12*t19 + c12*t18
-    t24 = c14*t22 + s14*t23
+    t22 = c14*t19 + s14*t21
+    t23 = c14*t21 - s14*t19
+    s16 = sin(q16)
+    c15 = cos(q15)
+    t24 = c13*t18 - s13*t20
     s15 = sin(q15)
-    t25 = c13*t21 - s13*t20
-    t26 = c15*t24 + s15*t25
+    t25 = c15*t23 + s15*t24
     c16 = cos(q16)
-    t27 = c14*t23 - s14*t22
-    t28 = s16*t26 - c16*t27
+    t26 = s16*t22 - c16*t25
+    t27 = s16*t25 + c16*t22
+    c18 = cos(q18)
+    s17 = sin(q17)
+    t28 = c15*t24 - s15*t23
     c17 = cos(q17)
-    t29 = c15*t25 - s15*t24
-    t30 = s17*t28 - c17*t29
+    t29 = s17*t27 - c17*t28
+    t30 = s17*t28 + c17*t27
     s18 = sin(q18)
-    t31 = s16*t27 + c16*t26
-    t32 = c18*t30 + s18*t31
+    t31 = c18*t26 + s18*t29
+    t32 = c18*t29 - s18*t26
+    t33 = p_L4*t18 - (p_L5*t20 + (p_L6*t23 - (p_L7*t26 + p_L8*t31)))
+    s20 = sin(q20)
+    c19 = cos(q19)
     s19 = sin(q19)
-    t33 = s17*t29 + c17*t28
-    t34 = c19*t32 + s19*t33
+    t34 = c19*t32 + s19*t30
     c20 = cos(q20)
-    t35 = c18*t31 - s18*t30
-    t36 = s20*t34 - c20*t35
+    t35 = s20*t31 - c20*t34
     s21 = sin(q21)
-    t37 = c19*t33 - s19*t32
-    t38 = p_L1*t3 - p_L2*t9 + p_L3*t15 - p_L4*t21 + p_L5*t20 + p_L6*t24
-    t39 = c1*s2
-    t40 = s3*t39 + s1*c3
-    t41 = c1*c2
-    t42 = s4*t40 - c4*t41
-    t43 = s1*s3 - c3*t39
-    t44 = s5*t42 + c5*t43
-    t45 = s4*t41 + c4*t40
-    t46 = s6*t44 - c6*t45
-    t47 = s5*t43 - c5*t42
-    t48 = s7*t46 + c7*t47
-    t49 = s6*t45 + c6*t44
-    t50 = s8*t48 - c8*t49
-    t51 = s7*t47 - c7*t46
-    t52 = s9*t50 + c9*t51
-    t53 = s8*t49 + c8*t48
-    t54 = s10*t52 - c10*t53
-    t55 = s9*t51 - c9*t50
-    t56 = s11*t54 + c11*t55
-    t57 = s10*t53 + c10*t52
-    t58 = s12*t56 - c12*t57
-    t59 = s11*t55 - c11*t54
-    t60 = c13*t58 - s13*t59
-    t61 = s12*t57 + c12*t56
-    t62 = c14*t60 + s14*t61
-    t63 = c13*t59 + s13*t58
-    t64 = c15*t62 - s15*t63
-    t65 = c14*t61 - s14*t60
-    t66 = s16*t64 - c16*t65
-    t67 = c15*t63 + s15*t62
-    t68 = s17*t66 + c17*t67
-    t69 = s16*t65 + c16*t64
-    t70 = c18*t68 + s18*t69
-    t71 = s17*t67 - c17*t66
-    t72 = c19*t70 - s19*t71
-    t73 = c18*t69 - s18*t68
-    t74 = s20*t72 - c20*t73
-    t75 = c19*t71 + s19*t70
-    t76 = p_L1*t41 + p_L2*t47 + p_L3*t53 + p_L4*t59 + p_L5*t58 + p_L6*t62
-    t77 = c2*s3
-    t78 = s4*t77 + s2*c4
-    t79 = c2*c3
-    t80 = s5*t78 - c5*t79
-    t81 = s2*s4 - c4*t77
-    t82 = s6*t80 + c6*t81
-    t83 = s5*t79 + c5*t78
-    t84 = s7*t82 - c7*t83
-    t85 = s6*t81 - c6*t80
-    t86 = s8*t84 + c8*t85
-    t87 = s7*t83 + c7*t82
-    t88 = s9*t86 - c9*t87
-    t89 = s8*t85 - c8*t84
-    t90 = s10*t88 + c10*t89
-    t91 = s9*t87 + c9*t86
-    t92 = s11*t90 - c11*t91
-    t93 = s10*t89 - c10*t88
-    t94 = s12*t92 + c12*t93
-    t95 = s11*t91 + c11*t90
-    t96 = c13*t94 + s13*t95
-    t97 = s12*t93 - c12*t92
-    t98 = c14*t96 - s14*t97
-    t99 = c13*t95 - s13*t94
-    t100 = c15*t98 + s15*t99
-    t101 = c14*t97 + s14*t96
-    t102 = s16*t100 + c16*t101
-    t103 = c15*t99 - s15*t98
-    t104 = s17*t102 - c17*t103
-    t105 = s16*t101 - c16*t100
-    t106 = c18*t104 - s18*t105
-    t107 = s17*t103 + c17*t102
-    t108 = c19*t106 + s19*t107
-    t109 = c18*t105 + s18*t104
-    t110 = s20*t108 + c20*t109
-    t111 = c19*t107 - s19*t106
-    t112 = p_L1*s2 + p_L2*t83 + p_L3*t89 + p_L4*t95 - p_L5*t94 - p_L6*t98
+    t36 = s20*s21
+    t37 = c20*s21
+    c21 = cos(q21)
+    t38 = c21*(c19*t30 - s19*t32) - (t34*t36 + t31*t37)
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t39 = s1*s2
+    t40 = c1*s2
+    t41 = c1*s3 + c3*t39
+    t42 = s3*t39 - c1*c3
+    t43 = c1*c2
+    t44 = s1*c2
+    t45 = s4*t42 - c4*t44
+    t46 = s5*t41 + c5*t45
+    t47 = s5*t45 - c5*t41
+    t48 = s4*t44 + c4*t42
+    t49 = s6*t47 - c6*t48
+    t50 = s6*t48 + c6*t47
+    t51 = s7*t46 + c7*t49
+    t52 = s7*t49 - c7*t46
+    t53 = s8*t52 - c8*t50
+    t54 = s8*t50 + c8*t52
+    t55 = s9*t51 + c9*t53
+    t56 = s9*t53 - c9*t51
+    t57 = s10*t56 - c10*t54
+    t58 = s11*t55 + c11*t57
+    t59 = s11*t57 - c11*t55
+    t60 = s10*t54 + c10*t56
+    t61 = s12*t59 - c12*t60
+    t62 = s12*t60 + c12*t59
+    t63 = c13*t58 - s13*t61
+    t64 = c13*t61 + s13*t58
+    t65 = c14*t64 + s14*t62
+    t66 = c14*t62 - s14*t64
+    t67 = c15*t63 - s15*t65
+    t68 = c15*t65 + s15*t63
+    t69 = s16*t68 - c16*t66
+    t70 = s16*t66 + c16*t68
+    t71 = s17*t67 + c17*t69
+    t72 = s17*t69 - c17*t67
+    t73 = c18*t72 + s18*t70
+    t74 = c19*t73 + s19*t71
+    t75 = c18*t70 - s18*t72
+    t76 = c21*(c19*t71 - s19*t73) - (t74*t36 - t75*t37)
+    t77 = s3*t40 + s1*c3
+    t78 = s1*s3 - c3*t40
+    t79 = s4*t77 - c4*t43
+    t80 = s4*t43 + c4*t77
+    t81 = s5*t79 + c5*t78
+    t82 = s5*t78 - c5*t79
+    t83 = s6*t81 - c6*t80
+    t84 = s6*t80 + c6*t81
+    t85 = s7*t83 + c7*t82
+    t86 = s7*t82 - c7*t83
+    t87 = s8*t85 - c8*t84
+    t88 = s8*t84 + c8*t85
+    t89 = s9*t87 + c9*t86
+    t90 = s9*t86 - c9*t87
+    t91 = s10*t89 - c10*t88
+    t92 = s10*t88 + c10*t89
+    t93 = s11*t91 + c11*t90
+    t94 = s11*t90 - c11*t91
+    t95 = s12*t93 - c12*t92
+    t96 = s12*t92 + c12*t93
+    t97 = c13*t95 - s13*t94
+    t98 = c13*t94 + s13*t95
+    t99 = c14*t97 + s14*t96
+    t100 = c14*t96 - s14*t97
+    t101 = c15*t99 - s15*t98
+    t102 = c15*t98 + s15*t99
+    t103 = s16*t101 - c16*t100
+    t104 = s16*t100 + c16*t101
+    t105 = s17*t103 + c17*t102
+    t106 = s17*t102 - c17*t103
+    t107 = c18*t105 + s18*t104
+    t108 = c18*t104 - s18*t105
+    t109 = c19*t107 - s19*t106
+    t110 = c21*(c19*t106 + s19*t107) + (t109*t36 - t108*t37)
+    t111 = s20*t108 + c20*t109
+    t112 = s20*t75 + c20*t74
+    t113 = p_L4*t94 + (p_L5*t95 + (p_L6*t99 + (p_L7*t104 + p_L8*t108)))
+    t114 = p_L4*t58 - (p_L5*t61 + (p_L6*t65 + (p_L7*t70 + p_L8*t75)))
     return (
-        c21*t36 + s21*t37, c21*t37 - s21*t36, -(s20*t35 + c20*t34), -(t38 + p_L7*t31 + p_L8*t35),
-        s21*t75 - c21*t74, c21*t75 + s21*t74, s20*t73 + c20*t72, t76 + p_L7*t69 + p_L8*t73,
-        c21*t110 + s21*t111, c21*t111 - s21*t110, s20*t109 - c20*t108, t112 + p_L7*t105 + p_L8*t109,
+        t35*t110 - t111*t38, t76, -t112, p_L2*t46 - (p_L3*t54 - t114) - p_L1*t44,
+        -(t112*t38 + t35*t76), t110, t111, p_L1*t43 + (p_L2*t82 + (p_L3*t88 + t113)),
+        t111*t76 + t112*t110, t38, t35, p_L1*s2 + (p_L2*t6 + (p_L3*t10 + t33)),
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -323,9 +404,9 @@ def _link_transforms(functions, k, q):
     t7 = p_L1*t2
     t8 = s3*t3 + s1*c3
     t9 = s1*s3 - c3*t3
-    t10 = p_L1*t4
-    t11 = c2*s3
-    t12 = c2*c3
+    t10 = c2*s3
+    t11 = c2*c3
+    t12 = p_L1*t4
     t13 = p_L1*s2
     s4 = sin(q4)
     c4 = cos(q4)
@@ -333,16 +414,16 @@ def _link_transforms(functions, k, q):
     t15 = s4*t2 + c4*t5
     t16 = s4*t8 - c4*t4
     t17 = s4*t4 + c4*t8
-    t18 = s4*t11 + s2*c4
-    t19 = s2*s4 - c4*t11
+    t18 = s4*t10 + s2*c4
+    t19 = s2*s4 - c4*t10
     s5 = sin(q5)
     c5 = cos(q5)
     t20 = s5*t14 - c5*t6
     t21 = s5*t6 + c5*t14
     t22 = s5*t16 + c5*t9
     t23 = s5*t9 - c5*t16
-    t24 = s5*t18 - c5*t12
-    t25 = s5*t12 + c5*t18
+    t24 = s5*t18 - c5*t11
+    t25 = s5*t11 + c5*t18
     s6 = sin(q6)
     c6 = cos(q6)
     t26 = s6*t20 - c6*t15
@@ -350,7 +431,7 @@ def _link_transforms(functions, k, q):
     t28 = t7 - p_L2*t21
     t29 = s6*t22 - c6*t17
     t30 = s6*t17 + c6*t22
-    t31 = t10 + p_L2*t23
+    t31 = t12 + p_L2*t23
     t32 = s6*t24 + c6*t19
     t33 = s6*t19 - c6*t24
     t34 = t13 + p_L2*t25
@@ -493,15 +574,15 @@ def _link_transforms(functions, k, q):
         c2, 0.0, s2, 0.0,
         0.0, 0.0, 0.0, 1.0,
         -t5, -t2, t6, -t7,
-        t8, t4, t9, t10,
-        -t11, s2, t12, t13,
+        t8, t4, t9, t12,
+        -t10, s2, t11, t13,
         0.0, 0.0, 0.0, 1.0,
         t14, t6, -t15, -t7,
-        -t16, t9, t17, t10,
-        t18, t12, t19, t13,
+        -t16, t9, t17, t12,
+        t18, t11, t19, t13,
         0.0, 0.0, 0.0, 1.0,
         -t20, -t15, t21, -t7,
-        t22, t17, t23, t10,
+        t22, t17, t23, t12,
         -t24, t19, t25, t13,
         0.0, 0.0, 0.0, 1.0,
         t26, t21, -t27, -t28,
@@ -574,427 +655,1383 @@ def _link_transforms(functions, k, q):
 def _jacobian_constants(functions, p):
     p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
     return (
-        p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8,
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1,
     )
 
 
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
-    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = k
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = c1*c2
-    t2 = p_L1*t1
-    s5 = sin(q5)
-    s1 = sin(q1)
-    s3 = sin(q3)
-    c3 = cos(q3)
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s2 = sin(q2)
-    t3 = c1*s2
-    t4 = s1*s3 - c3*t3
-    c5 = cos(q5)
     s4 = sin(q4)
-    t5 = s3*t3 + s1*c3
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t1 = c2*s3
     c4 = cos(q4)
-    t6 = s4*t5 - c4*t1
-    t7 = s5*t4 - c5*t6
-    t8 = t2 + p_L2*t7
-    s8 = sin(q8)
+    t2 = s2*s4 - c4*t1
     s6 = sin(q6)
-    t9 = s4*t1 + c4*t5
+    t3 = s4*t1 + s2*c4
+    s5 = sin(q5)
+    c3 = cos(q3)
+    t4 = c2*c3
+    c5 = cos(q5)
+    t5 = s5*t3 - c5*t4
     c6 = cos(q6)
-    t10 = s5*t6 + c5*t4
-    t11 = s6*t9 + c6*t10
-    c8 = cos(q8)
+    t6 = s6*t2 - c6*t5
+    s8 = sin(q8)
+    t7 = s6*t5 + c6*t2
     s7 = sin(q7)
-    t12 = s6*t10 - c6*t9
+    t8 = s5*t4 + c5*t3
     c7 = cos(q7)
-    t13 = s7*t12 + c7*t7
-    t14 = s8*t11 + c8*t13
-    t15 = t8 + p_L3*t14
-    s11 = sin(q11)
-    s9 = sin(q9)
-    t16 = s7*t7 - c7*t12
-    c9 = cos(q9)
-    t17 = s8*t13 - c8*t11
-    t18 = s9*t16 - c9*t17
-    c11 = cos(q11)
+    t9 = s7*t7 - c7*t8
+    c8 = cos(q8)
+    t10 = s8*t6 - c8*t9
     s10 = sin(q10)
-    t19 = s9*t17 + c9*t16
+    t11 = s8*t9 + c8*t6
+    s9 = sin(q9)
+    t12 = s7*t8 + c7*t7
+    c9 = cos(q9)
+    t13 = s9*t11 - c9*t12
     c10 = cos(q10)
-    t20 = s10*t19 - c10*t14
-    t21 = s11*t18 - c11*t20
-    t22 = t15 + p_L4*t21
+    t14 = s10*t10 - c10*t13
     s12 = sin(q12)
-    t23 = s11*t20 + c11*t18
+    t15 = s10*t13 + c10*t10
+    s11 = sin(q11)
+    t16 = s9*t12 + c9*t11
+    c11 = cos(q11)
+    t17 = s11*t15 - c11*t16
     c12 = cos(q12)
-    t24 = s10*t14 + c10*t19
-    t25 = s12*t23 - c12*t24
-    t26 = t22 + p_L5*t25
+    t18 = s12*t14 - c12*t17
     c14 = cos(q14)
+    t19 = s12*t17 + c12*t14
     c13 = cos(q13)
+    t20 = s11*t16 + c11*t15
     s13 = sin(q13)
-    t27 = c13*t25 - s13*t21
+    t21 = c13*t19 + s13*t20
     s14 = sin(q14)
-    t28 = s12*t24 + c12*t23
-    t29 = c14*t27 + s14*t28
-    t30 = t26 + p_L6*t29
+    t22 = c14*t18 + s14*t21
     s16 = sin(q16)
-    t31 = c14*t28 - s14*t27
-    c16 = cos(q16)
+    t23 = c14*t21 - s14*t18
     c15 = cos(q15)
+    t24 = c13*t20 - s13*t19
     s15 = sin(q15)
-    t32 = c13*t21 + s13*t25
-    t33 = c15*t29 - s15*t32
-    t34 = s16*t31 + c16*t33
-    t35 = t30 + p_L7*t34
+    t25 = c15*t23 + s15*t24
+    c16 = cos(q16)
+    t26 = s16*t22 - c16*t25
     c18 = cos(q18)
-    s18 = sin(q18)
+    t27 = s16*t25 + c16*t22
     s17 = sin(q17)
-    t36 = s16*t33 - c16*t31
+    t28 = c15*t24 - s15*t23
     c17 = cos(q17)
-    t37 = c15*t32 + s15*t29
-    t38 = s17*t36 + c17*t37
-    t39 = c18*t34 - s18*t38
-    t40 = t35 + p_L8*t39
-    t41 = p_L1*s2
-    t42 = c2*c3
-    t43 = c2*s3
-    t44 = s4*t43 + s2*c4
-    t45 = s5*t42 + c5*t44
-    t46 = t41 + p_L2*t45
-    t47 = s2*s4 - c4*t43
-    t48 = s5*t44 - c5*t42
-    t49 = s6*t47 - c6*t48
-    t50 = s6*t48 + c6*t47
-    t51 = s7*t50 - c7*t45
-    t52 = s8*t49 - c8*t51
-    t53 = t46 + p_L3*t52
-    t54 = s7*t45 + c7*t50
-    t55 = s8*t51 + c8*t49
-    t56 = s9*t54 + c9*t55
-    t57 = s9*t55 - c9*t54
-    t58 = s10*t57 + c10*t52
-    t59 = s11*t56 + c11*t58
-    t60 = t53 + p_L4*t59
-    t61 = s11*t58 - c11*t56
-    t62 = s10*t52 - c10*t57
-    t63 = s12*t61 + c12*t62
-    t64 = t60 - p_L5*t63
-    t65 = c13*t63 + s13*t59
-    t66 = s12*t62 - c12*t61
-    t67 = c14*t65 - s14*t66
-    t68 = t64 - p_L6*t67
-    t69 = c14*t66 + s14*t65
-    t70 = c13*t59 - s13*t63
-    t71 = c15*t67 + s15*t70
-    t72 = s16*t69 - c16*t71
-    t73 = t68 + p_L7*t72
-    t74 = s16*t71 + c16*t69
-    t75 = c15*t70 - s15*t67
-    t76 = s17*t74 - c17*t75
-    t77 = c18*t72 + s18*t76
-    t78 = t73 + p_L8*t77
-    t79 = t41 - t78
-    t80 = t2 - t40
-    t81 = t46 - t78
-    t82 = t8 - t40
-    t83 = t53 - t78
-    t84 = t15 - t40
-    t85 = t60 - t78
-    t86 = t22 - t40
-    t87 = t64 - t78
-    t88 = t26 - t40
-    t89 = t68 - t78
-    t90 = t30 - t40
-    t91 = t73 - t78
-    t92 = t35 - t40
-    t93 = s17*t37 - c17*t36
-    t94 = s17*t75 + c17*t74
-    t95 = s1*c2
-    t96 = p_L1*t95
-    t97 = s1*s2
-    t98 = c1*s3 + c3*t97
-    t99 = s3*t97 - c1*c3
-    t100 = s4*t99 - c4*t95
-    t101 = s5*t98 + c5*t100
-    t102 = t96 - p_L2*t101
-    t103 = s4*t95 + c4*t99
-    t104 = s5*t100 - c5*t98
-    t105 = s6*t103 + c6*t104
-    t106 = s6*t104 - c6*t103
-    t107 = s7*t106 - c7*t101
-    t108 = s8*t105 + c8*t107
-    t109 = t102 + p_L3*t108
-    t110 = s7*t101 + c7*t106
-    t111 = s8*t107 - c8*t105
-    t112 = s9*t110 + c9*t111
-    t113 = s9*t111 - c9*t110
-    t114 = s10*t113 - c10*t108
-    t115 = s11*t112 + c11*t114
-    t116 = t109 - p_L4*t115
-    t117 = s11*t114 - c11*t112
-    t118 = s10*t108 + c10*t113
-    t119 = s12*t117 - c12*t118
-    t120 = t116 + p_L5*t119
-    t121 = c13*t119 + s13*t115
-    t122 = s12*t118 + c12*t117
-    t123 = c14*t121 + s14*t122
-    t124 = t120 + p_L6*t123
-    t125 = c14*t122 - s14*t121
-    t126 = c13*t115 - s13*t119
-    t127 = c15*t123 + s15*t126
-    t128 = s16*t125 + c16*t127
-    t129 = t124 + p_L7*t128
-    t130 = s16*t127 - c16*t125
-    t131 = c15*t126 - s15*t123
-    t132 = s17*t130 - c17*t131
-    t133 = c18*t128 - s18*t132
-    t134 = t129 + p_L8*t133
-    t135 = t96 - t134
-    t136 = t102 - t134
-    t137 = t109 - t134
-    t138 = t116 - t134
-    t139 = t120 - t134
-    t140 = t124 - t134
-    t141 = t129 - t134
-    t142 = s17*t131 + c17*t130
-    c19 = cos(q19)
-    s19 = sin(q19)
-    t143 = c18*t132 + s18*t128
+    t29 = s17*t27 - c17*t28
+    s18 = sin(q18)
+    t30 = c18*t26 + s18*t29
     s20 = sin(q20)
+    t31 = c18*t29 - s18*t26
+    c19 = cos(q19)
     c20 = cos(q20)
-    t144 = c18*t38 + s18*t34
-    t145 = c18*t76 - s18*t72
+    t32 = c19*c20
+    t33 = s17*t28 + c17*t27
+    s19 = sin(q19)
+    t34 = s19*c20
+    c1 = cos(q1)
+    t35 = c1*s2
+    s1 = sin(q1)
+    t36 = s3*t35 + s1*c3
+    t37 = c1*c2
+    t38 = s1*c2
+    t39 = s4*t36 - c4*t37
+    t40 = s1*s3 - c3*t35
+    t41 = s5*t39 + c5*t40
+    t42 = s4*t37 + c4*t36
+    t43 = s6*t41 - c6*t42
+    t44 = s5*t40 - c5*t39
+    t45 = s7*t43 + c7*t44
+    t46 = s6*t42 + c6*t41
+    t47 = s8*t45 - c8*t46
+    t48 = s7*t44 - c7*t43
+    t49 = s9*t47 + c9*t48
+    t50 = s8*t46 + c8*t45
+    t51 = s10*t49 - c10*t50
+    t52 = s9*t48 - c9*t47
+    t53 = s11*t51 + c11*t52
+    t54 = s10*t50 + c10*t49
+    t55 = s12*t53 - c12*t54
+    t56 = s11*t52 - c11*t51
+    t57 = c13*t55 - s13*t56
+    t58 = s12*t54 + c12*t53
+    t59 = c14*t57 + s14*t58
+    t60 = c13*t56 + s13*t55
+    t61 = c15*t59 - s15*t60
+    t62 = c14*t58 - s14*t57
+    t63 = s16*t61 - c16*t62
+    t64 = c15*t60 + s15*t59
+    t65 = s17*t63 + c17*t64
+    t66 = s16*t62 + c16*t61
+    t67 = c18*t65 + s18*t66
+    t68 = s17*t64 - c17*t63
+    t69 = c18*t66 - s18*t65
+    t70 = s1*s2
+    t71 = s3*t70 - c1*c3
+    t72 = c1*s3 + c3*t70
+    t73 = s4*t71 - c4*t38
+    t74 = s4*t38 + c4*t71
+    t75 = s5*t73 - c5*t72
+    t76 = s5*t72 + c5*t73
+    t77 = s6*t75 - c6*t74
+    t78 = s6*t74 + c6*t75
+    t79 = s7*t77 - c7*t76
+    t80 = s7*t76 + c7*t77
+    t81 = s8*t79 - c8*t78
+    t82 = s8*t78 + c8*t79
+    t83 = s9*t81 - c9*t80
+    t84 = s9*t80 + c9*t81
+    t85 = s10*t83 - c10*t82
+    t86 = s10*t82 + c10*t83
+    t87 = s11*t85 - c11*t84
+    t88 = s11*t84 + c11*t85
+    t89 = s12*t87 - c12*t86
+    t90 = s12*t86 + c12*t87
+    t91 = c13*t89 + s13*t88
+    t92 = c13*t88 - s13*t89
+    t93 = c14*t91 + s14*t90
+    t94 = c14*t90 - s14*t91
+    t95 = c15*t93 + s15*t92
+    t96 = c15*t92 - s15*t93
+    t97 = s16*t95 - c16*t94
+    t98 = s16*t94 + c16*t95
+    t99 = s17*t97 - c17*t96
+    t100 = s17*t96 + c17*t97
+    t101 = c18*t98 - s18*t99
+    t102 = c18*t99 + s18*t98
+    t103 = p_L8*s18
+    t104 = p_L7*t66 + p_L8*t69
+    t105 = p_L7*t98 + p_L8*t101
+    t106 = p_L7*t26 + p_L8*t30
+    t107 = p_L6*t59 + t104
+    t108 = p_L6*t93 + t105
+    t109 = p_L6*t23 - t106
+    t110 = p_L5*t55 + t107
+    t111 = p_L5*t89 + t108
+    t112 = p_L5*t19 + t109
+    t113 = p_L4*t56 + t110
+    t114 = p_L4*t88 - t111
+    t115 = p_L4*t20 - t112
+    t116 = p_L3*t50 + t113
+    t117 = p_L3*t82 - t114
+    t118 = p_L2*t44 + t116
+    t119 = p_L2*t76 - t117
+    t120 = p_L1*t37 + t118
+    t121 = p_L1*t38 - t119
+    t122 = p_L3*t10 + t115
+    t123 = p_L2*t8 + t122
+    t124 = p_L1*s2 + t123
     return (
-        -t40, s1*t78, s2*t80 - t1*t79, t42*t80 - t4*t79, t47*t80 - t9*t79, t45*t82 - t7*t81, t49*t82 - t11*t81,
-        t54*t82 - t16*t81, t52*t84 - t14*t83, t56*t84 - t18*t83, t62*t84 - t24*t83, t59*t86 - t21*t85,
-        t66*t88 - t28*t87, t70*t88 - t32*t87, t69*t90 - t31*t89, t75*t90 - t37*t89, t72*t92 - t34*t91,
-        t94*t92 - t93*t91, 0.0, 0.0, 0.0,
-        -t134, -c1*t78, s2*t135 - t95*t79, t42*t135 + t98*t79, t47*t135 - t103*t79, t45*t136 + t101*t81,
-        t49*t136 - t105*t81, t54*t136 + t110*t81, t52*t137 - t108*t83, t56*t137 + t112*t83,
-        t62*t137 - t118*t83, t59*t138 + t115*t85, t66*t139 - t122*t87, t70*t139 + t126*t87,
-        t69*t140 - t125*t89, t75*t140 + t131*t89, t72*t141 - t128*t91, t94*t141 + t142*t91, 0.0, 0.0, 0.0,
-        0.0, c1*t40 + s1*t134, t95*t80 - t1*t135, -(t98*t80 + t4*t135), t103*t80 - t9*t135,
-        -(t101*t82 + t7*t136), t105*t82 - t11*t136, -(t110*t82 + t16*t136), t108*t84 - t14*t137,
-        -(t112*t84 + t18*t137), t118*t84 - t24*t137, -(t115*t86 + t21*t138), t122*t88 - t28*t139,
-        -(t126*t88 + t32*t139), t125*t90 - t31*t140, -(t131*t90 + t37*t140), t128*t92 - t34*t141,
-        -(t142*t92 + t93*t141), 0.0, 0.0, 0.0,
-        0.0, c1, -t95, t98, -t103, t101, -t105, t110, -t108, t112, -t118, t115, -t122, t126, -t125, t131,
-        -t128, t142, -t133, c19*t142 - s19*t143, -(s20*t133 + c20*(c19*t143 + s19*t142)),
-        0.0, s1, t1, t4, t9, t7, t11, t16, t14, t18, t24, t21, t28, t32, t31, t37, t34, t93, t39,
-        c19*t93 + s19*t144, s20*t39 + c20*(c19*t144 - s19*t93),
-        1.0, 0.0, s2, t42, t47, t45, t49, t54, t52, t56, t62, t59, t66, t70, t69, t75, t72, t94, t77,
-        c19*t94 - s19*t145, s20*t77 - c20*(c19*t145 + s19*t94),
+        -t120, s1*t124, t37*t123 - s2*t118, t40*t123 - t4*t118, t42*t123 - t2*t118, t44*t122 - t8*t116,
+        t46*t122 - t6*t116, t48*t122 - t12*t116, t50*t115 - t10*t113, t52*t115 - t16*t113, t54*t115 - t14*t113,
+        -(t56*t112 + t20*t110), -(t58*t109 + t18*t107), -(t60*t109 + t24*t107), t62*t106 - t22*t104,
+        t64*t106 - t28*t104, t100*t103, p_L8*t102, 0.0, 0.0, 0.0,
+        -t121, -c1*t124, s2*t119 + t38*t123, t4*t119 - t72*t123, t2*t119 + t74*t123, -(t8*t117 + t76*t122),
+        t78*t122 - t6*t117, -(t12*t117 + t80*t122), t10*t114 + t82*t115, t16*t114 - t84*t115,
+        t14*t114 + t86*t115, t88*t112 - t20*t111, -(t18*t108 + t90*t109), t92*t109 - t24*t108,
+        t94*t106 - t22*t105, -(t28*t105 + t96*t106), t68*t103, -p_L8*t67, 0.0, 0.0, 0.0,
+        0.0, c1*t120 + s1*t121, -(t38*t118 + t37*t119), t72*t118 - t40*t119, -(t74*t118 + t42*t119),
+        t76*t116 + t44*t117, t46*t117 - t78*t116, t80*t116 + t48*t117, -(t82*t113 + t50*t114),
+        t84*t113 - t52*t114, -(t86*t113 + t54*t114), t88*t110 + t56*t111, t58*t108 - t90*t107,
+        t92*t107 + t60*t108, t62*t105 - t94*t104, t96*t104 + t64*t105, t33*t103, p_L8*t31, 0.0, 0.0, 0.0,
+        0.0, c1, -t38, t72, -t74, t76, -t78, t80, -t82, t84, -t86, t88, -t90, t92, -t94, t96, -t98, t100,
+        -t101, c19*t100 - s19*t102, -(s20*t101 + (t102*t32 + t100*t34)),
+        0.0, s1, t37, t40, t42, t44, t46, t48, t50, t52, t54, t56, t58, t60, t62, t64, t66, t68, t69,
+        c19*t68 + s19*t67, s20*t69 + (t67*t32 - t68*t34),
+        1.0, 0.0, s2, t4, t2, t8, t6, t12, t10, t16, t14, t20, t18, t24, t22, t28, t26, t33, t30,
+        c19*t33 - s19*t31, s20*t30 - (t31*t32 + t33*t34),
     )
 
 
-# How kernels are run.
+def _jacobian_dot_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L4, p_L3, p_L2, p_L1, p_L5, p_L6, p_L7,
+    )
 
-_BLOCK_BYTES = 1 << 23
-"""Working memory of a batch: blocks of configurations are as long as their columns fit in here."""
 
-_BLOCK_LIMITS = (256, 4096)
-"""Fewest and most configurations in a block."""
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    (
+        qd1, qd2, qd3, qd4, qd5, qd6, qd7, qd8, qd9, qd10, qd11, qd12, qd13, qd14, qd15, qd16, qd17, qd18, qd19,
+        qd20, qd21,
+    ) = qd
+    p_L8, p_L4, p_L3, p_L2, p_L1, p_L5, p_L6, p_L7 = k
+    c1 = cos(q1)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    s1 = sin(q1)
+    t1 = s2*s1
+    c3 = cos(q3)
+    t2 = c1*s3 + c3*t1
+    c2 = cos(q2)
+    t3 = s1*c2
+    t4 = c1*qd2
+    t5 = t4 - t3*qd3
+    t6 = t5 + t2*qd4
+    t7 = c1*c3 - s3*t1
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t8 = s4*t3 - t7*c4
+    t9 = t6 - t8*qd5
+    s5 = sin(q5)
+    t10 = s4*t7 + c4*t3
+    c5 = cos(q5)
+    t11 = s5*t2 - t10*c5
+    t12 = t9 + t11*qd6
+    t13 = s5*t10 + c5*t2
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t14 = s6*t8 - t13*c6
+    t15 = t12 - t14*qd7
+    s7 = sin(q7)
+    t16 = s6*t13 + c6*t8
+    c7 = cos(q7)
+    t17 = s7*t11 - t16*c7
+    t18 = t15 + t17*qd8
+    t19 = s7*t16 + c7*t11
+    c8 = cos(q8)
+    s8 = sin(q8)
+    t20 = t19*c8 - s8*t14
+    t21 = t18 + t20*qd9
+    s9 = sin(q9)
+    t22 = s8*t19 + c8*t14
+    c9 = cos(q9)
+    t23 = s9*t17 - t22*c9
+    t24 = t21 + t23*qd10
+    t25 = s9*t22 + c9*t17
+    c10 = cos(q10)
+    s10 = sin(q10)
+    t26 = c10*t25 + s10*t20
+    t27 = t24 + t26*qd11
+    s11 = sin(q11)
+    t28 = t25*s10 - c10*t20
+    c11 = cos(q11)
+    t29 = s11*t23 - t28*c11
+    t30 = t27 + t29*qd12
+    t31 = s11*t28 + c11*t23
+    c12 = cos(q12)
+    s12 = sin(q12)
+    t32 = t26*s12 + c12*t31
+    t33 = t30 + t32*qd13
+    t34 = c12*t26 - s12*t31
+    s13 = sin(q13)
+    c13 = cos(q13)
+    t35 = s13*t34 - c13*t29
+    t36 = t33 - t35*qd14
+    t37 = t34*c13 + s13*t29
+    s14 = sin(q14)
+    c14 = cos(q14)
+    t38 = c14*t32 + t37*s14
+    t39 = t36 + t38*qd15
+    c15 = cos(q15)
+    t40 = c14*t37 - s14*t32
+    s15 = sin(q15)
+    t41 = t35*c15 + s15*t40
+    t42 = t39 - t41*qd16
+    t43 = s15*t35 - c15*t40
+    c16 = cos(q16)
+    s16 = sin(q16)
+    t44 = t43*c16 + s16*t38
+    t45 = t42 + t44*qd17
+    s17 = sin(q17)
+    t46 = s16*t43 - c16*t38
+    c17 = cos(q17)
+    t47 = s17*t41 + t46*c17
+    t48 = t45 - qd18*t47
+    t49 = s17*t46 - c17*t41
+    s18 = sin(q18)
+    c18 = cos(q18)
+    t50 = s18*t49 - c18*t44
+    t51 = t48 - t50*qd19
+    c19 = cos(q19)
+    t52 = t49*c18 + s18*t44
+    s19 = sin(q19)
+    t53 = t47*c19 - t52*s19
+    t54 = t51 - qd20*t53
+    t55 = s2*c1
+    t56 = c3*s1 + s3*t55
+    t57 = c3*c2
+    t58 = c1*c2
+    t59 = s3*c2
+    t60 = s3*s1 - c3*t55
+    t61 = s4*t56 - c4*t58
+    t62 = s5*t61 + c5*t60
+    t63 = c4*t56 + s4*t58
+    t64 = s6*t62 - c6*t63
+    t65 = s5*t60 - c5*t61
+    t66 = s7*t64 + c7*t65
+    t67 = s6*t63 + c6*t62
+    t68 = s8*t66 - c8*t67
+    t69 = s7*t65 - c7*t64
+    t70 = s9*t68 + c9*t69
+    t71 = c8*t66 + s8*t67
+    t72 = s10*t70 - c10*t71
+    t73 = s9*t69 - c9*t68
+    t74 = s11*t72 + c11*t73
+    t75 = c10*t70 + s10*t71
+    t76 = c12*t75 - s12*t74
+    t77 = c11*t72 - s11*t73
+    t78 = s13*t76 + c13*t77
+    t79 = s13*t77 - c13*t76
+    t80 = s12*t75 + c12*t74
+    t81 = c14*t79 + s14*t80
+    t82 = c15*t78 - s15*t81
+    t83 = s15*t78 + c15*t81
+    t84 = c14*t80 - s14*t79
+    t85 = s16*t83 - c16*t84
+    t86 = s17*t82 + c17*t85
+    t87 = s17*t85 - c17*t82
+    t88 = s16*t84 + c16*t83
+    t89 = c18*t87 + s18*t88
+    c20 = cos(q20)
+    t90 = s18*t87 - c18*t88
+    s20 = sin(q20)
+    t91 = t90*s20 - c20*(t86*s19 + t89*c19)
+    t92 = s1*qd2
+    t93 = t92 + qd3*t58
+    t94 = t93 + qd4*t60
+    t95 = t94 + qd5*t63
+    t96 = t95 + qd6*t65
+    t97 = t96 + qd7*t67
+    t98 = t97 + qd8*t69
+    t99 = t98 + qd9*t71
+    t100 = t99 + qd10*t73
+    t101 = t100 + qd11*t75
+    t102 = t101 - qd12*t77
+    t103 = t102 + qd13*t80
+    t104 = t103 - qd14*t78
+    t105 = t104 + qd15*t84
+    t106 = t105 - qd16*t82
+    t107 = t106 + t88*qd17
+    t108 = t107 - qd18*t86
+    t109 = t108 - t90*qd19
+    t110 = t86*c19 - t89*s19
+    t111 = t109 - t110*qd20
+    t112 = t50*s20 - c20*(t47*s19 + t52*c19)
+    t113 = s2*s4 - c4*t59
+    t114 = s2*c4 + s4*t59
+    t115 = qd1 + s2*qd3
+    t116 = t115 + t57*qd4
+    t117 = t116 + t113*qd5
+    t118 = s5*t57 + c5*t114
+    t119 = s5*t114 - c5*t57
+    t120 = t117 + t118*qd6
+    t121 = s6*t113 - c6*t119
+    t122 = s6*t119 + c6*t113
+    t123 = t120 + t121*qd7
+    t124 = c7*t122 + s7*t118
+    t125 = s7*t122 - c7*t118
+    t126 = t123 + t124*qd8
+    t127 = c8*t125 - s8*t121
+    t128 = s8*t125 + c8*t121
+    t129 = t126 - t127*qd9
+    t130 = s9*t124 + c9*t128
+    t131 = s9*t128 - c9*t124
+    t132 = t129 + t130*qd10
+    t133 = c10*t131 + s10*t127
+    t134 = s10*t131 - c10*t127
+    t135 = t132 - t133*qd11
+    t136 = c11*t134 + s11*t130
+    t137 = s11*t134 - c11*t130
+    t138 = t135 + t136*qd12
+    t139 = s12*t133 + c12*t137
+    t140 = c12*t133 - s12*t137
+    t141 = t138 - t139*qd13
+    t142 = c13*t136 + s13*t140
+    t143 = c13*t140 - s13*t136
+    t144 = t141 + t142*qd14
+    t145 = c14*t139 + s14*t143
+    t146 = c14*t143 - s14*t139
+    t147 = t144 - t145*qd15
+    t148 = c15*t142 + s15*t146
+    t149 = c15*t146 - s15*t142
+    t150 = t147 + t148*qd16
+    t151 = c16*t149 - s16*t145
+    t152 = s16*t149 + c16*t145
+    t153 = t150 + t151*qd17
+    t154 = s17*t148 - c17*t152
+    t155 = s17*t152 + c17*t148
+    t156 = t153 + qd18*t154
+    t157 = s18*t155 - c18*t151
+    t158 = c18*t155 + s18*t151
+    t159 = t156 - t157*qd19
+    t160 = t154*c19 + t158*s19
+    t161 = t157*s20 - c20*(t158*c19 - t154*s19)
+    t162 = t159 + t160*qd20
+    t163 = c1*qd1
+    t164 = p_L8*t89
+    t165 = p_L8*t52
+    t166 = p_L8*t157
+    t167 = p_L8*t90
+    t168 = p_L8*t158
+    t169 = t164*qd18
+    t170 = qd18*t165
+    t171 = qd18*t168
+    t172 = t166*t88 - t151*t167
+    t173 = t170 + qd17*t172
+    t174 = p_L1*t3
+    t175 = t174 - p_L2*t11
+    t176 = t175 - p_L3*t20
+    t177 = t176 - p_L4*t29
+    t178 = t177 + p_L5*t34
+    t179 = t178 + p_L6*t40
+    t180 = t179 - p_L7*t44
+    t181 = t180 + p_L8*t50
+    t182 = t180 - t181
+    t183 = t179 - t181
+    t184 = t178 - t181
+    t185 = t177 - t181
+    t186 = t176 - t181
+    t187 = t175 - t181
+    t188 = t174 - t181
+    t189 = t44*t166 + t151*t182
+    t190 = t169 - t189*qd17
+    t191 = p_L1*s2
+    t192 = t191 + p_L2*t118
+    t193 = t192 - p_L3*t127
+    t194 = t193 + p_L4*t136
+    t195 = t194 + p_L5*t140
+    t196 = t195 + p_L6*t146
+    t197 = p_L7*t151 + (t196 - t166)
+    t198 = t196 - t197
+    t199 = t195 - t197
+    t200 = t194 - t197
+    t201 = t193 - t197
+    t202 = t192 - t197
+    t203 = t191 - t197
+    t204 = t148*t183 - t41*t198
+    t205 = t190 - t204*qd16
+    t206 = p_L1*t58
+    t207 = t206 + p_L2*t65
+    t208 = t207 + p_L3*t71
+    t209 = t208 - p_L4*t77
+    t210 = t209 - p_L5*t76
+    t211 = t210 + p_L6*t81
+    t212 = t88*t182 + t44*t167
+    t213 = t171 + qd17*t212
+    t214 = p_L7*t88 + (t211 - t167)
+    t215 = t211 - t214
+    t216 = t210 - t214
+    t217 = t209 - t214
+    t218 = t208 - t214
+    t219 = t207 - t214
+    t220 = t206 - t214
+    t221 = t198*t82 + t148*t215
+    t222 = t173 - qd16*t221
+    t223 = t198*t84 + t145*t215
+    t224 = t222 + qd15*t223
+    t225 = t145*t183 - t38*t198
+    t226 = t205 + t225*qd15
+    t227 = t142*t184 - t35*t199
+    t228 = t226 - t227*qd14
+    t229 = t199*t78 + t142*t216
+    t230 = t224 - qd14*t229
+    t231 = t199*t80 + t139*t216
+    t232 = t230 + qd13*t231
+    t233 = t139*t184 - t32*t199
+    t234 = t228 + t233*qd13
+    t235 = t136*t185 + t29*t200
+    t236 = t200*t77 + t136*t217
+    t237 = t29*t217 - t185*t77
+    t238 = t234 - t235*qd12
+    t239 = t232 - qd12*t236
+    t240 = t133*t186 - t26*t201
+    t241 = t238 + t240*qd11
+    t242 = t201*t75 + t133*t218
+    t243 = t239 + qd11*t242
+    t244 = t130*t186 + t23*t201
+    t245 = t241 - t244*qd10
+    t246 = t201*t73 - t130*t218
+    t247 = t243 + qd10*t246
+    t248 = t20*t201 - t127*t186
+    t249 = t245 - t248*qd9
+    t250 = t201*t71 + t127*t218
+    t251 = t247 + qd9*t250
+    t252 = t124*t187 + t17*t202
+    t253 = t249 - t252*qd8
+    t254 = t202*t69 - t124*t219
+    t255 = t251 + qd8*t254
+    t256 = t202*t67 - t121*t219
+    t257 = t255 + qd7*t256
+    t258 = t121*t187 - t14*t202
+    t259 = t253 - t258*qd7
+    t260 = t118*t219 - t202*t65
+    t261 = t257 - qd6*t260
+    t262 = t118*t187 + t11*t202
+    t263 = t259 - t262*qd6
+    t264 = t188*t113 - t8*t203
+    t265 = t263 - t264*qd5
+    t266 = t203*t63 - t113*t220
+    t267 = t261 + qd5*t266
+    t268 = t203*t60 - t57*t220
+    t269 = t267 + qd4*t268
+    t270 = t188*t57 + t2*t203
+    t271 = t265 - t270*qd4
+    t272 = s2*t220 - t203*t58
+    t273 = t269 - qd3*t272
+    t274 = s2*t188 - t3*t203
+    t275 = t271 - t274*qd3
+    t276 = t275 + t197*t4
+    t277 = s1*t197
+    t278 = t273 - qd2*t277
+    t279 = t41*t215 + t183*t82
+    t280 = t38*t215 + t183*t84
+    t281 = t213 - qd16*t279
+    t282 = t281 + qd15*t280
+    t283 = t35*t216 + t184*t78
+    t284 = t32*t216 + t184*t80
+    t285 = t282 - qd14*t283
+    t286 = t285 + qd13*t284
+    t287 = t286 + qd12*t237
+    t288 = t26*t218 + t186*t75
+    t289 = t287 + qd11*t288
+    t290 = t23*t218 + t186*t73
+    t291 = t186*t71 + t20*t218
+    t292 = t289 + qd10*t290
+    t293 = t292 + qd9*t291
+    t294 = t17*t219 + t187*t69
+    t295 = t293 + qd8*t294
+    t296 = t14*t219 - t187*t67
+    t297 = t11*t219 + t187*t65
+    t298 = t295 - qd7*t296
+    t299 = t298 + qd6*t297
+    t300 = t8*t220 - t188*t63
+    t301 = t299 - qd5*t300
+    t302 = t2*t220 + t188*t60
+    t303 = t3*t220 - t188*t58
+    t304 = t301 + qd4*t302
+    t305 = t304 - qd3*t303
+    t306 = t4*t214 - (t305 - t181*t92)
+    return (
+        t276 + t181*qd1, s1*t306 + t197*t163, s2*t275 - (t58*t305 - (t303*t92 - t274*qd1)),
+        t57*t271 - (t302*t93 + (t60*t304 + t270*t115)), t113*t265 - (t264*t116 - (t300*t94 - t63*t301)),
+        t118*t263 - (t262*t117 + (t65*t299 + t297*t95)), t121*t259 + (t296*t96 - t67*t298) - t258*t120,
+        t124*t253 - (t69*t295 + (t294*t97 + t252*t123)), -(t127*t249 + (t71*t293 + (t248*t126 + t291*t98))),
+        t130*t245 - (t73*t292 + (t244*t129 + t290*t99)), -(t288*t100 + (t75*t289 + (t133*t241 - t240*t132))),
+        t136*t238 + (t77*t286 - (t235*t135 + t237*t102)), t233*t138 - (t139*t234 + (t284*t102 + t80*t286)),
+        t283*t103 - (t227*t141 - (t78*t285 + t142*t228)), -(t84*t282 + (t145*t226 + (t280*t104 - t225*t144))),
+        t82*t281 + (t148*t205 + (t279*t105 - t204*t147)), t151*t190 - (t212*t106 + t88*t213) - t189*t150,
+        t164*t153 + (t171*t86 + t169*t154) - t168*t107, 0.0, 0.0, 0.0,
+        -(t278 + qd1*t214), qd1*t277 - c1*t306, -(s2*t273 + (t3*t305 - (qd1*t272 - t4*t303))),
+        t302*t5 - (t57*t269 + (t115*t268 - t2*t304)), -(t116*t266 + (t8*t301 + (t300*t6 + t113*t267))),
+        t11*t299 + (t117*t260 + (t297*t9 - t118*t261)), -(t120*t256 + (t296*t12 + (t14*t298 + t121*t257))),
+        t294*t15 - (t124*t255 + (t123*t254 - t17*t295)), t127*t251 + (t20*t293 - (t126*t250 - t291*t18)),
+        t290*t21 - (t129*t246 - t23*t292) - t130*t247, t288*t24 + (t133*t243 + (t26*t289 - t132*t242)),
+        t135*t236 + (t237*t27 + t29*t287) - t136*t239, t139*t232 + (t284*t30 + t32*t286) - t138*t231,
+        t141*t229 - (t35*t285 + t142*t230) - t283*t33, t280*t36 + (t38*t282 - (t144*t223 - t145*t224)),
+        -(t41*t281 + (t279*t39 + (t148*t222 - t147*t221))), t212*t42 - (t150*t172 - (t44*t213 - t151*t173)),
+        t168*t45 - (t154*t170 + t171*t47) - t153*t165, 0.0, 0.0, 0.0,
+        0.0, s1*t278 - c1*t276, t3*t275 + (t58*t273 - (t92*t272 - t274*t4)),
+        t60*t269 + (t93*t268 - (t2*t271 - t270*t5)), t264*t6 + (t8*t265 + (t63*t267 + t94*t266)),
+        t65*t261 - (t95*t260 - (t262*t9 - t11*t263)), t258*t12 + (t67*t257 + (t96*t256 + t14*t259)),
+        t69*t255 - (t17*t253 - (t252*t15 + t97*t254)), t71*t251 - (t20*t249 - (t248*t18 + t98*t250)),
+        t73*t247 - (t23*t245 - (t244*t21 + t99*t246)), t100*t242 - (t26*t241 - (t75*t243 - t240*t24)),
+        -(t29*t238 + (t77*t232 - (t235*t27 - t102*t236))), t80*t232 - (t233*t30 - (t102*t231 - t32*t234)),
+        t35*t228 + (t227*t33 - t78*t230) - t103*t229, t104*t223 + (t84*t224 - (t225*t36 + t38*t226)),
+        t41*t205 - (t82*t222 - t204*t39) - t105*t221, t189*t42 + (t88*t173 + t106*t172) - t44*t190,
+        t107*t165 + (t169*t47 - t86*t170) - t164*t45, 0.0, 0.0, 0.0,
+        0.0, -s1*qd1, s2*t92 - t58*qd1, t57*t93 - t60*t115, t113*t94 - t63*t116, t118*t95 - t65*t117,
+        t121*t96 - t67*t120, t124*t97 - t69*t123, -(t71*t126 + t127*t98), t130*t99 - t73*t129,
+        -(t75*t132 + t133*t100), t136*t101 + t77*t135, -(t139*t102 + t80*t138), t78*t141 + t142*t103,
+        -(t145*t104 + t84*t144), t82*t147 + t148*t105, t151*t106 - t88*t150, t86*t153 + t154*t107,
+        t90*t156 - t157*t108, t110*t159 + t160*t109, t91*t162 - t161*t111,
+        0.0, t163, -(t3*qd1 + s2*t4), t2*t115 - t57*t5, -(t113*t6 + t8*t116), t11*t117 - t118*t9,
+        -(t121*t12 + t14*t120), t17*t123 - t124*t15, t20*t126 + t127*t18, t23*t129 - t130*t21,
+        t133*t24 + t26*t132, t29*t135 - t136*t27, t139*t30 + t32*t138, -(t142*t33 + t35*t141),
+        t38*t144 + t145*t36, -(t41*t147 + t148*t39), t44*t150 - t151*t42, -(t153*t47 + t154*t45),
+        t157*t48 - t50*t156, -(t159*t53 + t160*t51), t161*t54 - t162*t112,
+        0.0, 0.0, c2*qd2, t60*t5 - t2*t93, t63*t6 + t8*t94, t65*t9 - t11*t95, t14*t96 + t67*t12,
+        t69*t15 - t17*t97, t71*t18 - t20*t98, t73*t21 - t23*t99, t75*t24 - t26*t100, -(t29*t101 + t77*t27),
+        t80*t30 - t32*t102, t35*t103 - t78*t33, t84*t36 - t38*t104, t41*t105 - t82*t39, t88*t42 - t44*t106,
+        t107*t47 - t86*t45, t50*t108 - t90*t48, t109*t53 - t110*t51, t111*t112 - t91*t54,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
+    s1 = sin(q1)
+    c3 = cos(q3)
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = c1*s2
+    s3 = sin(q3)
+    t2 = s1*c3 + s3*t1
+    s4 = sin(q4)
+    c2 = cos(q2)
+    t3 = c1*c2
+    c4 = cos(q4)
+    t4 = s4*t2 - t3*c4
+    s5 = sin(q5)
+    t5 = s1*s3 - c3*t1
+    c5 = cos(q5)
+    t6 = t4*s5 + c5*t5
+    s6 = sin(q6)
+    t7 = t3*s4 + t2*c4
+    c6 = cos(q6)
+    t8 = s6*t6 - c6*t7
+    s7 = sin(q7)
+    t9 = c5*t4 - s5*t5
+    c7 = cos(q7)
+    t10 = s7*t8 - t9*c7
+    s8 = sin(q8)
+    t11 = s6*t7 + t6*c6
+    c8 = cos(q8)
+    t12 = t10*s8 - c8*t11
+    s9 = sin(q9)
+    t13 = t8*c7 + t9*s7
+    c9 = cos(q9)
+    t14 = s9*t12 - c9*t13
+    s10 = sin(q10)
+    t15 = c8*t10 + s8*t11
+    c10 = cos(q10)
+    t16 = s10*t14 - t15*c10
+    c11 = cos(q11)
+    t17 = s9*t13 + t12*c9
+    s11 = sin(q11)
+    t18 = c11*t16 + s11*t17
+    c13 = cos(q13)
+    t19 = t16*s11 - c11*t17
+    s12 = sin(q12)
+    t20 = t14*c10 + t15*s10
+    c12 = cos(q12)
+    t21 = c12*t20 - s12*t19
+    s13 = sin(q13)
+    t22 = t18*c13 + s13*t21
+    s15 = sin(q15)
+    t23 = s13*t18 - c13*t21
+    c14 = cos(q14)
+    t24 = t20*s12 + c12*t19
+    s14 = sin(q14)
+    t25 = c14*t23 + s14*t24
+    c15 = cos(q15)
+    t26 = s15*t22 + t25*c15
+    s16 = sin(q16)
+    t27 = c14*t24 - t23*s14
+    c16 = cos(q16)
+    t28 = t26*s16 - c16*t27
+    s17 = sin(q17)
+    t29 = t22*c15 - t25*s15
+    c17 = cos(q17)
+    t30 = s17*t28 - c17*t29
+    s18 = sin(q18)
+    t31 = c16*t26 + s16*t27
+    c18 = cos(q18)
+    t32 = s18*t30 - t31*c18
+    t33 = p_L7*t31 - p_L8*t32
+    t34 = t33 + p_L6*t25
+    t35 = t34 - p_L5*t21
+    t36 = t35 - p_L4*t18
+    t37 = t36 + p_L3*t15
+    t38 = t37 - p_L2*t9
+    t39 = t38 + p_L1*t3
+    t40 = c2*s3
+    t41 = s2*c4 + s4*t40
+    t42 = c2*c3
+    t43 = c2*s1
+    t44 = s5*t41 - c5*t42
+    t45 = s4*s2 - c4*t40
+    t46 = s6*t44 + c6*t45
+    t47 = c5*t41 + s5*t42
+    t48 = s7*t46 - c7*t47
+    t49 = c6*t44 - s6*t45
+    t50 = s8*t48 - c8*t49
+    t51 = c7*t46 + s7*t47
+    t52 = s9*t50 - c9*t51
+    t53 = c8*t48 + s8*t49
+    t54 = s10*t52 - c10*t53
+    t55 = c9*t50 + s9*t51
+    t56 = s11*t54 - c11*t55
+    t57 = c10*t52 + s10*t53
+    t58 = s12*t56 - c12*t57
+    t59 = c11*t54 + s11*t55
+    t60 = c13*t58 + s13*t59
+    t61 = c12*t56 + s12*t57
+    t62 = c14*t60 + s14*t61
+    t63 = s13*t58 - c13*t59
+    t64 = s15*t63 - c15*t62
+    t65 = c14*t61 - s14*t60
+    t66 = c16*t64 - s16*t65
+    t67 = s16*t64 + c16*t65
+    t68 = c15*t63 + s15*t62
+    t69 = s17*t67 - c17*t68
+    t70 = c18*t66 - s18*t69
+    t71 = p_L7*t66 + p_L8*t70
+    t72 = t71 - p_L6*t62
+    t73 = t72 - p_L5*t58
+    t74 = t73 + p_L4*t59
+    t75 = t74 - p_L3*t53
+    t76 = t75 + p_L2*t47
+    t77 = t76 + p_L1*s2
+    t78 = s1*s2
+    t79 = c1*c3 - s3*t78
+    t80 = c1*s3 + c3*t78
+    t81 = s4*t79 + c4*t43
+    t82 = s4*t43 - c4*t79
+    t83 = s5*t81 + c5*t80
+    t84 = c5*t81 - s5*t80
+    t85 = s6*t83 + c6*t82
+    t86 = s6*t82 - c6*t83
+    t87 = s7*t85 - c7*t84
+    t88 = c7*t85 + s7*t84
+    t89 = s8*t87 + c8*t86
+    t90 = c8*t87 - s8*t86
+    t91 = s9*t89 - c9*t88
+    t92 = s9*t88 + c9*t89
+    t93 = s10*t91 - c10*t90
+    t94 = c10*t91 + s10*t90
+    t95 = s11*t93 - c11*t92
+    t96 = c11*t93 + s11*t92
+    t97 = c12*t94 - s12*t95
+    t98 = s12*t94 + c12*t95
+    t99 = s13*t97 + c13*t96
+    t100 = c13*t97 - s13*t96
+    t101 = c14*t100 - s14*t98
+    t102 = c14*t98 + s14*t100
+    t103 = c15*t99 + s15*t101
+    t104 = s15*t99 - c15*t101
+    t105 = s16*t104 - c16*t102
+    t106 = c16*t104 + s16*t102
+    t107 = s17*t103 + c17*t105
+    t108 = s17*t105 - c17*t103
+    t109 = p_L8*s18
+    t110 = s18*t108 - c18*t106
+    t111 = c18*t108 + s18*t106
+    t112 = p_L8*t110 - p_L7*t106
+    t113 = t112 + p_L6*t101
+    t114 = t113 + p_L5*t97
+    t115 = t114 + p_L4*t96
+    t116 = t115 - p_L3*t90
+    t117 = t116 + p_L2*t84
+    t118 = t117 + p_L1*t43
+    t119 = s17*t29 + t28*c17
+    t120 = c17*t67 + s17*t68
+    t121 = t30*c18 + t31*s18
+    t122 = c18*t69 + s18*t66
+    s19 = sin(q19)
+    c19 = cos(q19)
+    t123 = t119*s19 + t121*c19
+    c20 = cos(q20)
+    s20 = sin(q20)
+    t124 = c20*t123 - t32*s20
+    t125 = t120*s19 + t122*c19
+    s21 = sin(q21)
+    t126 = s20*s21
+    t127 = c20*s21
+    t128 = t120*c19 - t122*s19
+    c21 = cos(q21)
+    t129 = c21*t128 - (t125*t126 - t70*t127)
+    t130 = t119*c19 - t121*s19
+    t131 = t32*t127 - (c21*t130 - t123*t126)
+    t132 = c20*t125 + t70*s20
+    t133 = t124*t129 + t131*t132
+    t134 = t107*s19 + t111*c19
+    t135 = c20*t134 - t110*s20
+    t136 = t107*c19 - t111*s19
+    t137 = t110*t127 - (c21*t136 - t126*t134)
+    t138 = t129*t135 + t132*t137
+    t139 = t124*t137 - t131*t135
+    t140 = t133*t133 + t138*t138
+    t141 = 1.0/t140
+    t142 = 1.0/sqrt(t140)
+    t143 = t133*t141
+    t144 = t138*t141
+    t145 = t133*t142
+    t146 = t138*t142
+    t147 = c1*t143 - s1*t144
+    t148 = t43*t143 + t3*t144
+    t149 = t80*t143 - t5*t144
+    t150 = t82*t143 + t7*t144
+    t151 = t84*t143 - t9*t144
+    t152 = t86*t143 + t11*t144
+    t153 = t88*t143 - t13*t144
+    t154 = t15*t144 - t90*t143
+    t155 = t92*t143 - t17*t144
+    t156 = t94*t143 - t20*t144
+    t157 = t96*t143 - t18*t144
+    t158 = t98*t143 - t24*t144
+    t159 = t99*t143 - t22*t144
+    t160 = t102*t143 - t27*t144
+    t161 = t103*t143 - t29*t144
+    t162 = t31*t144 - t106*t143
+    t163 = t107*t143 - t119*t144
+    t164 = t32*t144 - t110*t143
+    t165 = t136*t143 - t130*t144
+    return (
+        -t39, s1*t77, t3*t76 - s2*t38, t5*t76 - t38*t42, t7*t76 - t38*t45, -(t9*t75 + t37*t47),
+        t37*t49 + t11*t75, -(t37*t51 + t13*t75), t15*t74 + t36*t53, -(t17*t74 + t36*t55), t20*t74 + t36*t57,
+        -(t35*t59 + t18*t73), t24*t72 + t34*t61, t34*t63 - t22*t72, t27*t71 + t33*t65, t33*t68 - t29*t71,
+        -t107*t109, -p_L8*t111, 0.0, 0.0, 0.0,
+        -t118, -c1*t77, t76*t43 - s2*t117, -(t42*t117 + t76*t80), t76*t82 - t45*t117, t75*t84 - t47*t116,
+        t49*t116 + t75*t86, t75*t88 - t51*t116, t53*t115 - t74*t90, t74*t92 - t55*t115, t57*t115 - t74*t94,
+        t73*t96 - t59*t114, t61*t113 - t72*t98, t63*t113 + t72*t99, t65*t112 - t71*t102, t68*t112 + t71*t103,
+        -t109*t119, -p_L8*t121, 0.0, 0.0, 0.0,
+        0.0, c1*t39 + s1*t118, t3*t117 - t38*t43, t5*t117 + t38*t80, t7*t117 - t38*t82, -(t9*t116 + t37*t84),
+        t11*t116 - t37*t86, -(t37*t88 + t13*t116), t15*t115 + t36*t90, -(t17*t115 + t36*t92),
+        t20*t115 + t36*t94, -(t18*t114 + t35*t96), t24*t113 + t34*t98, -(t34*t99 + t22*t113),
+        t27*t112 + t33*t102, -(t29*t112 + t33*t103), -t109*t120, -p_L8*t122, 0.0, 0.0, 0.0,
+        0.0, t147, -t148, t149, -t150, -t151, -t152, -t153, -t154, -t155, t156, -t157, t158, -t159, t160,
+        -t161, -t162, -t163, t164, -t165, t135*t143 - t124*t144,
+        0.0, s1*t145 + c1*t146, t3*t145 - t43*t146, t5*t145 + t80*t146, t7*t145 - t82*t146,
+        -(t9*t145 + t84*t146), t11*t145 - t86*t146, -(t13*t145 + t88*t146), t15*t145 + t90*t146,
+        -(t17*t145 + t92*t146), t20*t145 + t94*t146, -(t96*t146 + t18*t145), t24*t145 + t98*t146,
+        -(t22*t145 + t99*t146), t27*t145 + t102*t146, -(t29*t145 + t103*t146), t31*t145 + t106*t146,
+        -(t119*t145 + t107*t146), -(t110*t146 + t32*t145), -(t130*t145 + t136*t146), t129*t142,
+        1.0, -t147*t139, s2 + t148*t139, t42 - t149*t139, t45 + t150*t139, t47 + t151*t139, t152*t139 - t49,
+        t51 + t153*t139, t154*t139 - t53, t55 + t155*t139, -(t57 + t156*t139), t59 + t157*t139,
+        -(t61 + t158*t139), t159*t139 - t63, -(t65 + t160*t139), t161*t139 - t68, t66 + t162*t139,
+        t163*t139 - t120, t70 - t164*t139, t165*t139 - t128, t132*t141,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
+    s1 = sin(q1)
+    c3 = cos(q3)
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = c1*s2
+    s3 = sin(q3)
+    t2 = s1*c3 + s3*t1
+    s4 = sin(q4)
+    c2 = cos(q2)
+    t3 = c1*c2
+    c4 = cos(q4)
+    t4 = s4*t2 - t3*c4
+    s5 = sin(q5)
+    t5 = s1*s3 - c3*t1
+    c5 = cos(q5)
+    t6 = s5*t4 + c5*t5
+    s6 = sin(q6)
+    t7 = t3*s4 + t2*c4
+    c6 = cos(q6)
+    t8 = s6*t6 - c6*t7
+    s7 = sin(q7)
+    t9 = t4*c5 - s5*t5
+    c7 = cos(q7)
+    t10 = s7*t8 - c7*t9
+    s8 = sin(q8)
+    t11 = s6*t7 + t6*c6
+    c8 = cos(q8)
+    t12 = t10*s8 - c8*t11
+    s9 = sin(q9)
+    t13 = t8*c7 + s7*t9
+    c9 = cos(q9)
+    t14 = s9*t12 - c9*t13
+    s10 = sin(q10)
+    t15 = c8*t10 + s8*t11
+    c10 = cos(q10)
+    t16 = s10*t14 - t15*c10
+    c11 = cos(q11)
+    t17 = s9*t13 + t12*c9
+    s11 = sin(q11)
+    t18 = c11*t16 + s11*t17
+    c13 = cos(q13)
+    t19 = t16*s11 - c11*t17
+    s12 = sin(q12)
+    t20 = t14*c10 + t15*s10
+    c12 = cos(q12)
+    t21 = c12*t20 - s12*t19
+    s13 = sin(q13)
+    t22 = c13*t18 + s13*t21
+    s15 = sin(q15)
+    t23 = t18*s13 - c13*t21
+    c14 = cos(q14)
+    t24 = t20*s12 + c12*t19
+    s14 = sin(q14)
+    t25 = c14*t23 + s14*t24
+    c15 = cos(q15)
+    t26 = s15*t22 + c15*t25
+    s16 = sin(q16)
+    t27 = c14*t24 - t23*s14
+    c16 = cos(q16)
+    t28 = s16*t26 - c16*t27
+    s17 = sin(q17)
+    t29 = t22*c15 - s15*t25
+    c17 = cos(q17)
+    t30 = s17*t28 - c17*t29
+    s18 = sin(q18)
+    t31 = t26*c16 + s16*t27
+    c18 = cos(q18)
+    t32 = s18*t30 - c18*t31
+    t33 = p_L8*t32 - p_L7*t31
+    t34 = t33 - p_L6*t25
+    t35 = t34 + p_L5*t21
+    t36 = t35 + p_L4*t18
+    t37 = t36 - p_L3*t15
+    t38 = t37 + p_L2*t9
+    t39 = t38 - p_L1*t3
+    t40 = c2*s3
+    t41 = s2*c4 + s4*t40
+    t42 = c2*c3
+    t43 = c2*s1
+    t44 = s5*t41 - c5*t42
+    t45 = s4*s2 - c4*t40
+    t46 = s6*t44 + c6*t45
+    t47 = c5*t41 + s5*t42
+    t48 = s7*t46 - c7*t47
+    t49 = c6*t44 - s6*t45
+    t50 = s8*t48 - c8*t49
+    t51 = c7*t46 + s7*t47
+    t52 = s9*t50 - c9*t51
+    t53 = c8*t48 + s8*t49
+    t54 = c10*t52 + s10*t53
+    t55 = s10*t52 - c10*t53
+    t56 = c9*t50 + s9*t51
+    t57 = s11*t55 - c11*t56
+    t58 = c12*t54 - s12*t57
+    t59 = c11*t55 + s11*t56
+    t60 = c13*t58 - s13*t59
+    t61 = c12*t57 + s12*t54
+    t62 = c14*t60 - s14*t61
+    t63 = s13*t58 + c13*t59
+    t64 = s15*t63 - c15*t62
+    t65 = s14*t60 + c14*t61
+    t66 = c16*t64 + s16*t65
+    t67 = s16*t64 - c16*t65
+    t68 = c15*t63 + s15*t62
+    t69 = s17*t67 - c17*t68
+    t70 = c18*t66 - s18*t69
+    t71 = p_L7*t66 + p_L8*t70
+    t72 = t71 - p_L6*t62
+    t73 = t72 - p_L5*t58
+    t74 = t73 - p_L4*t59
+    t75 = t74 + p_L3*t53
+    t76 = t75 - p_L2*t47
+    t77 = t76 - p_L1*s2
+    t78 = s1*s2
+    t79 = c1*c3 - s3*t78
+    t80 = c1*s3 + c3*t78
+    t81 = s4*t79 + c4*t43
+    t82 = s4*t43 - c4*t79
+    t83 = s5*t81 + c5*t80
+    t84 = c5*t81 - s5*t80
+    t85 = s6*t83 + c6*t82
+    t86 = s6*t82 - c6*t83
+    t87 = s7*t85 - c7*t84
+    t88 = c7*t85 + s7*t84
+    t89 = s8*t87 + c8*t86
+    t90 = c8*t87 - s8*t86
+    t91 = s9*t89 - c9*t88
+    t92 = s9*t88 + c9*t89
+    t93 = s10*t91 - c10*t90
+    t94 = c10*t91 + s10*t90
+    t95 = s11*t93 - c11*t92
+    t96 = c11*t93 + s11*t92
+    t97 = c12*t94 - s12*t95
+    t98 = s12*t94 + c12*t95
+    t99 = s13*t97 + c13*t96
+    t100 = c13*t97 - s13*t96
+    t101 = c14*t100 - s14*t98
+    t102 = c14*t98 + s14*t100
+    t103 = c15*t99 + s15*t101
+    t104 = s15*t99 - c15*t101
+    t105 = s16*t104 - c16*t102
+    t106 = c16*t104 + s16*t102
+    t107 = s17*t103 + c17*t105
+    t108 = s17*t105 - c17*t103
+    t109 = p_L8*s18
+    t110 = s18*t108 - c18*t106
+    t111 = c18*t108 + s18*t106
+    t112 = p_L8*t110 - p_L7*t106
+    t113 = t112 + p_L6*t101
+    t114 = t113 + p_L5*t97
+    t115 = t114 + p_L4*t96
+    t116 = t115 - p_L3*t90
+    t117 = t116 + p_L2*t84
+    t118 = t117 + p_L1*t43
+    t119 = s17*t29 + t28*c17
+    t120 = c17*t67 + s17*t68
+    t121 = t30*c18 + s18*t31
+    t122 = c18*t69 + s18*t66
+    s19 = sin(q19)
+    c19 = cos(q19)
+    c20 = cos(q20)
+    s20 = sin(q20)
+    t123 = c20*(t107*s19 + t111*c19) - t110*s20
+    t124 = c20*(t119*s19 + t121*c19) - t32*s20
+    t125 = t123*t123 + t124*t124
+    t126 = 1.0/t125
+    t127 = 1.0/sqrt(t125)
+    t128 = t123*t126
+    t129 = t124*t126
+    t130 = t123*t127
+    t131 = t124*t127
+    t132 = c1*t128 + s1*t129
+    t133 = c20*(t122*c19 + t120*s19) + t70*s20
+    t134 = t43*t128 - t3*t129
+    t135 = t80*t128 + t5*t129
+    t136 = t82*t128 - t7*t129
+    t137 = t84*t128 + t9*t129
+    t138 = t86*t128 - t11*t129
+    t139 = t88*t128 + t13*t129
+    t140 = t15*t129 + t90*t128
+    t141 = t92*t128 + t17*t129
+    t142 = t94*t128 + t20*t129
+    t143 = t18*t129 + t96*t128
+    t144 = t98*t128 + t24*t129
+    t145 = t99*t128 + t22*t129
+    t146 = t102*t128 + t27*t129
+    t147 = t103*t128 + t29*t129
+    t148 = t106*t128 + t31*t129
+    t149 = t107*t128 + t119*t129
+    t150 = t32*t129 + t110*t128
+    t151 = t107*c19 - t111*s19
+    t152 = t119*c19 - t121*s19
+    t153 = t128*t151 + t129*t152
+    return (
+        t39, -s1*t77, s2*t38 - t3*t76, t38*t42 - t5*t76, t38*t45 - t7*t76, t37*t47 + t9*t75,
+        -(t37*t49 + t11*t75), t13*t75 + t37*t51, -(t36*t53 + t15*t74), t36*t56 + t17*t74, -(t20*t74 + t36*t54),
+        t35*t59 + t18*t73, -(t34*t61 + t24*t72), t34*t63 + t22*t72, -(t27*t71 + t33*t65), t29*t71 + t33*t68,
+        -t107*t109, -p_L8*t111, 0.0, 0.0, 0.0,
+        -t118, c1*t77, -(s2*t117 + t76*t43), t76*t80 - t42*t117, -(t76*t82 + t45*t117), -(t75*t84 + t47*t116),
+        t49*t116 - t75*t86, -(t75*t88 + t51*t116), t53*t115 + t74*t90, -(t56*t115 + t74*t92),
+        t74*t94 + t54*t115, -(t59*t114 + t73*t96), t72*t98 + t61*t113, -(t72*t99 + t63*t113),
+        t71*t102 + t65*t112, -(t71*t103 + t68*t112), -t109*t119, -p_L8*t121, 0.0, 0.0, 0.0,
+        0.0, s1*t118 - c1*t39, t38*t43 + t3*t117, t5*t117 - t38*t80, t7*t117 + t38*t82, t37*t84 - t9*t116,
+        t37*t86 + t11*t116, t37*t88 - t13*t116, t15*t115 - t36*t90, t36*t92 - t17*t115, t20*t115 - t36*t94,
+        t35*t96 - t18*t114, t24*t113 - t34*t98, t34*t99 - t22*t113, t27*t112 - t33*t102, t33*t103 - t29*t112,
+        t109*t120, p_L8*t122, 0.0, 0.0, 0.0,
+        1.0, t133*t132, s2 - t133*t134, t42 + t133*t135, t45 - t133*t136, t47 - t133*t137, -(t49 + t133*t138),
+        t51 - t133*t139, t133*t140 - t53, t56 - t133*t141, t133*t142 - t54, t59 - t133*t143, t133*t144 - t61,
+        t63 - t133*t145, t133*t146 - t65, t68 - t133*t147, t133*t148 - t66, t120 - t133*t149,
+        -(t70 + t133*t150), t120*c19 - (t133*t153 + t122*s19), 0.0,
+        0.0, s1*t130 - c1*t131, t3*t130 + t43*t131, t5*t130 - t80*t131, t7*t130 + t82*t131, t84*t131 - t9*t130,
+        t11*t130 + t86*t131, t88*t131 - t13*t130, t15*t130 - t90*t131, t92*t131 - t17*t130,
+        t20*t130 - t94*t131, t96*t131 - t18*t130, t24*t130 - t98*t131, t99*t131 - t22*t130,
+        t27*t130 - t102*t131, t103*t131 - t29*t130, t31*t130 - t106*t131, t107*t131 - t119*t130,
+        t110*t131 - t32*t130, t151*t131 - t152*t130, 0.0,
+        0.0, t132, -t134, t135, -t136, -t137, -t138, -t139, t140, -t141, t142, -t143, t144, -t145, t146, -t147,
+        t148, -t149, -t150, -t153, 1.0,
+    )
+
+
+# What functions take, and what they refuse.
 
 _SHAPE = f"({DOF},) or (..., {DOF})"
 
 
-class _Function:
-    """One function: its kernel, run on floats for one configuration and block by block for a batch."""
+class _Signature:
+    """What a function takes and returns, and the words in which it refuses anything else."""
 
-    def __init__(self, name, arguments, shape, kernel, hoisted=None, needs=()):
+    def __init__(self, name, arguments, shape, needs=()):
         self.name = name
         self.arguments = arguments
         self.shape = shape
         self.size = math.prod(shape)
-        self.kernel = kernel
-        self.hoisted = hoisted
         self.needs = tuple(PARAMETERS[i] for i in needs)
-        self._plans = {}
 
-    def __call__(self, values, params):
-        arrays = [self._array(label, value) for label, value in zip(self.arguments, values)]
-        given, extent = self._given(params)
-        if not extent and all(array.ndim == 1 for array in arrays):
-            try:
-                constants = self.hoisted(_FLOATS, given) if self.hoisted else ()
-                results = self.kernel(_FLOATS, constants, *[array.tolist() for array in arrays])
-                return np.array(results, dtype=np.float64).reshape(self.shape)
-            except (ValueError, ArithmeticError):
-                pass  # Python's functions refuse what NumPy answers with nan or inf.
-        return self._batch(arrays, given, extent)
-
-    def _array(self, label, value):
-        """An argument as an array of floats, (..., DOF)."""
+    def argument(self, label, value):
+        """An argument as a NumPy array of floats, (..., DOF)."""
         try:
             array = np.asarray(value)
         except ValueError:
             raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
-        if array.ndim == 0 or array.shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {array.shape}")
+        self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
-    def _given(self, params):
-        """Numbers of the parameters that this function needs, and the batch shape of all that are given."""
-        if params is None:
-            params = {}
-        if not hasattr(params, "keys"):
-            params = self._by_name(params)
-        unknown = [str(name) for name in params if name not in PARAMETERS]
-        if unknown:
-            raise ValueError(f"{self.name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
-        missing = [name for name in self.needs if name not in params]
+    def check_shape(self, label, shape):
+        """Refuse an argument whose last axis is not that of the joints."""
+        if not shape or shape[-1] != DOF:
+            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+
+    def parameters(self, params):
+        """The parameters of a call, checked."""
+        if type(params) is not _Parameters:
+            params = _Parameters(self.name, params) if params is not None else _NO_PARAMETERS
+        missing = [name for name in self.needs if name not in params.numbers] if self.needs else ()
         if missing:
             raise ValueError(f"{self.name}: missing in params: {', '.join(missing)}")
+        return params
+
+    def batch(self, arrays, extent):
+        """The shape that the batches of arguments and parameters have together."""
         try:
-            extent = np.broadcast_shapes(*(np.shape(value) for value in params.values()))
+            return np.broadcast_shapes(*(array.shape[:-1] for array in arrays), extent)
         except ValueError:
-            shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in params.items() if np.ndim(value))
-            raise ValueError(f"{self.name}: batch shapes do not broadcast: params {shapes}") from None
-        return [self._number(name, params[name]) for name in self.needs], extent
+            shapes = [f"{label} {tuple(array.shape[:-1])}" for label, array in zip(self.arguments, arrays)]
+            shapes += [f"params {extent}"] * bool(extent)
+            raise ValueError(f"{self.name}: batch shapes do not broadcast: {', '.join(shapes)}") from None
+
+    def check_out(self, out, batch):
+        """Refuse what a result cannot be written to."""
+        shape = (*batch, *self.shape)
+        wanted = f"{self.name}: out must be a NumPy array of float64 of shape {shape}"
+        if not isinstance(out, np.ndarray):
+            raise ValueError(f"{wanted}; got {type(out).__name__}")
+        if out.shape != shape or out.dtype != np.float64:
+            raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
+        if not out.flags.writeable:
+            raise ValueError(f"{wanted}; got one that is read-only")
+
+
+_NAMES = frozenset(PARAMETERS)
+_NUMBERS = frozenset({float, int})
+
+
+class _Parameters:
+    """Numbers of the free parameters, checked; what functions compute from them alone is kept with them."""
+
+    def __init__(self, name, params):
+        self.name = name
+        self.constants = {}
+        params = getattr(params, "numbers", params)
+        if type(params) is dict and params.keys() <= _NAMES and _NUMBERS.issuperset(map(type, params.values())):
+            self.numbers, self.extent, self.libraries = dict(params), (), ()
+            return
+        if not hasattr(params, "keys"):
+            params = self._by_name(params)
+        unknown = [str(label) for label in params if label not in _NAMES]
+        if unknown:
+            raise ValueError(f"{name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
+        self.numbers = {label: self._number(label, value) for label, value in params.items()}
+        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None)
+        self.extent = self._extent({label: np.shape(value) for label, value in self.numbers.items()})
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
-        columns = np.moveaxis(params, -1, 0) if getattr(params, "ndim", 1) > 1 else list(params)
+        shape = getattr(params, "shape", None)
+        columns = [params[..., i] for i in range(shape[-1])] if shape else list(params)
         if len(columns) != len(PARAMETERS):
             wanted = f"{len(PARAMETERS)} entries, {PARAMETERS}"
             raise ValueError(f"{self.name}: params must have {wanted}; got {len(columns)}")
         return dict(zip(PARAMETERS, columns))
 
-    def _number(self, name, value):
+    def _number(self, label, value):
+        if _library(value) is not None:
+            return value
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
-            raise TypeError(f"{self.name}: params: {name} must be a real number or an array; got dtype {array.dtype}")
+            raise TypeError(f"{self.name}: params: {label} must be a real number or an array; got dtype {array.dtype}")
         return float(array) if array.ndim == 0 else array.astype(np.float64, copy=False)
 
-    def _batch(self, arrays, given, extent):
-        """Every configuration of a batch; arguments and parameters broadcast against each other."""
+    def _extent(self, shapes):
+        """The batch shape of all parameters together."""
         try:
-            batch = np.broadcast_shapes(*(a.shape[:-1] for a in arrays), extent)
+            return np.broadcast_shapes(*shapes.values())
         except ValueError:
-            shapes = [f"{label} {array.shape[:-1]}" for label, array in zip(self.arguments, arrays)]
-            shapes += [f"params {extent}"] * bool(extent)
-            raise ValueError(f"{self.name}: batch shapes do not broadcast: {', '.join(shapes)}") from None
-        rows = [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arrays]
-        varying = any(np.ndim(value) for value in given)
-        if varying:
-            columns = np.stack([np.broadcast_to(value, batch) for value in given], axis=-1)
-            rows.append(columns.reshape(-1, len(given)))
-        scalars = self.hoisted(_ANY, [np.float64(value) for value in given]) if self.hoisted and not varying else ()
-        result = np.empty((math.prod(batch), self.size))
-        self._plan(varying, len(scalars)).run(rows, scalars, result)
-        return result.reshape(*batch, *self.shape)
+            text = ", ".join(f"{label} {tuple(shape)}" for label, shape in shapes.items() if shape)
+            raise ValueError(f"{self.name}: batch shapes do not broadcast: params {text}") from None
 
-    def _plan(self, varying, scalars):
-        plan = self._plans.get(varying)
-        if plan is None:
-            widths = [DOF] * len(self.arguments) + [len(self.needs)] * varying
-            plan = self._plans[varying] = _Plan(self._recorded(varying), widths, scalars)
-        return plan
 
-    def _recorded(self, varying):
-        """The kernel as a function of all its inputs, parameters last."""
+# Arrays of other libraries.
 
-        def run(groups, scalars):
-            constants = self.hoisted(_RECORDED, groups[-1]) if varying else scalars
-            return self.kernel(_RECORDED, constants, *groups[: len(self.arguments)])
+_OURS = (np.ndarray, np.generic, list, tuple, float, int)
+_NEEDING_HELP = ("torch", "cupy")
+"""Libraries whose arrays may not name their namespace themselves; array-api-compat knows it."""
 
-        return run
+
+def _library(value):
+    """The namespace (jax.numpy, ...) of an array of another library; None for all that NumPy reads by itself."""
+    if isinstance(value, _OURS):
+        return None
+    if hasattr(value, "__array_namespace__"):
+        return value.__array_namespace__()
+    family = {kind.__module__.partition(".")[0] for kind in type(value).__mro__}
+    if family.isdisjoint(_NEEDING_HELP):
+        return None
+    try:
+        from array_api_compat import array_namespace
+    except ImportError:
+        raise TypeError(f"{type(value).__module__} arrays need the package array-api-compat") from None
+    return array_namespace(value)
+
+
+def _elsewhere(name, values):
+    """How to compute with the one library whose arrays are among the values; None where there are none."""
+    found = {id(library): library for library in map(_library, values) if library is not None}
+    if len(found) > 1:
+        names = ", ".join(sorted(library.__name__ for library in found.values()))
+        raise TypeError(f"{name}: arrays of one library can be combined, with each other and with NumPy's; got {names}")
+    return _Elsewhere(*found.values(), name, values) if found else None
+
+
+class _Elsewhere:
+    """Runs kernels on the arrays of another library, in their dtype and on their device.
+
+    Integers become the library's usual float; lists and NumPy arrays among the arguments follow the others. No value is
+    looked at, only shapes, so that kernels can be traced, compiled and differentiated.
+    """
+
+    def __init__(self, library, name, values):
+        self.library = library
+        self.name = name
+        arrays = [value for value in values if _library(value) is not None]
+        self.device = getattr(arrays[0], "device", None)
+        self.dtype = self._dtype(arrays)
+        self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+
+    def _dtype(self, arrays):
+        xp = self.library
+        for array in arrays:
+            if not xp.isdtype(array.dtype, ("bool", "integral", "real floating")):
+                raise TypeError(f"{self.name}: arguments and params must be real numbers; got dtype {array.dtype}")
+        floats = [array for array in arrays if xp.isdtype(array.dtype, "real floating")]
+        return xp.result_type(*floats) if floats else xp.asarray(0.0).dtype
+
+    def array(self, value):
+        """A value as an array of this library."""
+        if _library(value) is not None:
+            return self.library.astype(value, self.dtype)
+        return self.library.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arranged(self, results, batch, shape):
+        """Results, arrays or numbers, as one array (*batch, *shape)."""
+        arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
+        columns = [self.library.broadcast_to(array, batch) for array in arrays]
+        return self.library.reshape(self.library.stack(columns, axis=-1), (*batch, *shape))
+
+
+# Batches: columns of NumPy's, in blocks.
+
+_BLOCK_BYTES = 1 << 23
+"""Working memory of a batch: blocks of configurations are as long as their columns fit in here."""
+
+_BLOCK_LIMITS = (256, 8192)
+"""Fewest and most configurations in a block."""
 
 
 class _Plan:
-    """A kernel recorded as steps on columns, with columns used again as soon as their values are dead."""
+    """A kernel recorded as steps on columns, with columns used again as soon as their values are dead.
 
-    def __init__(self, function, widths, scalars):
-        self.widths = widths
-        first = sum(widths)
-        self.inputs = first + scalars
-        steps = _Steps(self.inputs)
-        columns = [_Column(steps, i) for i in range(self.inputs)]
-        groups = [columns[sum(widths[:i]) : sum(widths[: i + 1])] for i in range(len(widths))]
-        results = function(groups, columns[first:])
-        self.results = [r.index if isinstance(r, _Column) else float(r) for r in results]
-        self.numbers = tuple(np.float64(number) for number in steps.numbers)
-        self._place(steps)
+    A value is a column, one number for each configuration, or still: the same for all of them. Still values are
+    computed once for a call. Columns are counted from 0, still values from -1 down.
+    """
+
+    def __init__(self, function, groups):
+        steps = _Steps()
+        values = [[steps.value(varies) for _ in range(width)] for width, varies in groups]
+        self.inputs = steps.columns
+        results = function(values)
+        self.results = [steps.index(result) for result in results]
+        self.stills = steps.stills
+        self.steps = []
+        self.columns = self._place(steps.list)
 
     def _place(self, steps):
-        """Give every value a slot: inputs, then columns, then numbers (counted from the end)."""
-        last = {k: i for i, (_, operands) in enumerate(steps.list) for k in operands}
-        kept = {r for r in self.results if not isinstance(r, float)}
+        """Give every column a slot; return the number of slots."""
+        last = {k: i for i, (_, operands) in enumerate(steps) for k in operands}
+        last.update(dict.fromkeys(self.results, len(steps)))
         slots = {i: i for i in range(self.inputs)}
-        slots.update({-1 - i: -1 - i for i in range(len(steps.numbers))})
-        free, used, self.steps = [], self.inputs, []
-        for i, (ufunc, operands) in enumerate(steps.list):
-            value = self.inputs + i
-            places = [slots[k] for k in operands]
-            free += [slots[k] for k in dict.fromkeys(operands) if k >= self.inputs and last[k] == i and k not in kept]
-            if free:
-                slots[value] = free.pop()
-            else:
-                slots[value], used = used, used + 1
-            self.steps.append((ufunc, (*places, slots[value])))
-        self.columns = used - self.inputs
-        self.results = [r if isinstance(r, float) else slots[r] for r in self.results]
+        free, used = [], self.inputs
+        for i, (ufunc, operands) in enumerate(steps):
+            places = [slots.get(k, k) for k in operands]
+            free += [slots[k] for k in dict.fromkeys(operands) if k >= 0 and last[k] == i]
+            if not free:
+                free, used = [used], used + 1
+            slots[self.inputs + i] = free.pop()
+            self.steps.append((ufunc, operator.itemgetter(*places, slots[self.inputs + i])))
+        self.results = [slots.get(k, k) for k in self.results]
+        return used
 
-    def run(self, rows, scalars, result):
-        """Fill ``result``, (N, size), from ``rows``, (N, width) each."""
+    def run(self, groups, result):
+        """Fill ``result``, (N, size), from arrays (N, width) and lists of the numbers that are the same for all."""
+        stills = self._stills([value for group in groups if isinstance(group, list) for value in group])
+        rows = [group for group in groups if not isinstance(group, list)]
         count = len(result)
-        for place, slot in enumerate(self.results):
-            if isinstance(slot, float):
-                result[:, place] = slot
-        varying = [(place, slot) for place, slot in enumerate(self.results) if not isinstance(slot, float)]
         length = min(count, self._block())
-        memory = np.empty((sum(self.widths) + self.columns, length))
-        bound = None
-        for start in range(0, count if varying else 0, max(length, 1)):
-            block = min(length, count - start)
-            if bound is None or block != length:
-                slots = self._slots(memory[:, :block], scalars)
-                bound = [(ufunc, [slots[k] for k in places]) for ufunc, places in self.steps]
+        memory = np.empty((self.columns, length))
+        for start in range(0, count, length):
+            stop = min(start + length, count)
+            columns = memory[:, : stop - start]
             at = 0
-            for row, width in zip(rows, self.widths):
-                memory[at : at + width, :block] = row[start : start + block].T
-                at += width
-            for ufunc, columns in bound:
-                ufunc(*columns)
-            target = result[start : start + block]
-            for place, slot in varying:
-                target[:, place] = slots[slot]
+            for row in rows:
+                columns[at : at + row.shape[1]] = row[start:stop].T
+                at += row.shape[1]
+            self._fill([*columns, *stills], result[start:stop])
+
+    def _fill(self, slots, result):
+        """One block."""
+        for ufunc, operands in self.steps:
+            ufunc(*operands(slots))
+        for place, slot in enumerate(self.results):
+            result[:, place] = slots[slot]
+
+    def _stills(self, numbers):
+        """All still values, the last one first."""
+        numbers = iter(numbers)
+        values = []
+        for still in self.stills:
+            if isinstance(still, tuple):
+                ufunc, operands = still
+                still = ufunc(*[values[-1 - k] for k in operands])
+            values.append(np.asarray(next(numbers) if still is None else still, dtype=np.float64))
+        return values[::-1]
 
     def _block(self):
         fewest, most = _BLOCK_LIMITS
-        return max(fewest, min(most, _BLOCK_BYTES // (8 * (sum(self.widths) + self.columns))))
-
-    def _slots(self, memory, scalars):
-        """What the steps refer to: rows of ``memory``, scalars of this call, numbers of the kernel."""
-        width = sum(self.widths)
-        return [*memory[:width], *scalars, *memory[width:], *reversed(self.numbers)]
+        return max(fewest, min(most, _BLOCK_BYTES // (8 * max(self.columns, 1))))
 
 
 class _Steps:
-    """What a kernel does, in order: a ufunc and the values it takes; numbers are values -1, -2, ..."""
+    """What a kernel does, in order: a ufunc and the values it takes."""
 
-    def __init__(self, inputs):
-        self.inputs = inputs
+    def __init__(self):
+        self.columns = 0
         self.list = []
-        self.numbers = []
-        self._known = {}
+        self.stills = []
+        self._numbers = {}
+        self._half_angles = {}
+
+    def value(self, varies):
+        """An input: a column, or a still value that each call brings along."""
+        if not varies:
+            return self._still(None)
+        self.columns += 1
+        return _Column(self, self.columns - 1)
 
     def add(self, ufunc, *operands):
-        self.list.append((ufunc, [self._index(operand) for operand in operands]))
-        return _Column(self, self.inputs + len(self.list) - 1)
+        """A step, done once for a call where nothing varies."""
+        indices = [self.index(operand) for operand in operands]
+        if max(indices) < 0:
+            return self._still((ufunc, indices))
+        self.list.append((ufunc, indices))
+        return _Column(self, self.columns + len(self.list) - 1)
 
-    def _index(self, operand):
+    def half_angle(self, angle):
+        """t = tan(x/2) and w = 2/(1 + t^2): sin x = t w and cos x = w - 1, to 4e-16; NumPy's tan is much the faster."""
+        if angle.index not in self._half_angles:
+            t = self.add(np.tan, angle * 0.5)
+            self._half_angles[angle.index] = t, 2.0 / (t * t + 1.0)
+        return self._half_angles[angle.index]
+
+    def index(self, operand):
         if isinstance(operand, _Column):
             return operand.index
-        if operand not in self._known:
-            self.numbers.append(operand)
-            self._known[operand] = -len(self.numbers)
-        return self._known[operand]
+        if operand not in self._numbers:
+            self._numbers[operand] = self._still(np.array(operand, dtype=np.float64)).index
+        return self._numbers[operand]
+
+    def _still(self, value):
+        self.stills.append(value)
+        return _Column(self, -len(self.stills))
 
 
 class _Column:
@@ -1034,14 +2071,201 @@ class _Column:
         return self.steps.add(np.negative, self)
 
 
+def _column_sine(angle):
+    t, w = angle.steps.half_angle(angle)
+    return t * w
+
+
+def _column_cosine(angle):
+    _, w = angle.steps.half_angle(angle)
+    return w - 1.0
+
+
+def _column_root(x):
+    return x.steps.add(np.sqrt, x)
+
+
+def _column_sign(x):
+    return x.steps.add(np.sign, x)
+
+
+_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+
+
+# How kernels are run.
+
+_FEW = 16
+"""Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
+
+_DOUBLE = np.dtype(np.float64)
+_ONE = (DOF,)
+_JOINTS = struct.Struct(f"{DOF}d")
+
+
+class _Function:
+    """One function: its kernel, run on floats, on columns of a batch, or on arrays of another library."""
+
+    def __init__(self, name, arguments, shape, kernel, hoisted=None, needs=()):
+        self.signature = _Signature(name, arguments, shape, needs)
+        self.kernel = kernel
+        self.hoisted = hoisted
+        self._entries = struct.Struct(f"{self.signature.size}d")
+        self._plans = {}
+
+    def __call__(self, values, params, out):
+        signature = self.signature
+        parameters = signature.parameters(params)
+        if not parameters.extent and not parameters.libraries:
+            floats = _floats(values)
+            if floats is not None:
+                if out is not None:
+                    signature.check_out(out, ())
+                try:
+                    return self._one(floats, parameters, out)
+                except (ValueError, ArithmeticError):
+                    pass  # Python's functions refuse what NumPy answers with nan or inf.
+        elsewhere = _elsewhere(signature.name, (*values, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on(elsewhere, values, parameters, out)
+        arrays = [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+        return self._batch(arrays, parameters, out)
+
+    def _one(self, floats, parameters, out):
+        """One configuration, on Python's floats."""
+        constants = self._constants(parameters) if self.hoisted else ()
+        if out is not None and not out.flags.c_contiguous:
+            out[...] = self._one(floats, parameters, None)
+            return out
+        result = np.empty(self.signature.shape) if out is None else out
+        self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
+        return result
+
+    def _constants(self, parameters):
+        """What the kernel needs of parameters that are numbers; computed once for each set."""
+        if self.hoisted is None:
+            return ()
+        name = self.signature.name
+        if name not in parameters.constants:
+            parameters.constants[name] = self.hoisted(_FLOATS, self._given(parameters))
+        return parameters.constants[name]
+
+    def _given(self, parameters):
+        return [parameters.numbers[name] for name in self.signature.needs]
+
+    def _batch(self, arrays, parameters, out):
+        """Every configuration of a batch; arguments and parameters broadcast against each other."""
+        signature = self.signature
+        batch = signature.batch(arrays, parameters.extent)
+        if out is not None:
+            signature.check_out(out, batch)
+        given = [np.asarray(value) for value in self._given(parameters)]
+        shared = out is None or not out.flags.c_contiguous
+        shared = shared or any(np.may_share_memory(out, array) for array in (*arrays, *given))
+        result = np.empty((*batch, *signature.shape)) if shared else out
+        if result.size:
+            groups = [_group(array, batch) for array in arrays]
+            groups += self._parameter_groups(parameters, given, batch)
+            self._fill(groups, result.reshape(-1, signature.size))
+        if out is None or result is out:
+            return result
+        out[...] = result
+        return out
+
+    def _parameter_groups(self, parameters, given, batch):
+        """The parameters, each by itself, where one of them varies; else what is computed from them alone."""
+        if any(value.size > 1 for value in given):
+            return [_group(value[..., None], batch) for value in given]
+        try:
+            return [list(self._constants(parameters))]
+        except (ValueError, ArithmeticError):
+            return [list(self.hoisted(_ANY, [np.float64(value) for value in given]))]
+
+    def _fill(self, groups, result):
+        """One by one on floats where configurations are few, else in columns."""
+        if len(result) <= _FEW:
+            try:
+                return self._fill_few(groups, result)
+            except (ValueError, ArithmeticError):
+                pass  # as for one configuration
+        self._plan(groups).run(groups, result)
+
+    def _fill_few(self, groups, result):
+        tables = [[group] * len(result) if isinstance(group, list) else group.tolist() for group in groups]
+        evaluate = self._of_groups(_FLOATS, groups)
+        for place, values in zip(result, zip(*tables)):
+            self._entries.pack_into(place, 0, *evaluate(values))
+
+    def _plan(self, groups):
+        varies = tuple(not isinstance(group, list) for group in groups)
+        if varies not in self._plans:
+            widths = [group.shape[1] if varying else len(group) for group, varying in zip(groups, varies)]
+            self._plans[varies] = _Plan(self._of_groups(_RECORDED, groups), list(zip(widths, varies)))
+        return self._plans[varies]
+
+    def _of_groups(self, functions, groups):
+        """The kernel as a function of the values of its groups: arguments, then parameters."""
+        count = len(self.signature.arguments)
+        hoisting = any(not isinstance(group, list) for group in groups[count:])
+
+        def evaluate(values):
+            constants = self.hoisted(functions, [value for (value,) in values[count:]]) if hoisting else values[count]
+            return self.kernel(functions, constants, *values[:count])
+
+        return evaluate
+
+    def _on(self, elsewhere, values, parameters, out):
+        """The kernel on arrays of another library."""
+        signature = self.signature
+        if out is not None:
+            raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.library.__name__}")
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        batch = signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            given = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
+
+
+def _floats(values):
+    """One configuration of each argument as floats; None where an argument is anything else."""
+    groups = []
+    for value in values:
+        kind = type(value)
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+            groups.append(value.tolist())
+        elif kind is list or kind is tuple:
+            try:
+                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+            except (struct.error, TypeError, ValueError, OverflowError):
+                return None
+        else:
+            return None
+    return groups
+
+
+def _group(array, batch):
+    """An input (..., width) as a list, where it is the same for the whole batch, or as an array (N, width)."""
+    width = array.shape[-1]
+    if array.size == width:
+        return array.reshape(width).tolist()
+    return np.broadcast_to(array, (*batch, width)).reshape(-1, width)
+
+
 def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign)
-_RECORDED = tuple((lambda column, ufunc=ufunc: column.steps.add(ufunc, column)) for ufunc in _ANY)
 
+
+_NO_PARAMETERS = _Parameters("params", {})
 
 _FUNCTIONS = {
     "forward_kinematics": _Function(
@@ -1070,6 +2294,36 @@ _FUNCTIONS = {
         shape=(6, 21),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "jacobian_dot": _Function(
+        name="jacobian_dot",
+        arguments=("q", "qd"),
+        shape=(6, 21),
+        kernel=_jacobian_dot,
+        hoisted=_jacobian_dot_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "analytic_jacobian_rpy": _Function(
+        name="analytic_jacobian_rpy",
+        arguments=("q",),
+        shape=(6, 21),
+        kernel=_analytic_jacobian_rpy,
+        hoisted=_analytic_jacobian_rpy_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "analytic_jacobian_zyz": _Function(
+        name="analytic_jacobian_zyz",
+        arguments=("q",),
+        shape=(6, 21),
+        kernel=_analytic_jacobian_zyz,
+        hoisted=_analytic_jacobian_zyz_constants,
         needs=(
             0, 1, 2, 3, 4, 5, 6, 7,
         ),

@@ -19,6 +19,9 @@ Every parameter has its number in this file.
     forward_kinematics(q) -> T
     link_transforms(q) -> T_i
     jacobian(q) -> J
+    jacobian_dot(q, qd) -> dJ/dt
+    analytic_jacobian_rpy(q) -> J_A
+    analytic_jacobian_zyz(q) -> J_A
 
 Self-check: `derive verify kuka-kr5` compares every function with an independent recursion.
 """
@@ -35,9 +38,12 @@ LIMITS = (
 )
 PARAMETERS = ()
 OPERATIONS = {
-    "forward_kinematics": {"mul": 64, "add": 34, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
-    "link_transforms": {"mul": 64, "add": 34, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
-    "jacobian": {"mul": 66, "add": 42, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "forward_kinematics": {"mul": 41, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "link_transforms": {"mul": 56, "add": 29, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian": {"mul": 44, "add": 20, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_dot": {"mul": 113, "add": 69, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 89, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 65, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
 }
 
 __all__ = [
@@ -50,6 +56,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -58,44 +67,38 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    c6 = cos(q6)
     c5 = cos(q5)
+    t1 = q2 + q3
+    t2 = sin(t1)
+    t3 = cos(t1)
     c4 = cos(q4)
-    c3 = cos(q3)
-    c1 = cos(q1)
-    s2 = sin(q2)
-    t1 = c1*s2
-    s3 = sin(q3)
-    c2 = cos(q2)
-    t2 = c1*c2
-    t3 = c3*t1 + s3*t2
-    s1 = sin(q1)
-    s4 = sin(q4)
-    t4 = c4*t3 - s1*s4
     s5 = sin(q5)
-    t5 = c3*t2 - s3*t1
-    t6 = c5*t4 + s5*t5
+    t4 = c4*s5
+    t5 = c5*t2 + t3*t4
+    c2 = cos(q2)
+    c6 = cos(q6)
+    s4 = sin(q4)
     s6 = sin(q6)
-    t7 = s1*c4 + s4*t3
-    t8 = c5*t5 - s5*t4
-    t9 = s1*s2
-    t10 = s1*c2
-    t11 = c3*t9 + s3*t10
-    t12 = c4*t11 + c1*s4
-    t13 = c3*t10 - s3*t9
-    t14 = c5*t12 + s5*t13
-    t15 = c1*c4 - s4*t11
-    t16 = c5*t13 - s5*t12
-    t17 = c2*c3 - s2*s3
-    t18 = c4*t17
-    t19 = s2*c3 + c2*s3
-    t20 = c5*t18 - s5*t19
-    t21 = s4*t17
-    t22 = c5*t19 + s5*t18
+    t6 = c5*s6
+    t7 = c6*s4 + c4*t6
+    t8 = s6*s5
+    t9 = c4*c6 - s4*t6
+    t10 = c5*t3 - t2*t4
+    t11 = s4*s5
+    t12 = t7*t3 - t2*t8
+    t13 = t2*t7 + t3*t8
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t14 = c1*t9 - s1*t13
+    t15 = t9*s1 + c1*t13
+    t16 = c1*t10 + s1*t11
+    t17 = s1*t10 - c1*t11
+    s2 = sin(q2)
+    t18 = 0.27*s2 + (0.295*t3 + (0.075 + 0.09*t2))
     return (
-        c6*t6 - s6*t7, c6*t7 + s6*t6, t8, 0.075*c1 + 0.27*t1 + 0.09*t3 + 0.295*t5 + 0.08*t8,
-        c6*t14 + s6*t15, s6*t14 - c6*t15, t16, 0.075*s1 + 0.27*t9 + 0.09*t11 + 0.295*t13 + 0.08*t16,
-        c6*t20 - s6*t21, c6*t21 + s6*t20, -t22, 0.335 + 0.27*c2 + 0.09*t17 - 0.295*t19 - 0.08*t22,
+        t14*t5 - t12*t17, t15, t16, c1*t18 + 0.08*t16,
+        t12*t16 + t5*t15, -t14, t17, s1*t18 + 0.08*t17,
+        t14*t16 + t17*t15, t12, -t5, -(0.08*t5 + (0.295*t2 - (0.09*t3 + (0.335 + 0.27*c2)))),
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -109,43 +112,40 @@ def _link_transforms(functions, k, q):
     t2 = 0.075*s1
     s2 = sin(q2)
     t3 = c1*s2
+    t4 = s1*s2
     c2 = cos(q2)
-    t4 = c1*c2
     t5 = t1 + 0.27*t3
-    t6 = s1*s2
-    t7 = s1*c2
-    t8 = t2 + 0.27*t6
-    t9 = 0.335 + 0.27*c2
-    c3 = cos(q3)
-    s3 = sin(q3)
-    t10 = c3*t3 + s3*t4
-    t11 = c3*t4 - s3*t3
-    t12 = t5 + 0.09*t10
-    t13 = c3*t6 + s3*t7
-    t14 = c3*t7 - s3*t6
-    t15 = t8 + 0.09*t13
-    t16 = c2*c3 - s2*s3
-    t17 = s2*c3 + c2*s3
-    t18 = t9 + 0.09*t16
-    c4 = cos(q4)
+    t6 = t2 + 0.27*t4
+    t7 = 0.335 + 0.27*c2
+    t8 = q2 + q3
+    t9 = sin(t8)
+    t10 = cos(t8)
+    t11 = c1*t9
+    t12 = c1*t10
+    t13 = t5 + 0.09*t11
+    t14 = s1*t9
+    t15 = s1*t10
+    t16 = t6 + 0.09*t14
+    t17 = t7 + 0.09*t10
     s4 = sin(q4)
-    t19 = c4*t10 - s1*s4
-    t20 = s1*c4 + s4*t10
-    t21 = t12 + 0.295*t11
-    t22 = c4*t13 + c1*s4
-    t23 = c1*c4 - s4*t13
-    t24 = t15 + 0.295*t14
-    t25 = c4*t16
-    t26 = s4*t16
-    t27 = t18 - 0.295*t17
+    c4 = cos(q4)
+    t18 = s1*s4 - c4*t11
+    t19 = s1*c4 + s4*t11
+    t20 = 0.295*t12 + t13
+    t21 = c1*s4 + c4*t14
+    t22 = c1*c4 - s4*t14
+    t23 = c4*t10
+    t24 = s4*t10
+    t25 = 0.295*t15 + t16
+    t26 = 0.295*t9 - t17
     c5 = cos(q5)
     s5 = sin(q5)
-    t28 = c5*t19 + s5*t11
-    t29 = c5*t11 - s5*t19
-    t30 = c5*t22 + s5*t14
-    t31 = c5*t14 - s5*t22
-    t32 = c5*t25 - s5*t17
-    t33 = c5*t17 + s5*t25
+    t27 = c5*t18 - s5*t12
+    t28 = c5*t12 + s5*t18
+    t29 = c5*t21 + s5*t15
+    t30 = c5*t15 - s5*t21
+    t31 = c5*t23 - s5*t9
+    t32 = c5*t9 + s5*t23
     c6 = cos(q6)
     s6 = sin(q6)
     return (
@@ -153,25 +153,25 @@ def _link_transforms(functions, k, q):
         s1, 0.0, c1, t2,
         0.0, -1.0, 0.0, 0.335,
         0.0, 0.0, 0.0, 1.0,
-        t3, t4, -s1, t5,
-        t6, t7, c1, t8,
-        c2, -s2, 0.0, t9,
+        t3, c1*c2, -s1, t5,
+        t4, s1*c2, c1, t6,
+        c2, -s2, 0.0, t7,
         0.0, 0.0, 0.0, 1.0,
-        t10, -s1, -t11, t12,
-        t13, c1, -t14, t15,
-        t16, 0.0, t17, t18,
+        t11, -s1, -t12, t13,
+        t14, c1, -t15, t16,
+        t10, 0.0, t9, t17,
         0.0, 0.0, 0.0, 1.0,
-        t19, t11, -t20, t21,
-        t22, t14, t23, t24,
-        t25, -t17, -t26, t27,
+        -t18, t12, -t19, t20,
+        t21, t15, t22, t25,
+        t23, -t9, -t24, -t26,
         0.0, 0.0, 0.0, 1.0,
-        t28, -t20, -t29, t21,
-        t30, t23, -t31, t24,
-        t32, -t26, t33, t27,
+        -t27, -t19, -t28, t20,
+        t29, t22, -t30, t25,
+        t31, -t24, t32, -t26,
         0.0, 0.0, 0.0, 1.0,
-        c6*t28 - s6*t20, c6*t20 + s6*t28, t29, t21 + 0.08*t29,
-        c6*t30 + s6*t23, s6*t30 - c6*t23, t31, t24 + 0.08*t31,
-        c6*t32 - s6*t26, c6*t26 + s6*t32, -t33, t27 - 0.08*t33,
+        -(c6*t27 + s6*t19), c6*t19 - s6*t27, t28, 0.08*t28 + t20,
+        c6*t29 + s6*t22, s6*t29 - c6*t22, t30, 0.08*t30 + t25,
+        c6*t31 - s6*t24, c6*t24 + s6*t31, -t32, -(0.08*t32 + t26),
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -179,56 +179,252 @@ def _link_transforms(functions, k, q):
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    s1 = sin(q1)
-    t1 = 0.075*s1
-    s2 = sin(q2)
-    t2 = s1*s2
-    t3 = t1 + 0.27*t2
-    c3 = cos(q3)
-    s3 = sin(q3)
-    c2 = cos(q2)
-    t4 = s1*c2
-    t5 = c3*t2 + s3*t4
-    t6 = c3*t4 - s3*t2
-    t7 = t3 + 0.09*t5 + 0.295*t6
-    c5 = cos(q5)
-    s5 = sin(q5)
     c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = 0.08*s5
+    t2 = 0.09 - c4*t1
+    t3 = q2 + q3
+    t4 = sin(t3)
+    t5 = cos(t3)
+    c5 = cos(q5)
+    t6 = 0.08*c5
+    t7 = 0.295 + t6
+    t8 = t4*t2 + t5*t7
+    t9 = t2*t5 - t4*t7
+    s2 = sin(q2)
+    t10 = t8 + 0.27*s2
+    t11 = 0.075 + t10
+    s1 = sin(q1)
     c1 = cos(q1)
     s4 = sin(q4)
-    t8 = c5*t6 - s5*(c4*t5 + c1*s4)
-    t9 = t7 + 0.08*t8
-    t10 = 0.335 + 0.27*c2
-    t11 = c2*c3 - s2*s3
-    t12 = s2*c3 + c2*s3
-    t13 = t10 + 0.09*t11 - 0.295*t12
-    t14 = c5*t12 + s5*(c4*t11)
-    t15 = t13 - 0.08*t14
-    t16 = 0.335 - t15
-    t17 = t10 - t15
-    t18 = t13 - t15
-    t19 = t7 - t9
-    t20 = c1*c4 - s4*t5
-    t21 = s4*t11
-    t22 = 0.075*c1
-    t23 = c1*s2
-    t24 = t22 + 0.27*t23
-    t25 = c1*c2
-    t26 = c3*t23 + s3*t25
-    t27 = c3*t25 - s3*t23
-    t28 = t24 + 0.09*t26 + 0.295*t27
-    t29 = c5*t27 - s5*(c4*t26 - s1*s4)
-    t30 = t28 + 0.08*t29
-    t31 = t28 - t30
-    t32 = s1*c4 + s4*t26
+    t12 = c1*s4
+    c2 = cos(q2)
+    t13 = t9 + 0.27*c2
+    t14 = s1*c4
+    t15 = t14 + t4*t12
+    t16 = t12 + t4*t14
+    t17 = s1*s4
+    t18 = s1*t5
+    t19 = t5*s4
+    t20 = c4*c1
+    t21 = t5*c1
+    t22 = c4*t5
+    t23 = t17 - t4*t20
+    t24 = t20 - t4*t17
     return (
-        -t9, -c1*t16, -c1*t17, t6*t18 + t12*t19, -(t20*t18 + t21*t19), 0.0,
-        t30, -s1*t16, -s1*t17, -(t12*t31 + t27*t18), t21*t31 - t32*t18, 0.0,
-        0.0, s1*(t1 - t9) + c1*(t22 - t30), s1*(t3 - t9) + c1*(t24 - t30), t27*t19 - t6*t31, t32*t19 + t20*t31,
-        0.0,
-        0.0, -s1, -s1, -t27, -t32, -t29,
-        0.0, c1, c1, -t6, t20, -t8,
-        1.0, 0.0, 0.0, t12, -t21, t14,
+        t1*t12 - s1*t11, c1*t13, c1*t9, t1*t15, t6*t23 - t1*t21, 0.0,
+        t11*c1 + t1*t17, s1*t13, s1*t9, -t1*t24, -(t6*t16 + t1*t18), 0.0,
+        0.0, -t10, -t8, t1*t19, t4*t1 - t6*t22, 0.0,
+        0.0, -s1, -s1, -t21, -t15, -(c5*t21 + s5*t23),
+        0.0, c1, c1, -t18, t24, s5*t16 - c5*t18,
+        1.0, 0.0, 0.0, t4, -t19, t4*c5 + s5*t22,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    qd1, qd2, qd3, qd4, qd5, qd6 = qd
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = 0.08*s5
+    t2 = 0.09 - c4*t1
+    t3 = q2 + q3
+    t4 = cos(t3)
+    t5 = sin(t3)
+    t6 = qd2 + qd3
+    t7 = t4*t6
+    t8 = t5*t6
+    s4 = sin(q4)
+    t9 = s4*qd4
+    c5 = cos(q5)
+    t10 = c5*qd5
+    t11 = 0.08*t10
+    t12 = t1*t9 - c4*t11
+    t13 = s5*qd5
+    t14 = 0.08*t13
+    t15 = 0.08*c5
+    t16 = 0.295 + t15
+    t17 = t2*t7 - (t16*t8 + (t4*t14 - t5*t12))
+    c2 = cos(q2)
+    t18 = 0.27*c2
+    t19 = t17 + qd2*t18
+    s1 = sin(q1)
+    s2 = sin(q2)
+    t20 = 0.27*s2
+    t21 = t4*t16 + (t5*t2 + (0.075 + t20))
+    c1 = cos(q1)
+    t22 = c1*qd1
+    t23 = c1*s4
+    t24 = t11*t23
+    t25 = c4*qd4
+    t26 = qd1*s1
+    t27 = c1*t25 - s4*t26
+    t28 = t2*t8 + (t16*t7 - (t4*t12 + t5*t14))
+    t29 = t28 + t20*qd2
+    t30 = t2*t4 - t5*t16
+    t31 = t18 + t30
+    t32 = s1*t9 - c4*t22
+    t33 = t5*t27 - (t32 - t7*t23)
+    t34 = c4*s1
+    t35 = s1*t25 + t22*s4
+    t36 = c4*c1
+    t37 = c1*t9 + c4*t26
+    t38 = t5*t37 + (t35 - t7*t36)
+    t39 = t4*t26 + c1*t8
+    t40 = t4*c1
+    t41 = s1*s4
+    t42 = t41 - t5*t36
+    t43 = t11*t41
+    t44 = t5*t35 + (t37 + t7*t41)
+    t45 = t5*t32 - (t27 + t7*t34)
+    t46 = t23 + t5*t34
+    t47 = t4*t22 - s1*t8
+    t48 = t4*s1
+    t49 = t4*t25 - s4*t8
+    t50 = t4*t9 + c4*t8
+    t51 = c4*t4
+    return (
+        t1*t27 - (s1*t19 - (t24 - t21*t22)), -(t26*t31 + c1*t29), -(c1*t28 + t26*t30),
+        t5*t24 + (t11*t34 + t1*t33), t15*t38 + (t1*t39 - t14*t42) - t11*t40, 0.0,
+        t1*t35 + (c1*t19 + (t43 - t21*t26)), t22*t31 - s1*t29, t22*t30 - s1*t28, t5*t43 - (t11*t36 - t1*t44),
+        t15*t45 - (t1*t47 - t14*t46) - t11*t48, 0.0,
+        0.0, -t19, -t17, t11*(t4*s4) + t1*t49, t14*t51 + (t5*t11 + (t15*t50 + t1*t7)), 0.0,
+        0.0, -t22, -t22, t39, -t33, t13*t40 - (s5*t38 - (c5*t39 - t10*t42)),
+        0.0, -t26, -t26, -t47, -t44, t13*t48 - (s5*t45 + (c5*t47 - t10*t46)),
+        0.0, 0.0, 0.0, t7, -t49, t10*t51 - (s5*t50 + (t5*t13 - c5*t7)),
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = 0.08*s5
+    t2 = 0.09 - c4*t1
+    t3 = q2 + q3
+    t4 = sin(t3)
+    t5 = cos(t3)
+    c5 = cos(q5)
+    t6 = 0.08*c5
+    t7 = 0.295 + t6
+    t8 = t4*t2 + t5*t7
+    t9 = t2*t5 - t4*t7
+    s2 = sin(q2)
+    t10 = t8 + 0.27*s2
+    t11 = 0.075 + t10
+    s1 = sin(q1)
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t12 = c1*s4
+    c2 = cos(q2)
+    t13 = t9 + 0.27*c2
+    t14 = s1*c4
+    t15 = t14 + t4*t12
+    t16 = t12 + t4*t14
+    t17 = s1*s4
+    t18 = c4*c1
+    t19 = t17 - t4*t18
+    t20 = t5*c1
+    t21 = t18 - t4*t17
+    t22 = s1*t5
+    t23 = t5*s4
+    t24 = c4*t5
+    t25 = c5*t22 - s5*t16
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t26 = s5*s6
+    t27 = c5*s6
+    t28 = s4*c6 + c4*t27
+    t29 = c4*c6 - s4*t27
+    t30 = t5*t28 - t4*t26
+    t31 = t4*t28 + t5*t26
+    t32 = c1*t29 - s1*t31
+    t33 = s1*t29 + c1*t31
+    t34 = t4*c5 + s5*t24
+    t35 = c5*t20 + s5*t19
+    t36 = t25*t30 - t32*t34
+    t37 = t30*t35 + t34*t33
+    t38 = t25*t33 + t32*t35
+    t39 = t36*t36 + t37*t37
+    t40 = 1.0/t39
+    t41 = 1.0/sqrt(t39)
+    t42 = t36*t40
+    t43 = t37*t40
+    t44 = t36*t41
+    t45 = t37*t41
+    t46 = s1*t42 + c1*t43
+    t47 = c1*t44 - s1*t45
+    t48 = t46*t38
+    t49 = t20*t42 - t22*t43
+    t50 = t15*t42 + t21*t43
+    return (
+        t1*t12 - s1*t11, c1*t13, c1*t9, t1*t15, t6*t19 - t1*t20, 0.0,
+        t11*c1 + t1*t17, s1*t13, s1*t9, -t1*t21, -(t6*t16 + t1*t22), 0.0,
+        0.0, -t10, -t8, t1*t23, t4*t1 - t6*t24, 0.0,
+        0.0, t46, t46, t49, t50, t35*t42 - t25*t43,
+        0.0, -t47, -t47, t22*t44 + t20*t45, t15*t45 - t21*t44, t30*t41,
+        1.0, -t48, -t48, t4 - t49*t38, -(t23 + t50*t38), t34*t40,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = 0.08*s5
+    t2 = 0.09 - c4*t1
+    t3 = q2 + q3
+    t4 = sin(t3)
+    t5 = cos(t3)
+    c5 = cos(q5)
+    t6 = 0.08*c5
+    t7 = 0.295 + t6
+    t8 = t4*t2 + t5*t7
+    t9 = t2*t5 - t4*t7
+    s2 = sin(q2)
+    t10 = t8 + 0.27*s2
+    t11 = 0.075 + t10
+    s1 = sin(q1)
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t12 = c1*s4
+    c2 = cos(q2)
+    t13 = t9 + 0.27*c2
+    t14 = s1*c4
+    t15 = t14 + t4*t12
+    t16 = t12 + t4*t14
+    t17 = s1*s4
+    t18 = t5*s4
+    t19 = c4*c1
+    t20 = c4*t5
+    t21 = t17 - t4*t19
+    t22 = t5*c1
+    t23 = s1*t5
+    t24 = t19 - t4*t17
+    t25 = c5*t22 + s5*t21
+    t26 = c5*t23 - s5*t16
+    t27 = t4*c5 + s5*t20
+    t28 = t25*t25 + t26*t26
+    t29 = 1.0/t28
+    t30 = 1.0/sqrt(t28)
+    t31 = t25*t29
+    t32 = t26*t29
+    t33 = t25*t30
+    t34 = t26*t30
+    t35 = s1*t31 - c1*t32
+    t36 = t27*t35
+    t37 = c1*t33 + s1*t34
+    t38 = t22*t31 + t23*t32
+    return (
+        t1*t12 - s1*t11, c1*t13, c1*t9, t1*t15, t6*t21 - t1*t22, 0.0,
+        t11*c1 + t1*t17, s1*t13, s1*t9, -t1*t24, -(t6*t16 + t1*t23), 0.0,
+        0.0, -t10, -t8, t1*t18, t4*t1 - t6*t20, 0.0,
+        1.0, -t36, -t36, t4 - t27*t38, -t18*t29, 0.0,
+        0.0, t37, t37, t22*t34 - t23*t33, t24*t33 + t15*t34, 0.0,
+        0.0, -t35, -t35, -t38, t24*t32 - t15*t31, -1.0,
     )
 
 
@@ -271,4 +467,25 @@ jacobian = _function(
     output="J",
     shape=(6, 6),
     kernel=_jacobian,
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 6),
+    kernel=_jacobian_dot,
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_rpy,
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_zyz,
 )

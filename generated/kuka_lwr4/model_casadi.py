@@ -20,6 +20,9 @@ Every parameter has its number in this file.
     forward_kinematics(q) -> T
     link_transforms(q) -> T_i
     jacobian(q) -> J
+    jacobian_dot(q, qd) -> dJ/dt
+    analytic_jacobian_rpy(q) -> J_A
+    analytic_jacobian_zyz(q) -> J_A
 
 Self-check: `derive verify kuka-lwr4` compares every function with an independent recursion.
 """
@@ -37,9 +40,12 @@ LIMITS = (
 )
 PARAMETERS = ()
 OPERATIONS = {
-    "forward_kinematics": {"mul": 71, "add": 35, "div": 0, "sin": 7, "cos": 7, "sqrt": 0},
+    "forward_kinematics": {"mul": 66, "add": 32, "div": 0, "sin": 7, "cos": 7, "sqrt": 0},
     "link_transforms": {"mul": 71, "add": 35, "div": 0, "sin": 7, "cos": 7, "sqrt": 0},
-    "jacobian": {"mul": 81, "add": 46, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian": {"mul": 78, "add": 35, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian_dot": {"mul": 195, "add": 117, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 125, "add": 57, "div": 2, "sin": 7, "cos": 7, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 109, "add": 49, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
 }
 
 __all__ = [
@@ -52,6 +58,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -60,52 +69,55 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7 = q
-    c7 = cos(q7)
-    c6 = cos(q6)
     c5 = cos(q5)
-    c4 = cos(q4)
-    c3 = cos(q3)
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = c1*c2
-    s1 = sin(q1)
-    s3 = sin(q3)
-    t2 = c3*t1 - s1*s3
-    s4 = sin(q4)
-    s2 = sin(q2)
-    t3 = c1*s2
-    t4 = c4*t2 + s4*t3
-    s5 = sin(q5)
-    t5 = s1*c3 + s3*t1
-    t6 = c5*t4 - s5*t5
     s6 = sin(q6)
-    t7 = c4*t3 - s4*t2
-    t8 = c6*t6 - s6*t7
+    t1 = 0.078*s6
+    t2 = c5*t1
+    c4 = cos(q4)
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t3 = 0.39 + 0.078*c6
+    t4 = c4*t2 - s4*t3
+    c3 = cos(q3)
+    s5 = sin(q5)
+    t5 = s5*t1
+    s3 = sin(q3)
+    t6 = c3*t4 - s3*t5
+    t7 = s3*t4 + c3*t5
+    s2 = sin(q2)
+    t8 = 0.4 + (s4*t2 + c4*t3)
+    c2 = cos(q2)
+    t9 = c2*t6 + s2*t8
+    t10 = c5*s6
+    t11 = s4*t10 + c4*c6
+    t12 = c4*t10 - s4*c6
+    t13 = s5*s6
+    t14 = c3*t12 - s3*t13
+    t15 = s3*t12 + c3*t13
+    t16 = c2*t11 - s2*t14
+    t17 = c2*t14 + s2*t11
     s7 = sin(q7)
-    t9 = c5*t5 + s5*t4
-    t10 = c6*t7 + s6*t6
-    t11 = s1*c2
-    t12 = c3*t11 + c1*s3
-    t13 = s1*s2
-    t14 = c4*t12 + s4*t13
-    t15 = c1*c3 - s3*t11
-    t16 = c5*t14 + s5*t15
-    t17 = c4*t13 - s4*t12
-    t18 = c6*t16 - s6*t17
-    t19 = c5*t15 - s5*t14
-    t20 = c6*t17 + s6*t16
-    t21 = s2*c3
-    t22 = c4*t21 - c2*s4
-    t23 = s2*s3
-    t24 = c5*t22 - s5*t23
-    t25 = c2*c4 + s4*t21
-    t26 = c6*t24 + s6*t25
-    t27 = c5*t23 + s5*t22
-    t28 = c6*t25 - s6*t24
+    t18 = c6*s7
+    t19 = s6*s7
+    c7 = cos(q7)
+    t20 = c5*t18 + s5*c7
+    t21 = s5*t18 - c5*c7
+    t22 = c4*t20 + s4*t19
+    t23 = s4*t20 - c4*t19
+    t24 = c3*t22 - s3*t21
+    t25 = s3*t22 + c3*t21
+    t26 = c2*t23 - s2*t24
+    t27 = c2*t24 + s2*t23
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t28 = s1*t25 - c1*t27
+    t29 = c1*t25 + s1*t27
+    t30 = c1*t15 + s1*t17
+    t31 = s1*t15 - c1*t17
     return (
-        c7*t8 - s7*t9, -(c7*t9 + s7*t8), -t10, -(0.4*t3 + 0.39*t7 + 0.078*t10),
-        c7*t18 + s7*t19, c7*t19 - s7*t18, -t20, -(0.4*t13 + 0.39*t17 + 0.078*t20),
-        c7*t26 - s7*t27, -(c7*t27 + s7*t26), t28, 0.3105 + 0.4*c2 + 0.39*t25 + 0.078*t28,
+        t26*t30 - t29*t16, t28, t31, s1*t7 - c1*t9,
+        t26*t31 - t28*t16, -t29, -t30, -(s1*t9 + c1*t7),
+        t29*t31 - t28*t30, t26, t16, 0.3105 - (s2*t6 - c2*t8),
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -128,9 +140,9 @@ def _link_transforms(functions, k, q):
     t7 = 0.4*t2
     t8 = c3*t3 + c1*s3
     t9 = c1*c3 - s3*t3
-    t10 = 0.4*t4
-    t11 = s2*c3
-    t12 = s2*s3
+    t10 = s2*c3
+    t11 = s2*s3
+    t12 = 0.4*t4
     t13 = 0.3105 + 0.4*c2
     c4 = cos(q4)
     s4 = sin(q4)
@@ -138,8 +150,8 @@ def _link_transforms(functions, k, q):
     t15 = c4*t2 - s4*t5
     t16 = c4*t8 + s4*t4
     t17 = c4*t4 - s4*t8
-    t18 = c4*t11 - c2*s4
-    t19 = c2*c4 + s4*t11
+    t18 = c4*t10 - c2*s4
+    t19 = c2*c4 + s4*t10
     c5 = cos(q5)
     s5 = sin(q5)
     t20 = c5*t14 - s5*t6
@@ -147,9 +159,9 @@ def _link_transforms(functions, k, q):
     t22 = t7 + 0.39*t15
     t23 = c5*t16 + s5*t9
     t24 = c5*t9 - s5*t16
-    t25 = t10 + 0.39*t17
-    t26 = c5*t18 - s5*t12
-    t27 = c5*t12 + s5*t18
+    t25 = t12 + 0.39*t17
+    t26 = c5*t18 - s5*t11
+    t27 = c5*t11 + s5*t18
     t28 = t13 + 0.39*t19
     c6 = cos(q6)
     s6 = sin(q6)
@@ -171,12 +183,12 @@ def _link_transforms(functions, k, q):
         s2, 0.0, c2, 0.3105,
         0.0, 0.0, 0.0, 1.0,
         t5, t2, -t6, -t7,
-        t8, t4, t9, -t10,
-        t11, -c2, -t12, t13,
+        t8, t4, t9, -t12,
+        t10, -c2, -t11, t13,
         0.0, 0.0, 0.0, 1.0,
         t14, -t6, -t15, -t7,
-        t16, t9, -t17, -t10,
-        t18, -t12, t19, t13,
+        t16, t9, -t17, -t12,
+        t18, -t11, t19, t13,
         0.0, 0.0, 0.0, 1.0,
         t20, -t15, t21, -t22,
         t23, -t17, -t24, -t25,
@@ -196,64 +208,317 @@ def _link_transforms(functions, k, q):
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7 = q
-    s1 = sin(q1)
     s2 = sin(q2)
-    t1 = s1*s2
-    t2 = 0.4*t1
-    c4 = cos(q4)
-    s4 = sin(q4)
     c3 = cos(q3)
+    t1 = s2*c3
+    c4 = cos(q4)
     c2 = cos(q2)
-    t3 = s1*c2
+    s4 = sin(q4)
+    t2 = c4*t1 - c2*s4
+    c5 = cos(q5)
+    s6 = sin(q6)
+    t3 = c5*s6
+    s3 = sin(q3)
+    t4 = s2*s3
+    s5 = sin(q5)
+    t5 = s5*s6
+    t6 = c2*c4 + s4*t1
+    c6 = cos(q6)
+    t7 = c6*t6 - (t2*t3 - t4*t5)
+    t8 = c5*t4 + s5*t2
+    s1 = sin(q1)
+    t9 = s1*c2
+    c1 = cos(q1)
+    t10 = c3*t9 + c1*s3
+    t11 = s1*s2
+    t12 = c1*s2
+    t13 = c4*t10 + s4*t11
+    t14 = c1*c3 - s3*t9
+    t15 = c4*t11 - s4*t10
+    t16 = c6*t15 + (t13*t3 + t14*t5)
+    t17 = c5*t14 - s5*t13
+    t18 = c1*c2
+    t19 = c3*t18 - s1*s3
+    t20 = s1*c3 + s3*t18
+    t21 = c4*t19 + s4*t12
+    t22 = c4*t12 - s4*t19
+    t23 = c6*t22 + (t21*t3 - t20*t5)
+    t24 = c5*t20 + s5*t21
+    t25 = 0.078*t16
+    t26 = 0.078*t23
+    t27 = 0.078*s6
+    t28 = 0.078*t7
+    t29 = 0.39*t15 + t25
+    t30 = 0.39*t22 + t26
+    t31 = 0.39*t6 + t28
+    t32 = 0.4*t11 + t29
+    t33 = 0.4*t12 + t30
+    t34 = 0.4*c2 + t31
+    return (
+        t32, -c1*t34, c2*t29 - t11*t31, t14*t31 - t4*t29, t24*t27, t8*t25 - t17*t28, 0.0,
+        -t33, -s1*t34, t12*t31 - c2*t30, t4*t30 + t20*t31, -t17*t27, -(t8*t26 + t24*t28), 0.0,
+        0.0, -(s1*t32 + c1*t33), t12*t29 - t11*t30, t20*t29 + t14*t30, t8*t27, -(t24*t25 + t17*t26), 0.0,
+        0.0, s1, -t12, -t20, -t22, t24, -t23,
+        0.0, -c1, -t11, t14, -t15, -t17, -t16,
+        1.0, 0.0, c2, -t4, t6, t8, t7,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    qd1, qd2, qd3, qd4, qd5, qd6, qd7 = qd
+    s1 = sin(q1)
+    c3 = cos(q3)
+    c1 = cos(q1)
+    c2 = cos(q2)
+    t1 = c1*c2
+    s3 = sin(q3)
+    t2 = s1*c3 + s3*t1
+    s2 = sin(q2)
+    t3 = c1*s2
+    t4 = s1*qd2
+    t5 = t4 - t3*qd3
+    t6 = t5 - t2*qd4
+    t7 = s1*s3 - c3*t1
+    s4 = sin(q4)
+    c4 = cos(q4)
+    t8 = t3*c4 + s4*t7
+    t9 = t6 - t8*qd5
+    c5 = cos(q5)
+    t10 = c4*t7 - t3*s4
+    s5 = sin(q5)
+    t11 = c5*t2 - t10*s5
+    t12 = t9 + t11*qd6
+    t13 = s1*c2
+    t14 = c1*s3 + c3*t13
+    t15 = s2*s3
+    t16 = s2*s1
+    t17 = s2*c3
+    t18 = c1*c3 - s3*t13
+    t19 = c4*t14 + s4*t16
+    s6 = sin(q6)
+    t20 = c4*t16 - s4*t14
+    c6 = cos(q6)
+    t21 = c6*t20 + s6*(c5*t19 + s5*t18)
+    t22 = c1*qd2
+    t23 = t22 + qd3*t16
+    t24 = t23 - qd4*t18
+    t25 = t24 + qd5*t20
+    t26 = c5*t18 - s5*t19
+    t27 = t25 + qd6*t26
+    t28 = s6*(c5*t10 + s5*t2) - t8*c6
+    t29 = c4*c2 + s4*t17
+    t30 = s4*c2 - c4*t17
+    t31 = qd1 + c2*qd3
+    t32 = t31 - t15*qd4
+    t33 = t32 + t29*qd5
+    t34 = c5*t15 - s5*t30
+    t35 = c6*t29 + s6*(c5*t30 + s5*t15)
+    t36 = t33 + t34*qd6
+    t37 = c1*qd1
+    t38 = 0.078*t35
+    t39 = 0.078*t28
+    t40 = 0.078*t21
+    t41 = t39*t34 - t38*t11
+    t42 = t41*qd6
+    t43 = t38*t26 - t34*t40
+    t44 = qd6*t43
+    t45 = t29*t40 - t38*t20
+    t46 = t44 - qd5*t45
+    t47 = t39*t29 + t8*t38
+    t48 = t42 + t47*qd5
+    t49 = t38 + 0.39*t29
+    t50 = t39 - 0.39*t8
+    t51 = t2*t49 - t50*t15
+    t52 = t48 + t51*qd4
+    t53 = t40 + 0.39*t20
+    t54 = t49*t18 - t15*t53
+    t55 = t46 - qd4*t54
+    t56 = t3*t49 + c2*t50
+    t57 = t52 + t56*qd3
+    t58 = t49*t16 - c2*t53
+    t59 = t55 + qd3*t58
+    t60 = t49 + 0.4*c2
+    t61 = t59 + t60*t22
+    t62 = s1*t60
+    t63 = t57 - t62*qd2
+    t64 = t11*t40 - t39*t26
+    t65 = t8*t40 + t39*t20
+    t66 = qd6*t64
+    t67 = t66 - qd5*t65
+    t68 = t50*t18 - t2*t53
+    t69 = t67 + qd4*t68
+    t70 = t50*t16 + t3*t53
+    t71 = t69 - qd3*t70
+    t72 = t50 - 0.4*t3
+    t73 = t53 + 0.4*t16
+    t74 = t72*t22 - (t71 + t73*t4)
+    return (
+        -(t63 + t72*qd1), qd1*t62 - c1*t74, t16*t71 - (c2*t57 + (qd1*t56 + t22*t70)),
+        t15*t52 - (t18*t69 + (t51*t31 - t68*t23)), -(t29*t48 + (t65*t24 + (t47*t32 - t20*t67))),
+        t64*t25 - (t41*t33 - (t26*t66 - t34*t42)), 0.0,
+        qd1*t73 - t61, -(s1*t74 + t60*t37), -(c2*t59 + (t3*t71 + (qd1*t58 + t4*t70))),
+        t15*t55 + (t68*t5 + (t31*t54 - t2*t69)), -(t29*t46 + (t8*t67 + (t65*t6 - t32*t45))),
+        t64*t9 - (t33*t43 + (t34*t44 - t11*t66)), 0.0,
+        0.0, s1*t63 - c1*t61, -(t16*t59 + (t3*t57 - (t56*t4 - t22*t58))),
+        t51*t5 + (t18*t55 + t23*t54) - t2*t52, t24*t45 + (t47*t6 - t8*t48) - t20*t46,
+        t41*t9 + (t11*t42 - t26*t44) - t25*t43, 0.0,
+        0.0, t37, qd1*t16 - c2*t22, t15*t23 - t18*t31, t20*t32 - t29*t24, t26*t33 - t34*t25, t21*t36 - t35*t27,
+        0.0, s1*qd1, -(c2*t4 + t3*qd1), t15*t5 - t2*t31, -(t29*t6 + t8*t32), t11*t33 - t34*t9,
+        t28*t36 - t35*t12,
+        0.0, 0.0, -s2*qd2, t18*t5 - t2*t23, -(t20*t6 + t8*t24), t11*t25 - t26*t9, t28*t27 - t21*t12,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    s1 = sin(q1)
+    c3 = cos(q3)
+    c1 = cos(q1)
+    c2 = cos(q2)
+    t1 = c1*c2
+    s3 = sin(q3)
+    t2 = s1*c3 + s3*t1
+    c5 = cos(q5)
+    t3 = s1*s3 - c3*t1
+    c4 = cos(q4)
+    s2 = sin(q2)
+    t4 = s2*c1
+    s4 = sin(q4)
+    t5 = c4*t3 - s4*t4
+    s5 = sin(q5)
+    t6 = c5*t2 - s5*t5
+    s7 = sin(q7)
+    t7 = c5*t5 + s5*t2
+    c6 = cos(q6)
+    t8 = c4*t4 + s4*t3
+    s6 = sin(q6)
+    t9 = c6*t7 + s6*t8
+    c7 = cos(q7)
+    t10 = s7*t6 + t9*c7
+    t11 = s1*c2
+    t12 = c1*c3 - s3*t11
+    t13 = s2*c3
+    t14 = c1*s3 + c3*t11
+    t15 = s2*s3
+    t16 = s1*s2
+    t17 = c4*t14 + t16*s4
+    t18 = c5*t12 - t17*s5
+    t19 = c5*t17 + s5*t12
+    t20 = t16*c4 - s4*t14
+    t21 = c6*t19 - t20*s6
+    t22 = s7*t18 + t21*c7
+    t23 = t10*t10 + t22*t22
+    t24 = 1.0/t23
+    t25 = 1.0/sqrt(t23)
+    t26 = c4*c2 + s4*t13
+    t27 = s4*c2 - c4*t13
+    t28 = c5*t27 + s5*t15
+    t29 = c5*t15 - s5*t27
+    t30 = c6*t26 + s6*t28
+    t31 = c6*t28 - s6*t26
+    t32 = t31*c7 + s7*t29
+    t33 = t30*t24
+    t34 = t10*t24
+    t35 = t22*t24
+    t36 = t22*t25
+    t37 = t10*t25
+    t38 = t6*t34 + t18*t35
+    t39 = t8*t34 - t20*t35
+    t40 = t2*t34 + t12*t35
+    t41 = t4*t34 - t16*t35
+    t42 = s1*t34 + c1*t35
+    t43 = s6*t7 - c6*t8
+    t44 = c6*t20 + s6*t19
+    t45 = 0.078*t43
+    t46 = 0.078*t44
+    t47 = 0.078*t30
+    t48 = t45 - 0.39*t8
+    t49 = t46 + 0.39*t20
+    t50 = t47 + 0.39*t26
+    t51 = t49 + 0.4*t16
+    t52 = t48 - 0.4*t4
+    t53 = t50 + 0.4*c2
+    return (
+        t51, -c1*t53, c2*t49 - t16*t50, t12*t50 - t49*t15, t46*t26 - t20*t47, 0.078*t9, 0.0,
+        t52, -s1*t53, c2*t48 + t50*t4, t50*t2 - t15*t48, t26*t45 + t47*t8, -0.078*t21, 0.0,
+        0.0, c1*t52 - s1*t51, t16*t48 + t49*t4, t49*t2 - t12*t48, t20*t45 + t46*t8, 0.078*t31, 0.0,
+        0.0, -t42, t41, t40, t39, -t38, t32*t33,
+        0.0, c1*t37 - s1*t36, t16*t37 + t4*t36, t2*t36 - t12*t37, t20*t37 + t8*t36, t18*t37 - t6*t36,
+        t44*t37 - t43*t36,
+        1.0, -t42*t32, c2 + t41*t32, t40*t32 - t15, t26 + t39*t32, t29 - t38*t32, t33,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
     c1 = cos(q1)
     s3 = sin(q3)
-    t4 = c3*t3 + c1*s3
-    t5 = c4*t1 - s4*t4
-    t6 = t2 + 0.39*t5
-    c6 = cos(q6)
-    s6 = sin(q6)
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t1 = s1*c2
+    c3 = cos(q3)
+    t2 = c1*s3 + c3*t1
+    c4 = cos(q4)
+    s2 = sin(q2)
+    t3 = s1*s2
+    s4 = sin(q4)
+    t4 = c4*t2 + t3*s4
     c5 = cos(q5)
-    t7 = c4*t4 + s4*t1
+    s6 = sin(q6)
+    t5 = c5*s6
+    t6 = t3*c4 - t2*s4
+    c6 = cos(q6)
+    t7 = c1*c3 - s3*t1
     s5 = sin(q5)
-    t8 = c1*c3 - s3*t3
-    t9 = c6*t5 + s6*(c5*t7 + s5*t8)
-    t10 = t6 + 0.078*t9
-    t11 = 0.3105 + 0.4*c2
-    t12 = s2*c3
-    t13 = c2*c4 + s4*t12
-    t14 = t11 + 0.39*t13
-    t15 = c4*t12 - c2*s4
-    t16 = s2*s3
-    t17 = c6*t13 - s6*(c5*t15 - s5*t16)
-    t18 = t14 + 0.078*t17
-    t19 = 0.3105 - t18
-    t20 = t11 - t18
-    t21 = t2 - t10
-    t22 = t14 - t18
-    t23 = t6 - t10
-    t24 = c5*t8 - s5*t7
-    t25 = c5*t16 + s5*t15
-    t26 = c1*s2
-    t27 = 0.4*t26
-    t28 = c1*c2
-    t29 = c3*t28 - s1*s3
-    t30 = c4*t26 - s4*t29
-    t31 = t27 + 0.39*t30
-    t32 = c4*t29 + s4*t26
-    t33 = s1*c3 + s3*t28
-    t34 = c6*t30 + s6*(c5*t32 - s5*t33)
-    t35 = t31 + 0.078*t34
-    t36 = t27 - t35
-    t37 = t31 - t35
-    t38 = c5*t33 + s5*t32
+    t8 = s6*s5
+    t9 = t7*t8 + (t4*t5 + c6*t6)
+    t10 = 0.078*s6
+    t11 = 0.078*t9
+    t12 = t11 + 0.39*t6
+    t13 = t12 + 0.4*t3
+    t14 = s2*c3
+    t15 = c2*s4 - c4*t14
+    t16 = c4*c2 + s4*t14
+    t17 = s2*s3
+    t18 = s2*c1
+    t19 = t8*t17 + (t5*t15 + c6*t16)
+    t20 = 0.078*t19
+    t21 = t20 + 0.39*t16
+    t22 = t21 + 0.4*c2
+    t23 = c1*c2
+    t24 = s1*c3 + s3*t23
+    t25 = s1*s3 - c3*t23
+    t26 = c4*t25 - s4*t18
+    t27 = c5*t24 - s5*t26
+    t28 = c4*t18 + s4*t25
+    t29 = c6*t28 - (t5*t26 + t8*t24)
+    t30 = c5*t7 - t4*s5
+    t31 = c5*t17 - s5*t15
+    t32 = 0.078*t29
+    t33 = t32 + 0.39*t28
+    t34 = t33 + 0.4*t18
+    t35 = t29*t29 + t9*t9
+    t36 = 1.0/t35
+    t37 = 1.0/sqrt(t35)
+    t38 = t29*t36
+    t39 = t9*t36
+    t40 = t29*t37
+    t41 = t9*t37
+    t42 = s1*t38 - c1*t39
+    t43 = t18*t38 + t3*t39
+    t44 = t24*t38 - t7*t39
+    t45 = t6*t39 + t28*t38
     return (
-        t10, c1*t19, t1*t20 - c2*t21, t16*t21 - t8*t20, t5*t22 - t13*t23, t24*t22 - t25*t23, 0.0,
-        -t35, s1*t19, c2*t36 - t26*t20, -(t16*t36 + t33*t20), t13*t37 - t30*t22, t25*t37 + t38*t22, 0.0,
-        0.0, -(s1*t10 + c1*t35), t1*t36 - t26*t21, -(t33*t21 + t8*t36), t5*t37 - t30*t23, t38*t23 + t24*t37,
-        0.0,
-        0.0, s1, -t26, -t33, -t30, t38, -t34,
-        0.0, -c1, -t1, t8, -t5, -t24, -t9,
-        1.0, 0.0, c2, -t16, t13, t25, t17,
+        t13, -c1*t22, c2*t12 - t3*t21, t7*t21 - t12*t17, t27*t10, t11*t31 - t20*t30, 0.0,
+        -t34, -s1*t22, t21*t18 - c2*t33, t21*t24 + t17*t33, -t10*t30, -(t20*t27 + t31*t32), 0.0,
+        0.0, -(s1*t13 + c1*t34), t12*t18 - t3*t33, t7*t33 + t12*t24, t10*t31, -(t11*t27 + t30*t32), 0.0,
+        1.0, t19*t42, c2 - t19*t43, -(t17 + t19*t44), t16 - t19*t45, t31*t36, 0.0,
+        0.0, c1*t40 + s1*t41, t3*t40 - t18*t41, -(t7*t40 + t24*t41), t6*t40 - t28*t41, t30*t40 + t27*t41, 0.0,
+        0.0, -t42, t43, t44, t45, t30*t39 - t27*t38, 1.0,
     )
 
 
@@ -296,4 +561,25 @@ jacobian = _function(
     output="J",
     shape=(6, 7),
     kernel=_jacobian,
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 7),
+    kernel=_jacobian_dot,
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 7),
+    kernel=_analytic_jacobian_rpy,
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 7),
+    kernel=_analytic_jacobian_zyz,
 )

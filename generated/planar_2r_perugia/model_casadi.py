@@ -15,11 +15,19 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
     inertia_matrix(q, params) -> B
     coriolis_matrix(q, qd, params) -> C
     gravity_vector(q, params) -> g
     inverse_dynamics(q, qd, qdd, params) -> tau
     forward_dynamics(q, qd, tau, params) -> qdd
+    coriolis_vector(q, qd, params) -> c
+    inverse_dynamics_dq(q, qd, qdd, params) -> dtau/dq
+    inverse_dynamics_dqd(q, qd, params) -> dtau/dqd
+    regressor(q, qd, qdd, params) -> Y
+    base_regressor(q, qd, qdd, params) -> Y_b
+    base_parameters(params) -> beta
 
 Self-check: `derive verify planar-2r-perugia` compares every function with an independent recursion.
 """
@@ -33,15 +41,32 @@ LIMITS = (None, None)
 PARAMETERS = (
     "a1", "a2", "g", "ml1", "l1", "Il1", "mm1", "Im1", "kr1", "ml2", "l2", "Il2", "mm2", "Im2", "kr2",
 )
+STANDARD_PARAMETERS = (
+    "m1", "mx1", "my1", "mz1", "Ixx1", "Iyy1", "Izz1", "Ixy1", "Ixz1", "Iyz1", "mm1", "Im1", "m2", "mx2",
+    "my2", "mz2", "Ixx2", "Iyy2", "Izz2", "Ixy2", "Ixz2", "Iyz2", "mm2", "Im2",
+)
+BASE_PARAMETERS = ("mx1", "my1", "Izz1", "mx2", "my2", "Izz2", "Im2")
+BASE_FORMULAS = (
+    "a1*ml2 + a1*mm2 + ml1*l1", "0", "a1**2*ml2 + a1**2*mm2 + ml1*l1**2 + Il1 + kr1**2*Im1", "ml2*l2", "0",
+    "ml2*l2**2 + Il2", "Im2",
+)
 OPERATIONS = {
-    "forward_kinematics": {"mul": 8, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "link_transforms": {"mul": 8, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inertia_matrix": {"mul": 3, "add": 3, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
-    "coriolis_matrix": {"mul": 3, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
-    "gravity_vector": {"mul": 9, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_dynamics": {"mul": 18, "add": 13, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "forward_dynamics": {"mul": 17, "add": 13, "div": 3, "sin": 2, "cos": 2, "sqrt": 0},
+    "forward_kinematics": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "gravity_vector": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 2, "sqrt": 0},
+    "inverse_dynamics": {"mul": 17, "add": 13, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "forward_dynamics": {"mul": 14, "add": 12, "div": 3, "sin": 2, "cos": 2, "sqrt": 0},
+    "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "inverse_dynamics_dq": {"mul": 14, "add": 8, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inverse_dynamics_dqd": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "regressor": {"mul": 25, "add": 17, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_regressor": {"mul": 18, "add": 11, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
 }
 
 __all__ = [
@@ -51,14 +76,25 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "STANDARD_PARAMETERS",
+    "BASE_PARAMETERS",
+    "BASE_FORMULAS",
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
     "inverse_dynamics",
     "forward_dynamics",
+    "coriolis_vector",
+    "inverse_dynamics_dq",
+    "inverse_dynamics_dqd",
+    "regressor",
+    "base_regressor",
+    "base_parameters",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -75,15 +111,14 @@ def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2 = q
     p_a1, p_a2 = k
-    c1 = cos(q1)
-    c2 = cos(q2)
     s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = c1*c2 - s1*s2
-    t2 = s1*c2 + c1*s2
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = cos(t1)
+    c1 = cos(q1)
     return (
-        t1, -t2, 0.0, p_a1*c1 + p_a2*t1,
-        t2, t1, 0.0, p_a1*s1 + p_a2*t2,
+        t3, -t2, 0.0, p_a1*c1 + p_a2*t3,
+        t2, t3, 0.0, p_a1*s1 + p_a2*t2,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -100,21 +135,20 @@ def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2 = q
     p_a1, p_a2 = k
-    c1 = cos(q1)
     s1 = sin(q1)
-    t1 = p_a1*c1
-    t2 = p_a1*s1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = c1*c2 - s1*s2
-    t4 = s1*c2 + c1*s2
+    t1 = p_a1*s1
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c1 = cos(q1)
+    t5 = p_a1*c1
     return (
-        c1, -s1, 0.0, t1,
-        s1, c1, 0.0, t2,
+        c1, -s1, 0.0, t5,
+        s1, c1, 0.0, t1,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, -t4, 0.0, t1 + p_a2*t3,
-        t4, t3, 0.0, t2 + p_a2*t4,
+        t4, -t3, 0.0, t5 + p_a2*t4,
+        t3, t4, 0.0, t1 + p_a2*t3,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -132,16 +166,74 @@ def _jacobian(functions, k, q):
     q1, q2 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
-    t1 = p_a1*s1
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_a2*t2
+    t4 = cos(t1)
+    t5 = p_a2*t4
     c1 = cos(q1)
-    s2 = sin(q2)
-    t2 = t1 + p_a2*(s1*c2 + c1*s2)
-    t3 = p_a1*c1
-    t4 = t3 + p_a2*(c1*c2 - s1*s2)
     return (
-        -t2, t1 - t2,
-        t4, t4 - t3,
+        -(p_a1*s1 + t3), -t3,
+        p_a1*c1 + t5, t5,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        1.0, 1.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    p_a2, p_a1 = k
+    t1 = p_a2*(qd1 + qd2)
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1*t3
+    t5 = cos(t2)
+    t6 = t5*t1
+    t7 = p_a1*qd1
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -(t6 + c1*t7), -t6,
+        -(t4 + t7*s1), -t4,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    p_a1, p_a2 = k
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_a2*t2
+    t4 = cos(t1)
+    t5 = p_a2*t4
+    c1 = cos(q1)
+    return (
+        -(p_a1*s1 + t3), -t3,
+        p_a1*c1 + t5, t5,
         0.0, 0.0,
         0.0, 0.0,
         0.0, 0.0,
@@ -151,35 +243,35 @@ def _jacobian(functions, k, q):
 
 def _inertia_matrix_constants(functions, p):
     p_a1, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2 = p
-    t1 = p_ml2*p_l2
-    t2 = 2.0*p_a1
-    t3 = p_a1*(p_a1*(p_ml2 + p_mm2))
-    t4 = p_Il2 + p_l2*t1
-    t5 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (t4 + (p_Il1 + p_Im2)))
-    t6 = p_Im2*p_kr2
-    t7 = t6 + t4
-    t8 = t4 + p_kr2*t6
+    t1 = p_l2*p_ml2
+    t2 = p_Il2 + p_l2*t1
+    t3 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (p_Il1 + (p_Im2 + t2)))
+    t4 = (p_ml2 + p_mm2)*(p_a1*p_a1) + t3
+    t5 = t1*p_a1
+    t6 = 2.0*t5
+    t7 = p_kr2*p_Im2
+    t8 = t7 + t2
+    t9 = t2 + p_kr2*t7
     return (
-        t1, p_a1, t2, t3, t5, t7, t8,
+        t4, t5, t6, t8, t9,
     )
 
 
 def _inertia_matrix(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2 = q
-    k1, p_a1, k3, k4, k5, k6, k7 = k
+    k1, k2, k3, k4, k5 = k
     c2 = cos(q2)
-    t9 = c2*k1
-    t10 = p_a1*t9 + k6
+    t10 = k4 + k2*c2
     return (
-        t9*k3 + k4 + k5, t10,
-        t10, k7,
+        k1 + k3*c2, t10,
+        t10, k5,
     )
 
 
 def _coriolis_matrix_constants(functions, p):
     p_a1, p_ml2, p_l2 = p
-    t1 = p_a1*(p_ml2*p_l2)
+    t1 = p_l2*(p_a1*p_ml2)
     return (
         t1,
     )
@@ -191,52 +283,50 @@ def _coriolis_matrix(functions, k, q, qd):
     qd1, qd2 = qd
     (k1,) = k
     s2 = sin(q2)
-    t2 = s2*k1
-    t3 = (qd1 + qd2)*t2
-    t4 = qd1*t2
+    t2 = k1*s2
+    t3 = qd2*t2
+    t4 = t2*qd1
     return (
-        t4 - t3, -t3,
+        -t3, -(t3 + t4),
         t4, 0.0,
     )
 
 
 def _gravity_vector_constants(functions, p):
     p_a1, p_g, p_ml1, p_l1, p_ml2, p_l2, p_mm2 = p
-    t1 = p_ml2*p_l2
-    t2 = p_ml1*p_l1 + p_a1*(p_ml2 + p_mm2)
+    t1 = p_l2*(p_g*p_ml2)
+    t2 = p_g*(p_a1*(p_ml2 + p_mm2) + p_ml1*p_l1)
     return (
-        p_g, t1, t2,
+        t1, t2,
     )
 
 
 def _gravity_vector(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2 = q
-    p_g, k2, k3 = k
-    s1 = sin(q1)
-    t3 = p_g*s1
-    s2 = sin(q2)
-    c2 = cos(q2)
+    k1, k2 = k
+    t3 = cos(q1 + q2)
+    t4 = k1*t3
     c1 = cos(q1)
-    t4 = p_g*c1
     return (
-        (c2*k2 + k3)*t4 - t3*(s2*k2), k2*(c2*t4 - s2*t3),
+        t4 + k2*c1, t4,
     )
 
 
 def _inverse_dynamics_constants(functions, p):
     p_a1, p_g, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2 = p
-    t1 = p_ml2*p_l2
-    t2 = p_a1*t1
-    t3 = p_Im2*p_kr2
-    t4 = p_a1*p_ml2
-    t5 = p_ml1*p_l1
-    t6 = p_a1*p_mm2
-    t7 = t4 + (t5 + t6)
-    t8 = p_Il2 + p_l2*t1
-    t9 = p_kr1*(p_Im1*p_kr1) + (p_l1*t5 + (p_a1*(t6 + t4) + (p_Il1 + p_Im2)))
+    t1 = p_l2*p_ml2
+    t2 = t1*p_g
+    t3 = t1*p_a1
+    t4 = p_Il2 + p_l2*t1
+    t5 = p_Im2*p_kr2
+    t6 = p_kr2*t5
+    t7 = p_a1*(p_ml2 + p_mm2)
+    t8 = p_l1*p_ml1
+    t9 = p_l1*t8 + (p_a1*t7 + (p_kr1*(p_Im1*p_kr1) + (p_Im2 + p_Il1)))
+    t10 = p_g*(t7 + t8)
     return (
-        p_a1, t1, t2, p_kr2, t3, t7, p_g, t8, t9,
+        t2, t3, t4, t5, t6, t9, t10,
     )
 
 
@@ -245,39 +335,37 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
     q1, q2 = q
     qd1, qd2 = qd
     qdd1, qdd2 = qdd
-    p_a1, k2, k3, p_kr2, k5, k6, p_g, k8, k9 = k
-    t10 = qd1 + qd2
-    s2 = sin(q2)
-    c2 = cos(q2)
-    t11 = qdd1 + qdd2
+    k1, k2, k3, k4, k5, k6, k7 = k
     c1 = cos(q1)
-    t12 = p_g*c1
+    c2 = cos(q2)
     s1 = sin(q1)
-    t13 = k2*(c2*(t12 + p_a1*qdd1) - s2*(p_g*s1 - qd1*(p_a1*qd1)))
-    t14 = k8*t11 + t13
-    t15 = k5*qdd2 + (k6*t12 + (t14 + qdd1*k9)) - (t10*(s2*t10) - c2*t11)*k3
+    s2 = sin(q2)
+    t11 = qdd1 + qdd2
+    t12 = k3*t11 + (c2*(k1*c1 + k2*qdd1) - s2*(k1*s1 - qd1*(k2*qd1)))
+    t13 = qd1 + qd2
+    t14 = k4*qdd2 + (k7*c1 + (t12 + k6*qdd1)) - k2*(t13*(s2*t13) - c2*t11)
     return (
-        t15, t14 + k5*(qdd1 + p_kr2*qdd2),
+        t14, k5*qdd2 + (t12 + k4*qdd1),
     )
 
 
 def _forward_dynamics_constants(functions, p):
     p_a1, p_g, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2 = p
-    t1 = p_ml2*p_l2
-    t2 = p_Im2*p_kr2
-    t3 = p_Il2 + p_l2*t1
-    t4 = t2 + t3
-    t5 = t3 + p_kr2*t2
-    t6 = p_a1*t1
-    t7 = p_a1*p_ml2
-    t8 = p_ml1*p_l1
-    t9 = p_a1*p_mm2
-    t10 = t7 + (t8 + t9)
-    t11 = 2.0*p_a1
-    t12 = p_a1*(t9 + t7)
-    t13 = p_l1*t8 + (p_kr1*(p_Im1*p_kr1) + (t3 + (p_Il1 + p_Im2)))
+    t1 = p_l2*p_ml2
+    t2 = t1*p_a1
+    t3 = t1*p_g
+    t4 = p_kr2*p_Im2
+    t5 = p_Il2 + p_l2*t1
+    t6 = t4 + t5
+    t7 = t5 + p_kr2*t4
+    t8 = p_l1*p_ml1
+    t9 = p_a1*(p_ml2 + p_mm2)
+    t10 = p_g*(t8 + t9)
+    t11 = p_l1*t8 + (p_kr1*(p_Im1*p_kr1) + (p_Il1 + (p_Im2 + t5)))
+    t12 = p_a1*t9 + t11
+    t13 = 2.0*t2
     return (
-        t1, p_g, p_a1, t4, t5, t6, t10, t11, t12, t13,
+        t2, t3, t6, t7, t10, t12, t13,
     )
 
 
@@ -286,22 +374,192 @@ def _forward_dynamics(functions, k, q, qd, tau):
     q1, q2 = q
     qd1, qd2 = qd
     tau1, tau2 = tau
-    k1, p_g, p_a1, k4, k5, k6, k7, k8, k9, k10 = k
-    c2 = cos(q2)
-    c1 = cos(q1)
-    t14 = p_g*c1
+    k1, k2, k3, k4, k5, k6, k7 = k
+    t14 = qd1 + qd2
     s2 = sin(q2)
+    t15 = k1*s2
+    c1 = cos(q1)
+    c2 = cos(q2)
     s1 = sin(q1)
-    t15 = k1*(c2*t14 - s2*(p_g*s1 - qd1*(p_a1*qd1)))
-    t16 = t15 - tau2
-    t17 = c2*k1
-    t18 = p_a1*t17 + k4
-    t19 = t18/k5
-    t20 = qd1 + qd2
-    t21 = t16*t19 + (t20*(t20*(s2*k6)) - (k7*t14 + (t15 - tau1)))
-    t22 = t21/(t17*k8 + k9 - (t18*t19 - k10))
+    t16 = t15*(qd1*qd1) + k2*(c1*c2 - s2*s1)
+    t17 = tau2 - t16
+    t18 = k3 + k1*c2
+    t19 = t18/k4
+    t20 = (t14*(t15*t14) - (t17*t19 + (k5*c1 - (tau1 - t16))))/(t18*t19 - (k6 + k7*c2))
     return (
-        t22, -(t16/k5 + t19*t22),
+        -t20, t17/k4 + t19*t20,
+    )
+
+
+def _coriolis_vector_constants(functions, p):
+    p_a1, p_ml2, p_l2 = p
+    t1 = p_a1*(p_ml2*p_l2)
+    return (
+        t1,
+    )
+
+
+def _coriolis_vector(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    (k1,) = k
+    s2 = sin(q2)
+    t2 = k1*s2
+    t3 = t2*(qd1*qd1)
+    t4 = qd1 + qd2
+    return (
+        t3 - t4*(t2*t4), t3,
+    )
+
+
+def _inverse_dynamics_dq_constants(functions, p):
+    p_a1, p_g, p_ml1, p_l1, p_ml2, p_l2, p_mm2 = p
+    t1 = p_ml2*p_l2
+    t2 = p_g*(p_a1*(p_ml2 + p_mm2) + p_ml1*p_l1)
+    return (
+        t1, p_g, p_a1, t2,
+    )
+
+
+def _inverse_dynamics_dq(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    qdd1, qdd2 = qdd
+    k1, p_g, p_a1, k4 = k
+    s2 = sin(q2)
+    t3 = k1*s2
+    c1 = cos(q1)
+    c2 = cos(q2)
+    t4 = k1*c2
+    s1 = sin(q1)
+    t5 = p_g*(c1*t3 + s1*t4)
+    t6 = t3*qdd1
+    t7 = t5 + p_a1*(t6 - qd1*(t4*qd1))
+    t8 = qd1 + qd2
+    return (
+        -(t5 + k4*s1), -(t7 + p_a1*(t3*qdd2 + (t6 + t8*(t4*t8)))),
+        -t5, -t7,
+    )
+
+
+def _inverse_dynamics_dqd_constants(functions, p):
+    p_a1, p_ml2, p_l2 = p
+    t1 = p_a1*(2.0*(p_ml2*p_l2))
+    return (
+        t1,
+    )
+
+
+def _inverse_dynamics_dqd(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    (k1,) = k
+    s2 = sin(q2)
+    t2 = k1*s2
+    t3 = qd2*t2
+    t4 = t2*qd1
+    return (
+        -t3, -(t3 + t4),
+        t4, 0.0,
+    )
+
+
+def _regressor_constants(functions, p):
+    p_a1, p_a2, p_g, p_kr1, p_kr2 = p
+    t1 = p_kr1*p_kr1
+    return (
+        p_kr2, p_g, p_a1, p_a2, t1,
+    )
+
+
+def _regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    qdd1, qdd2 = qdd
+    p_kr2, p_g, p_a1, p_a2, k5 = k
+    t2 = qdd1 + p_kr2*qdd2
+    t3 = qdd1 + qdd2
+    s1 = sin(q1)
+    t4 = p_g*s1
+    t5 = t4 - qd1*(p_a1*qd1)
+    c2 = cos(q2)
+    t6 = p_a1*qdd1
+    c1 = cos(q1)
+    t7 = t6 + p_g*c1
+    t8 = p_a1*t7
+    s2 = sin(q2)
+    t9 = c2*t5 + t7*s2
+    t10 = p_a1*s2
+    t11 = p_a2 + p_a1*c2
+    t12 = p_a2*t3
+    t13 = t7*c2 + (t12 - s2*t5)
+    t14 = qd1 + qd2
+    t15 = t14*t14
+    t16 = t9 - p_a2*t15
+    return (
+        t8, t6 + t7, -t4, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, k5*qdd1, t10*t16 + t13*t11,
+        t3*t11 + (t13 - t10*t15), -(t10*t3 + (t16 + t15*t11)), 0.0, 0.0, 0.0, t3, 0.0, 0.0, 0.0, t8, t2,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p_a2*t13, t12 + t13, -t9, 0.0, 0.0, 0.0,
+        t3, 0.0, 0.0, 0.0, 0.0, p_kr2*t2,
+    )
+
+
+def _base_regressor_constants(functions, p):
+    p_a1, p_g, p_kr2 = p
+    return (
+        p_g, p_a1, p_kr2,
+    )
+
+
+def _base_regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    qdd1, qdd2 = qdd
+    p_g, p_a1, p_kr2 = k
+    c1 = cos(q1)
+    t1 = p_g*c1
+    s1 = sin(q1)
+    t2 = p_g*s1
+    t3 = t1 + p_a1*qdd1
+    c2 = cos(q2)
+    t4 = t2 - p_a1*(qd1*qd1)
+    s2 = sin(q2)
+    t5 = c2*t3 - s2*t4
+    t6 = p_a1*s2
+    t7 = p_a1*c2
+    t8 = c2*t4 + s2*t3
+    t9 = qd1 + qd2
+    t10 = t9*t9
+    t11 = qdd1 + qdd2
+    t12 = qdd1 + p_kr2*qdd2
+    return (
+        t1, -t2, qdd1, t5 - (t10*t6 - t11*t7), -(t8 + (t11*t6 + t10*t7)), t11, t12,
+        0.0, 0.0, 0.0, t5, -t8, t11, p_kr2*t12,
+    )
+
+
+def _base_parameters_constants(functions, p):
+    p_a1, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2 = p
+    t1 = p_ml1*p_l1
+    t2 = p_a1*(p_ml2 + p_mm2)
+    t3 = t1 + t2
+    t4 = p_a1*t2 + (p_l1*t1 + (p_Il1 + p_kr1*(p_Im1*p_kr1)))
+    t5 = p_ml2*p_l2
+    t6 = p_Il2 + p_l2*t5
+    return (
+        t3, t4, t5, t6, p_Im2,
+    )
+
+
+def _base_parameters(functions, k):
+    k1, k2, k3, k4, p_Im2 = k
+    return (
+        k1, 0.0, k2, k3, 0.0, k4, p_Im2,
     )
 
 
@@ -359,6 +617,28 @@ jacobian = _function(
         0, 1,
     ),
 )
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 2),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 2),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0, 1,
+    ),
+)
 inertia_matrix = _function(
     "inertia_matrix",
     arguments=("q",),
@@ -412,5 +692,71 @@ forward_dynamics = _function(
     hoisted=_forward_dynamics_constants,
     needs=(
         0, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14,
+    ),
+)
+coriolis_vector = _function(
+    "coriolis_vector",
+    arguments=("q", "qd"),
+    output="c",
+    shape=(2,),
+    kernel=_coriolis_vector,
+    hoisted=_coriolis_vector_constants,
+    needs=(
+        0, 9, 10,
+    ),
+)
+inverse_dynamics_dq = _function(
+    "inverse_dynamics_dq",
+    arguments=("q", "qd", "qdd"),
+    output="dtau/dq",
+    shape=(2, 2),
+    kernel=_inverse_dynamics_dq,
+    hoisted=_inverse_dynamics_dq_constants,
+    needs=(
+        0, 2, 3, 4, 9, 10, 12,
+    ),
+)
+inverse_dynamics_dqd = _function(
+    "inverse_dynamics_dqd",
+    arguments=("q", "qd"),
+    output="dtau/dqd",
+    shape=(2, 2),
+    kernel=_inverse_dynamics_dqd,
+    hoisted=_inverse_dynamics_dqd_constants,
+    needs=(
+        0, 9, 10,
+    ),
+)
+regressor = _function(
+    "regressor",
+    arguments=("q", "qd", "qdd"),
+    output="Y",
+    shape=(2, 24),
+    kernel=_regressor,
+    hoisted=_regressor_constants,
+    needs=(
+        0, 1, 2, 8, 14,
+    ),
+)
+base_regressor = _function(
+    "base_regressor",
+    arguments=("q", "qd", "qdd"),
+    output="Y_b",
+    shape=(2, 7),
+    kernel=_base_regressor,
+    hoisted=_base_regressor_constants,
+    needs=(
+        0, 2, 14,
+    ),
+)
+base_parameters = _function(
+    "base_parameters",
+    arguments=(),
+    output="beta",
+    shape=(7,),
+    kernel=_base_parameters,
+    hoisted=_base_parameters_constants,
+    needs=(
+        0, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13,
     ),
 )

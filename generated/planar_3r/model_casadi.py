@@ -16,6 +16,8 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
 
 Self-check: `derive verify planar-3r` compares every function with an independent recursion.
 """
@@ -28,9 +30,11 @@ JOINT_TYPES = ("revolute", "revolute", "revolute")
 LIMITS = (None, None, None)
 PARAMETERS = ("a1", "a2", "a3")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 14, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "link_transforms": {"mul": 14, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "jacobian": {"mul": 14, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "forward_kinematics": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "link_transforms": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
 }
 
 __all__ = [
@@ -43,6 +47,8 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -59,19 +65,17 @@ def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     p_a1, p_a2, p_a3 = k
-    c3 = cos(q3)
-    c1 = cos(q1)
-    c2 = cos(q2)
     s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = c1*c2 - s1*s2
-    s3 = sin(q3)
-    t2 = s1*c2 + c1*s2
-    t3 = c3*t1 - s3*t2
-    t4 = c3*t2 + s3*t1
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = q3 + t1
+    t4 = sin(t3)
+    t5 = cos(t3)
+    c1 = cos(q1)
+    t6 = cos(t1)
     return (
-        t3, -t4, 0.0, p_a1*c1 + p_a2*t1 + p_a3*t3,
-        t4, t3, 0.0, p_a1*s1 + p_a2*t2 + p_a3*t4,
+        t5, -t4, 0.0, p_a1*c1 + p_a2*t6 + p_a3*t5,
+        t4, t5, 0.0, p_a1*s1 + p_a2*t2 + p_a3*t4,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -88,31 +92,29 @@ def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     p_a1, p_a2, p_a3 = k
-    c1 = cos(q1)
     s1 = sin(q1)
-    t1 = p_a1*c1
-    t2 = p_a1*s1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = c1*c2 - s1*s2
-    t4 = s1*c2 + c1*s2
-    t5 = t1 + p_a2*t3
-    t6 = t2 + p_a2*t4
-    c3 = cos(q3)
-    s3 = sin(q3)
-    t7 = c3*t3 - s3*t4
-    t8 = c3*t4 + s3*t3
+    t1 = p_a1*s1
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1 + p_a2*t3
+    t5 = q3 + t2
+    t6 = sin(t5)
+    t7 = cos(t5)
+    c1 = cos(q1)
+    t8 = p_a1*c1
+    t9 = cos(t2)
+    t10 = t8 + p_a2*t9
     return (
-        c1, -s1, 0.0, t1,
-        s1, c1, 0.0, t2,
+        c1, -s1, 0.0, t8,
+        s1, c1, 0.0, t1,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, -t4, 0.0, t5,
-        t4, t3, 0.0, t6,
+        t9, -t3, 0.0, t10,
+        t3, t9, 0.0, t4,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t7, -t8, 0.0, t5 + p_a3*t7,
-        t8, t7, 0.0, t6 + p_a3*t8,
+        t7, -t6, 0.0, t10 + p_a3*t7,
+        t6, t7, 0.0, t4 + p_a3*t6,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -121,31 +123,100 @@ def _link_transforms(functions, k, q):
 def _jacobian_constants(functions, p):
     p_a1, p_a2, p_a3 = p
     return (
-        p_a1, p_a2, p_a3,
+        p_a2, p_a3, p_a1,
     )
 
 
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
-    p_a1, p_a2, p_a3 = k
+    p_a2, p_a3, p_a1 = k
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = q3 + t1
+    t4 = sin(t3)
+    t5 = p_a3*t4
+    t6 = p_a2*t2 + t5
     s1 = sin(q1)
-    t1 = p_a1*s1
-    c2 = cos(q2)
+    t7 = cos(t1)
+    t8 = cos(t3)
+    t9 = p_a3*t8
+    t10 = p_a2*t7 + t9
     c1 = cos(q1)
-    s2 = sin(q2)
-    t2 = s1*c2 + c1*s2
-    t3 = t1 + p_a2*t2
-    c3 = cos(q3)
-    s3 = sin(q3)
-    t4 = c1*c2 - s1*s2
-    t5 = t3 + p_a3*(c3*t2 + s3*t4)
-    t6 = p_a1*c1
-    t7 = t6 + p_a2*t4
-    t8 = t7 + p_a3*(c3*t4 - s3*t2)
     return (
-        -t5, t1 - t5, t3 - t5,
-        t8, t8 - t6, t8 - t7,
+        -(p_a1*s1 + t6), -t6, -t5,
+        p_a1*c1 + t10, t10, t9,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        1.0, 1.0, 1.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_a1, p_a2, p_a3 = p
+    return (
+        p_a3, p_a2, p_a1,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    qd1, qd2, qd3 = qd
+    p_a3, p_a2, p_a1 = k
+    t1 = qd1 + qd2
+    t2 = p_a3*(qd3 + t1)
+    t3 = q1 + q2
+    t4 = q3 + t3
+    t5 = sin(t4)
+    t6 = t2*t5
+    t7 = cos(t4)
+    t8 = t7*t2
+    t9 = p_a2*t1
+    t10 = sin(t3)
+    t11 = t6 + t9*t10
+    t12 = cos(t3)
+    t13 = t8 + t12*t9
+    t14 = p_a1*qd1
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -(t13 + c1*t14), -t13, -t8,
+        -(t11 + t14*s1), -t11, -t6,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_a1, p_a2, p_a3 = p
+    return (
+        p_a2, p_a3, p_a1,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, p_a1 = k
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = q3 + t1
+    t4 = sin(t3)
+    t5 = p_a3*t4
+    t6 = p_a2*t2 + t5
+    s1 = sin(q1)
+    t7 = cos(t1)
+    t8 = cos(t3)
+    t9 = p_a3*t8
+    t10 = p_a2*t7 + t9
+    c1 = cos(q1)
+    return (
+        -(p_a1*s1 + t6), -t6, -t5,
+        p_a1*c1 + t10, t10, t9,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
@@ -203,6 +274,28 @@ jacobian = _function(
     shape=(6, 3),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 3),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
     needs=(
         0, 1, 2,
     ),

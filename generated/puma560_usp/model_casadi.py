@@ -19,6 +19,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify puma560-usp` compares every function with an independent recursion.
 """
@@ -35,9 +38,12 @@ LIMITS = (
 )
 PARAMETERS = ("d2", "a2", "a3", "d4", "d6")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 64, "add": 33, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
-    "link_transforms": {"mul": 64, "add": 33, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
-    "jacobian": {"mul": 66, "add": 40, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "forward_kinematics": {"mul": 44, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "link_transforms": {"mul": 56, "add": 28, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian": {"mul": 45, "add": 20, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
 }
 
 __all__ = [
@@ -50,6 +56,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -58,52 +67,50 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics_constants(functions, p):
     p_d2, p_a2, p_a3, p_d4, p_d6 = p
     return (
-        p_d2, p_a2, p_a3, p_d4, p_d6,
+        p_d6, p_a3, p_d4, p_a2, p_d2,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_d2, p_a2, p_a3, p_d4, p_d6 = k
-    c6 = cos(q6)
-    c5 = cos(q5)
+    p_d6, p_a3, p_d4, p_a2, p_d2 = k
     c4 = cos(q4)
-    c3 = cos(q3)
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = c1*c2
-    s3 = sin(q3)
-    s2 = sin(q2)
-    t2 = c1*s2
-    t3 = c3*t1 - s3*t2
-    s1 = sin(q1)
-    s4 = sin(q4)
-    t4 = c4*t3 - s1*s4
     s5 = sin(q5)
-    t5 = c3*t2 + s3*t1
-    t6 = c5*t4 - s5*t5
+    t1 = p_d6*s5
+    t2 = p_a3 + c4*t1
+    t3 = q2 + q3
+    t4 = sin(t3)
+    t5 = cos(t3)
+    c5 = cos(q5)
+    t6 = p_d4 + p_d6*c5
+    s2 = sin(q2)
+    t7 = c4*s5
+    t8 = c5*t5 - t4*t7
     s6 = sin(q6)
-    t7 = s1*c4 + s4*t3
-    t8 = c5*t5 + s5*t4
-    t9 = s1*c2
-    t10 = s1*s2
-    t11 = c3*t9 - s3*t10
-    t12 = c4*t11 + c1*s4
-    t13 = c3*t10 + s3*t9
-    t14 = c5*t12 - s5*t13
-    t15 = c1*c4 - s4*t11
-    t16 = c5*t13 + s5*t12
-    t17 = s2*c3 + c2*s3
-    t18 = c4*t17
-    t19 = c2*c3 - s2*s3
-    t20 = c5*t18 + s5*t19
-    t21 = s4*t17
-    t22 = c5*t19 - s5*t18
+    t9 = c5*s6
+    t10 = s5*s6
+    t11 = t5*t7 + c5*t4
+    s4 = sin(q4)
+    t12 = s4*s5
+    c6 = cos(q6)
+    t13 = c4*t9 + s4*c6
+    t14 = s4*t9 - c4*c6
+    t15 = t5*t10 + t4*t13
+    t16 = t5*t13 - t4*t10
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t17 = s1*t14 - c1*t16
+    t18 = c1*t14 + s1*t16
+    t19 = c1*t12 + s1*t11
+    t20 = s1*t12 - c1*t11
+    c2 = cos(q2)
+    t21 = p_a2*c2 + (t5*t2 + t4*t6)
+    t22 = p_d2 + s4*t1
     return (
-        c6*t6 - s6*t7, -(c6*t7 + s6*t6), t8, p_d6*t8 - (p_d2*s1 - p_a2*t1 - p_a3*t3 - p_d4*t5),
-        c6*t14 + s6*t15, c6*t15 - s6*t14, t16, p_d2*c1 + p_a2*t9 + p_a3*t11 + p_d4*t13 + p_d6*t16,
-        s6*t21 - c6*t20, c6*t21 + s6*t20, t22, p_d6*t22 - (p_a2*s2 + p_a3*t17 - p_d4*t19),
+        -(t15*t19 + t18*t8), t17, -t20, c1*t21 - s1*t22,
+        -(t15*t20 + t17*t8), -t18, t19, s1*t21 + c1*t22,
+        t17*t19 - t18*t20, t15, t8, -(p_a2*s2 + (t4*t2 - t5*t6)),
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -111,55 +118,52 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_d2, p_a2, p_a3, p_d4, p_d6 = p
     return (
-        p_d2, p_a2, p_a3, p_d4, p_d6,
+        p_a2, p_d2, p_a3, p_d4, p_d6,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_d2, p_a2, p_a3, p_d4, p_d6 = k
+    p_a2, p_d2, p_a3, p_d4, p_d6 = k
     c1 = cos(q1)
     s1 = sin(q1)
     c2 = cos(q2)
     t1 = c1*c2
+    t2 = s1*c2
     s2 = sin(q2)
-    t2 = c1*s2
-    t3 = p_d2*s1 - p_a2*t1
-    t4 = s1*c2
-    t5 = s1*s2
-    t6 = p_d2*c1 + p_a2*t4
-    t7 = p_a2*s2
-    c3 = cos(q3)
-    s3 = sin(q3)
-    t8 = c3*t1 - s3*t2
-    t9 = c3*t2 + s3*t1
-    t10 = t3 - p_a3*t8
-    t11 = c3*t4 - s3*t5
-    t12 = c3*t5 + s3*t4
-    t13 = t6 + p_a3*t11
-    t14 = s2*c3 + c2*s3
-    t15 = c2*c3 - s2*s3
-    t16 = t7 + p_a3*t14
-    c4 = cos(q4)
+    t3 = p_a2*s2
+    t4 = p_d2*s1 - p_a2*t1
+    t5 = p_d2*c1 + p_a2*t2
+    t6 = q2 + q3
+    t7 = cos(t6)
+    t8 = sin(t6)
+    t9 = c1*t7
+    t10 = c1*t8
+    t11 = t4 - p_a3*t9
+    t12 = s1*t7
+    t13 = s1*t8
+    t14 = t5 + p_a3*t12
+    t15 = t3 + p_a3*t8
     s4 = sin(q4)
-    t17 = c4*t8 - s1*s4
-    t18 = s1*c4 + s4*t8
-    t19 = t10 - p_d4*t9
-    t20 = c4*t11 + c1*s4
-    t21 = c1*c4 - s4*t11
-    t22 = t13 + p_d4*t12
-    t23 = c4*t14
-    t24 = s4*t14
-    t25 = t16 - p_d4*t15
+    c4 = cos(q4)
+    t16 = s1*s4 - c4*t9
+    t17 = s1*c4 + s4*t9
+    t18 = p_d4*t10 - t11
+    t19 = c1*s4 + c4*t12
+    t20 = c1*c4 - s4*t12
+    t21 = c4*t8
+    t22 = s4*t8
+    t23 = p_d4*t13 + t14
+    t24 = p_d4*t7 - t15
     c5 = cos(q5)
     s5 = sin(q5)
-    t26 = c5*t17 - s5*t9
-    t27 = c5*t9 + s5*t17
-    t28 = c5*t20 - s5*t12
-    t29 = c5*t12 + s5*t20
-    t30 = c5*t23 + s5*t15
-    t31 = c5*t15 - s5*t23
+    t25 = c5*t16 + s5*t10
+    t26 = c5*t10 - s5*t16
+    t27 = c5*t19 - s5*t13
+    t28 = c5*t13 + s5*t19
+    t29 = c5*t21 + s5*t7
+    t30 = c5*t7 - s5*t21
     c6 = cos(q6)
     s6 = sin(q6)
     return (
@@ -167,25 +171,25 @@ def _link_transforms(functions, k, q):
         s1, 0.0, c1, 0.0,
         0.0, -1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -t2, -s1, -t3,
-        t4, -t5, c1, t6,
-        -s2, -c2, 0.0, -t7,
+        t1, -c1*s2, -s1, -t4,
+        t2, -s1*s2, c1, t5,
+        -s2, -c2, 0.0, -t3,
         0.0, 0.0, 0.0, 1.0,
-        t8, -s1, t9, -t10,
-        t11, c1, t12, t13,
-        -t14, 0.0, t15, -t16,
+        t9, -s1, t10, -t11,
+        t12, c1, t13, t14,
+        -t8, 0.0, t7, -t15,
         0.0, 0.0, 0.0, 1.0,
-        t17, -t9, -t18, -t19,
-        t20, -t12, t21, t22,
-        -t23, -t15, t24, -t25,
+        -t16, -t10, -t17, t18,
+        t19, -t13, t20, t23,
+        -t21, -t7, t22, t24,
         0.0, 0.0, 0.0, 1.0,
-        t26, -t18, t27, -t19,
-        t28, t21, t29, t22,
-        -t30, t24, t31, -t25,
+        -t25, -t17, t26, t18,
+        t27, t20, t28, t23,
+        -t29, t22, t30, t24,
         0.0, 0.0, 0.0, 1.0,
-        c6*t26 - s6*t18, -(c6*t18 + s6*t26), t27, p_d6*t27 - t19,
-        c6*t28 + s6*t21, c6*t21 - s6*t28, t29, t22 + p_d6*t29,
-        s6*t24 - c6*t30, c6*t24 + s6*t30, t31, p_d6*t31 - t25,
+        -(c6*t25 + s6*t17), s6*t25 - c6*t17, t26, p_d6*t26 + t18,
+        c6*t27 + s6*t20, c6*t20 - s6*t27, t28, p_d6*t28 + t23,
+        s6*t22 - c6*t29, c6*t22 + s6*t29, t30, p_d6*t30 + t24,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -193,63 +197,286 @@ def _link_transforms(functions, k, q):
 def _jacobian_constants(functions, p):
     p_d2, p_a2, p_a3, p_d4, p_d6 = p
     return (
-        p_d2, p_a2, p_a3, p_d4, p_d6,
+        p_d6, p_a3, p_d4, p_a2, p_d2,
     )
 
 
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_d2, p_a2, p_a3, p_d4, p_d6 = k
+    p_d6, p_a3, p_d4, p_a2, p_d2 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = p_d6*s5
+    t2 = p_a3 + c4*t1
+    t3 = q2 + q3
+    t4 = cos(t3)
+    t5 = sin(t3)
+    c5 = cos(q5)
+    t6 = p_d6*c5
+    t7 = p_d4 + t6
+    t8 = t4*t2 + t5*t7
+    t9 = t4*t7 - t2*t5
+    c2 = cos(q2)
+    t10 = t8 + p_a2*c2
+    s1 = sin(q1)
+    s4 = sin(q4)
+    t11 = p_d2 + t1*s4
     c1 = cos(q1)
-    t1 = p_d2*c1
+    s2 = sin(q2)
+    t12 = t9 - p_a2*s2
+    t13 = s1*c4
+    t14 = c1*s4
+    t15 = t13 + t4*t14
+    t16 = t14 + t4*t13
+    t17 = s1*s4
+    t18 = s1*t5
+    t19 = t5*s4
+    t20 = c4*c1
+    t21 = t5*c1
+    t22 = c4*t5
+    t23 = t17 - t4*t20
+    t24 = t20 - t4*t17
+    return (
+        -(s1*t10 + c1*t11), c1*t12, c1*t9, -t1*t15, -(t6*t23 + t1*t21), 0.0,
+        t10*c1 - s1*t11, s1*t12, s1*t9, t1*t24, t6*t16 - t1*t18, 0.0,
+        0.0, -t10, -t8, t1*t19, -(t4*t1 + t6*t22), 0.0,
+        0.0, -s1, -s1, t21, -t15, c5*t21 - s5*t23,
+        0.0, c1, c1, t18, t24, c5*t18 + s5*t16,
+        1.0, 0.0, 0.0, t4, t19, t4*c5 - s5*t22,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    return (
+        p_d6, p_a3, p_d4, p_a2, p_d2,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    qd1, qd2, qd3, qd4, qd5, qd6 = qd
+    p_d6, p_a3, p_d4, p_a2, p_d2 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = p_d6*s5
+    t2 = p_a3 + c4*t1
+    t3 = q2 + q3
+    t4 = sin(t3)
+    t5 = cos(t3)
+    t6 = qd2 + qd3
+    t7 = t4*t6
+    t8 = t5*t6
+    s4 = sin(q4)
+    t9 = s4*qd4
+    c5 = cos(q5)
+    t10 = c5*qd5
+    t11 = p_d6*t10
+    t12 = t1*t9 - c4*t11
+    t13 = s5*qd5
+    t14 = p_d6*t13
+    t15 = p_d6*c5
+    t16 = p_d4 + t15
+    t17 = t2*t7 - (t16*t8 - (t5*t12 + t4*t14))
+    s2 = sin(q2)
+    t18 = p_a2*s2
+    t19 = t17 + qd2*t18
     s1 = sin(q1)
     c2 = cos(q2)
-    t2 = s1*c2
-    t3 = t1 + p_a2*t2
-    c3 = cos(q3)
-    s3 = sin(q3)
-    s2 = sin(q2)
-    t4 = s1*s2
-    t5 = c3*t2 - s3*t4
-    t6 = c3*t4 + s3*t2
-    t7 = t3 + p_a3*t5 + p_d4*t6
-    c5 = cos(q5)
-    s5 = sin(q5)
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t8 = c5*t6 + s5*(c4*t5 + c1*s4)
-    t9 = t7 + p_d6*t8
-    t10 = p_a2*s2
-    t11 = s2*c3 + c2*s3
-    t12 = c2*c3 - s2*s3
-    t13 = t10 + p_a3*t11 - p_d4*t12
-    t14 = c5*t12 - s5*(c4*t11)
-    t15 = t13 - p_d6*t14
-    t16 = t10 - t15
-    t17 = t13 - t15
-    t18 = t7 - t9
-    t19 = c1*c4 - s4*t5
-    t20 = s4*t11
-    t21 = p_d2*s1
-    t22 = c1*c2
-    t23 = t21 - p_a2*t22
-    t24 = c1*s2
-    t25 = c3*t22 - s3*t24
-    t26 = c3*t24 + s3*t22
-    t27 = t23 - p_a3*t25 - p_d4*t26
-    t28 = c5*t26 + s5*(c4*t25 - s1*s4)
-    t29 = t27 - p_d6*t28
-    t30 = t27 - t29
-    t31 = s1*c4 + s4*t25
+    t20 = p_a2*c2
+    t21 = t4*t16 + (t20 + t5*t2)
+    c1 = cos(q1)
+    t22 = c1*qd1
+    t23 = p_d2 + t1*s4
+    t24 = qd1*s1
+    t25 = s4*t11
+    t26 = c4*qd4
+    t27 = t25 + t1*t26
+    t28 = t2*t8 + (t16*t7 + (t5*t14 - t4*t12))
+    t29 = t28 + t20*qd2
+    t30 = t5*t16 - t2*t4
+    t31 = t18 - t30
+    t32 = s1*t9 - c4*t22
+    t33 = c1*s4
+    t34 = c1*t26 - s4*t24
+    t35 = t5*t34 - (t32 + t7*t33)
+    t36 = c4*s1
+    t37 = t5*t11
+    t38 = s1*t26 + t22*s4
+    t39 = c4*c1
+    t40 = c1*t9 + c4*t24
+    t41 = t5*t40 + (t38 + t7*t39)
+    t42 = t4*t24 - c1*t8
+    t43 = t4*c1
+    t44 = s1*s4
+    t45 = t4*t26 + s4*t8
+    t46 = t44 - t5*t39
+    t47 = t5*t38 + (t40 - t7*t44)
+    t48 = t5*t32 - (t34 - t7*t36)
+    t49 = t33 + t5*t36
+    t50 = t4*t22 + s1*t8
+    t51 = t4*s1
+    t52 = t4*t9 - c4*t8
+    t53 = c4*t4
     return (
-        -t9, -c1*t15, c1*t16, t6*t17 + t12*t18, t19*t17 + t20*t18, 0.0,
-        -t29, -s1*t15, s1*t16, t12*t30 - t26*t17, t20*t30 + t31*t17, 0.0,
-        0.0, s1*(t1 - t9) - c1*(t21 - t29), s1*(t3 - t9) - c1*(t23 - t29), -(t26*t18 + t6*t30),
-        t31*t18 - t19*t30, 0.0,
-        0.0, -s1, -s1, t26, -t31, t28,
-        0.0, c1, c1, t6, t19, t8,
-        1.0, 0.0, 0.0, t12, t20, t14,
+        t23*t24 - (t21*t22 - s1*t19) - c1*t27, t24*t31 - c1*t29, -(c1*t28 + t24*t30),
+        -(t33*t37 + (t11*t36 + t1*t35)), -(t11*t43 + (t15*t41 - (t1*t42 + t14*t46))), 0.0,
+        -(s1*t27 + (t22*t23 + (t21*t24 + c1*t19))), -(t22*t31 + s1*t29), t22*t30 - s1*t28,
+        t11*t39 - t1*t47 - t37*t44, -(t11*t51 + (t15*t48 + (t1*t50 + t14*t49))), 0.0,
+        0.0, t19, t17, t1*t45 + t4*t25, t14*t53 + (t1*t7 - (t37 - t15*t52)), 0.0,
+        0.0, -t22, -t22, -t42, -t35, -(t13*t43 + (s5*t41 + (c5*t42 + t10*t46))),
+        0.0, -t24, -t24, t50, -t47, -(t13*t51 + (s5*t48 - (c5*t50 + t10*t49))),
+        0.0, 0.0, 0.0, -t7, t45, s5*t52 - (t5*t13 + c5*t7) - t10*t53,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    return (
+        p_d6, p_a3, p_d4, p_a2, p_d2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_a3, p_d4, p_a2, p_d2 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = p_d6*s5
+    t2 = p_a3 + c4*t1
+    t3 = q2 + q3
+    t4 = cos(t3)
+    t5 = sin(t3)
+    c5 = cos(q5)
+    t6 = p_d6*c5
+    t7 = p_d4 + t6
+    t8 = t4*t2 + t5*t7
+    t9 = t4*t7 - t2*t5
+    c2 = cos(q2)
+    t10 = t8 + p_a2*c2
+    s1 = sin(q1)
+    s4 = sin(q4)
+    t11 = p_d2 + t1*s4
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t12 = t9 - p_a2*s2
+    t13 = s1*c4
+    t14 = c1*s4
+    t15 = t13 + t4*t14
+    t16 = t14 + t4*t13
+    t17 = s1*s4
+    t18 = c4*c1
+    t19 = t17 - t4*t18
+    t20 = t18 - t4*t17
+    t21 = t5*c1
+    t22 = s1*t5
+    t23 = t5*s4
+    t24 = c4*t5
+    t25 = c5*t22 + s5*t16
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t26 = s5*s6
+    t27 = c5*s6
+    t28 = s4*c6 + c4*t27
+    t29 = c4*c6 - s4*t27
+    t30 = t5*t28 + t4*t26
+    t31 = t4*t28 - t5*t26
+    t32 = c1*t29 - s1*t31
+    t33 = s1*t29 + c1*t31
+    t34 = t4*c5 - s5*t24
+    t35 = c5*t21 - s5*t19
+    t36 = t25*t30 - t32*t34
+    t37 = t30*t35 + t34*t33
+    t38 = t25*t33 + t32*t35
+    t39 = t36*t36 + t37*t37
+    t40 = 1.0/t39
+    t41 = 1.0/sqrt(t39)
+    t42 = t36*t40
+    t43 = t37*t40
+    t44 = t36*t41
+    t45 = t37*t41
+    t46 = s1*t42 + c1*t43
+    t47 = c1*t44 - s1*t45
+    t48 = t46*t38
+    t49 = t21*t42 - t22*t43
+    t50 = t15*t42 + t20*t43
+    return (
+        -(s1*t10 + c1*t11), c1*t12, c1*t9, -t1*t15, -(t6*t19 + t1*t21), 0.0,
+        t10*c1 - s1*t11, s1*t12, s1*t9, t1*t20, t6*t16 - t1*t22, 0.0,
+        0.0, -t10, -t8, t1*t23, -(t4*t1 + t6*t24), 0.0,
+        0.0, t46, t46, -t49, t50, t25*t43 - t35*t42,
+        0.0, -t47, -t47, -(t22*t44 + t21*t45), t15*t45 - t20*t44, -t30*t41,
+        1.0, t48, t48, t4 - t49*t38, t23 + t50*t38, t34*t40,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    return (
+        p_d6, p_a3, p_d4, p_a2, p_d2,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_a3, p_d4, p_a2, p_d2 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = p_d6*s5
+    t2 = p_a3 + c4*t1
+    t3 = q2 + q3
+    t4 = cos(t3)
+    t5 = sin(t3)
+    c5 = cos(q5)
+    t6 = p_d6*c5
+    t7 = p_d4 + t6
+    t8 = t4*t2 + t5*t7
+    t9 = t4*t7 - t2*t5
+    c2 = cos(q2)
+    t10 = t8 + p_a2*c2
+    s1 = sin(q1)
+    s4 = sin(q4)
+    t11 = p_d2 + t1*s4
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t12 = t9 - p_a2*s2
+    t13 = s1*c4
+    t14 = c1*s4
+    t15 = t13 + t4*t14
+    t16 = t14 + t4*t13
+    t17 = s1*s4
+    t18 = t5*s4
+    t19 = c4*c1
+    t20 = c4*t5
+    t21 = t17 - t4*t19
+    t22 = t19 - t4*t17
+    t23 = t5*c1
+    t24 = s1*t5
+    t25 = c5*t23 - s5*t21
+    t26 = c5*t24 + s5*t16
+    t27 = t4*c5 - s5*t20
+    t28 = t25*t25 + t26*t26
+    t29 = 1.0/t28
+    t30 = 1.0/sqrt(t28)
+    t31 = t25*t29
+    t32 = t26*t29
+    t33 = t25*t30
+    t34 = t26*t30
+    t35 = s1*t31 - c1*t32
+    t36 = t27*t35
+    t37 = c1*t33 + s1*t34
+    t38 = t23*t31 + t24*t32
+    return (
+        -(s1*t10 + c1*t11), c1*t12, c1*t9, -t1*t15, -(t6*t21 + t1*t23), 0.0,
+        t10*c1 - s1*t11, s1*t12, s1*t9, t1*t22, t6*t16 - t1*t24, 0.0,
+        0.0, -t10, -t8, t1*t18, -(t4*t1 + t6*t20), 0.0,
+        1.0, t36, t36, t4 - t27*t38, t18*t29, 0.0,
+        0.0, t37, t37, t24*t33 - t23*t34, t22*t33 + t15*t34, 0.0,
+        0.0, -t35, -t35, t38, t22*t32 - t15*t31, 1.0,
     )
 
 
@@ -303,6 +530,39 @@ jacobian = _function(
     shape=(6, 6),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2, 3, 4,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 6),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1, 2, 3, 4,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0, 1, 2, 3, 4,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1, 2, 3, 4,
     ),

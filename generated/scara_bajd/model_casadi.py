@@ -16,6 +16,8 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
 
 Self-check: `derive verify scara-bajd` compares every function with an independent recursion.
 """
@@ -28,9 +30,11 @@ JOINT_TYPES = ("revolute", "revolute", "prismatic")
 LIMITS = (None, None, None)
 PARAMETERS = ("l1", "l2", "l3")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 8, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "link_transforms": {"mul": 8, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "forward_kinematics": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
 
 __all__ = [
@@ -43,6 +47,8 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -51,23 +57,22 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics_constants(functions, p):
     p_l1, p_l2, p_l3 = p
     return (
-        p_l2, p_l3, p_l1,
+        p_l1, p_l2, p_l3,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
-    p_l2, p_l3, p_l1 = k
+    p_l1, p_l2, p_l3 = k
     c1 = cos(q1)
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = sin(t1)
     s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = c1*c2 - s1*s2
-    t2 = s1*c2 + c1*s2
     return (
-        t1, -t2, 0.0, -(p_l2*s1 + p_l3*t2),
-        t2, t1, 0.0, p_l2*c1 + p_l3*t1,
+        t2, -t3, 0.0, -(p_l2*s1 + p_l3*t3),
+        t3, t2, 0.0, p_l2*c1 + p_l3*t2,
         0.0, 0.0, 1.0, p_l1 - q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -76,35 +81,34 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_l1, p_l2, p_l3 = p
     return (
-        p_l2, p_l1, p_l3,
+        p_l1, p_l2, p_l3,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
-    p_l2, p_l1, p_l3 = k
-    s1 = sin(q1)
+    p_l1, p_l2, p_l3 = k
     c1 = cos(q1)
-    t1 = p_l2*s1
-    t2 = p_l2*c1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = s1*c2 + c1*s2
-    t4 = c1*c2 - s1*s2
-    t5 = t1 + p_l3*t3
-    t6 = t2 + p_l3*t4
+    t1 = p_l2*c1
+    t2 = q1 + q2
+    t3 = cos(t2)
+    t4 = t1 + p_l3*t3
+    t5 = sin(t2)
+    s1 = sin(q1)
+    t6 = p_l2*s1
+    t7 = t6 + p_l3*t5
     return (
-        -s1, -c1, 0.0, -t1,
-        c1, -s1, 0.0, t2,
+        -s1, -c1, 0.0, -t6,
+        c1, -s1, 0.0, t1,
         0.0, 0.0, 1.0, p_l1,
         0.0, 0.0, 0.0, 1.0,
-        -t3, t4, 0.0, -t5,
-        t4, t3, 0.0, t6,
+        -t5, t3, 0.0, -t7,
+        t3, t5, 0.0, t4,
         0.0, 0.0, -1.0, p_l1,
         0.0, 0.0, 0.0, 1.0,
-        t4, -t3, 0.0, -t5,
-        t3, t4, 0.0, t6,
+        t3, -t5, 0.0, -t7,
+        t5, t3, 0.0, t4,
         0.0, 0.0, 1.0, p_l1 - q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -122,16 +126,74 @@ def _jacobian(functions, k, q):
     q1, q2, q3 = q
     p_l2, p_l3 = k
     c1 = cos(q1)
-    t1 = p_l2*c1
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = p_l3*t2
+    t4 = sin(t1)
+    t5 = p_l3*t4
     s1 = sin(q1)
-    s2 = sin(q2)
-    t2 = t1 + p_l3*(c1*c2 - s1*s2)
-    t3 = p_l2*s1
-    t4 = t3 + p_l3*(s1*c2 + c1*s2)
     return (
-        -t2, t1 - t2, 0.0,
-        -t4, t3 - t4, 0.0,
+        -(p_l2*c1 + t3), -t3, 0.0,
+        -(p_l2*s1 + t5), -t5, 0.0,
+        0.0, 0.0, -1.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        1.0, 1.0, 0.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_l2, p_l3 = p
+    return (
+        p_l3, p_l2,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    qd1, qd2, qd3 = qd
+    p_l3, p_l2 = k
+    t1 = p_l3*(qd1 + qd2)
+    t2 = q1 + q2
+    t3 = cos(t2)
+    t4 = t1*t3
+    t5 = sin(t2)
+    t6 = t5*t1
+    t7 = p_l2*qd1
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        t6 + s1*t7, t6, 0.0,
+        -(t4 + t7*c1), -t4, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_l2, p_l3 = p
+    return (
+        p_l2, p_l3,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    p_l2, p_l3 = k
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = p_l3*t2
+    t4 = sin(t1)
+    t5 = p_l3*t4
+    s1 = sin(q1)
+    return (
+        -(p_l2*c1 + t3), -t3, 0.0,
+        -(p_l2*s1 + t5), -t5, 0.0,
         0.0, 0.0, -1.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
@@ -189,6 +251,28 @@ jacobian = _function(
     shape=(6, 3),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        1, 2,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 3),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        1, 2,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
     needs=(
         1, 2,
     ),

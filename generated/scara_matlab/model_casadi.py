@@ -17,11 +17,19 @@ Every parameter has its number in this file.
     forward_kinematics(q) -> T
     link_transforms(q) -> T_i
     jacobian(q) -> J
+    jacobian_dot(q, qd) -> dJ/dt
+    analytic_jacobian_rpy(q) -> J_A
     inertia_matrix(q) -> B
     coriolis_matrix(q, qd) -> C
     gravity_vector(q) -> g
     inverse_dynamics(q, qd, qdd) -> tau
     forward_dynamics(q, qd, tau) -> qdd
+    coriolis_vector(q, qd) -> c
+    inverse_dynamics_dq(q, qd, qdd) -> dtau/dq
+    inverse_dynamics_dqd(q, qd) -> dtau/dqd
+    regressor(q, qd, qdd) -> Y
+    base_regressor(q, qd, qdd) -> Y_b
+    base_parameters() -> beta
 
 Self-check: `derive verify scara-matlab` compares every function with an independent recursion.
 """
@@ -33,15 +41,36 @@ JOINT_NAMES = ("q1", "q2", "q3", "q4")
 JOINT_TYPES = ("revolute", "revolute", "prismatic", "revolute")
 LIMITS = (None, None, None, None)
 PARAMETERS = ()
+STANDARD_PARAMETERS = (
+    "m1", "mx1", "my1", "mz1", "Ixx1", "Iyy1", "Izz1", "Ixy1", "Ixz1", "Iyz1", "mm1", "Im1", "b1", "m2",
+    "mx2", "my2", "mz2", "Ixx2", "Iyy2", "Izz2", "Ixy2", "Ixz2", "Iyz2", "mm2", "Im2", "b2", "m3", "mx3",
+    "my3", "mz3", "Ixx3", "Iyy3", "Izz3", "Ixy3", "Ixz3", "Iyz3", "mm3", "Im3", "b3", "m4", "mx4", "my4",
+    "mz4", "Ixx4", "Iyy4", "Izz4", "Ixy4", "Ixz4", "Iyz4", "mm4", "Im4", "b4",
+)
+BASE_PARAMETERS = (
+    "Izz1", "b1", "mx2", "my2", "Izz2", "Im2", "b2", "m3", "Im3", "b3", "mx4", "my4", "Izz4", "Im4", "b4",
+)
+BASE_FORMULAS = (
+    "23*a1**2 + 1/25 + G1**2*Jm1", "G1**2*B1", "8*a2 - 5/2", "0", "8*a2**2 - 16*a2/5 + 141/200 - 9*a2/5",
+    "Jm2", "G2**2*B2", "13/2", "Jm3", "G3**2*B3", "0", "0", "1/2000", "Jm4", "G4**2*B4",
+)
 OPERATIONS = {
-    "forward_kinematics": {"mul": 10, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "link_transforms": {"mul": 12, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inertia_matrix": {"mul": 2, "add": 3, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
-    "coriolis_matrix": {"mul": 3, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "forward_kinematics": {"mul": 2, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "gravity_vector": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_dynamics": {"mul": 38, "add": 31, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
-    "forward_dynamics": {"mul": 30, "add": 25, "div": 1, "sin": 1, "cos": 1, "sqrt": 0},
+    "inverse_dynamics": {"mul": 24, "add": 19, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "forward_dynamics": {"mul": 22, "add": 19, "div": 1, "sin": 1, "cos": 1, "sqrt": 0},
+    "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "inverse_dynamics_dq": {"mul": 8, "add": 5, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "inverse_dynamics_dqd": {"mul": 3, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
 }
 
 __all__ = [
@@ -51,14 +80,25 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "STANDARD_PARAMETERS",
+    "BASE_PARAMETERS",
+    "BASE_FORMULAS",
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
     "inverse_dynamics",
     "forward_dynamics",
+    "coriolis_vector",
+    "inverse_dynamics_dq",
+    "inverse_dynamics_dqd",
+    "regressor",
+    "base_regressor",
+    "base_parameters",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -67,19 +107,17 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    c4 = cos(q4)
+    t1 = q1 + q2
+    t2 = q4 - t1
+    t3 = cos(t2)
+    t4 = sin(t2)
     c1 = cos(q1)
-    c2 = cos(q2)
+    t5 = cos(t1)
+    t6 = sin(t1)
     s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = c1*c2 - s1*s2
-    s4 = sin(q4)
-    t2 = s1*c2 + c1*s2
-    t3 = c4*t1 + s4*t2
-    t4 = c4*t2 - s4*t1
     return (
-        t3, t4, 0.0, 2.0*(c1 + t1),
-        t4, -t3, 0.0, 2.0*(s1 + t2),
+        t3, -t4, 0.0, 2.0*(c1 + t5),
+        -t4, -t3, 0.0, 2.0*(s1 + t6),
         0.0, 0.0, -1.0, -q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -88,35 +126,33 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    c1 = cos(q1)
     s1 = sin(q1)
-    t1 = 2.0*c1
-    t2 = 2.0*s1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = c1*c2 - s1*s2
-    t4 = s1*c2 + c1*s2
-    t5 = t1 + 2.0*t3
-    t6 = t2 + 2.0*t4
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t7 = c4*t3 + s4*t4
-    t8 = c4*t4 - s4*t3
+    t1 = 2.0*s1
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1 + 2.0*t3
+    t5 = q4 - t2
+    t6 = cos(t5)
+    t7 = sin(t5)
+    t8 = cos(t2)
+    c1 = cos(q1)
+    t9 = 2.0*c1
+    t10 = t9 + 2.0*t8
     return (
-        c1, -s1, 0.0, t1,
-        s1, c1, 0.0, t2,
+        c1, -s1, 0.0, t9,
+        s1, c1, 0.0, t1,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, t4, 0.0, t5,
-        t4, -t3, 0.0, t6,
+        t8, t3, 0.0, t10,
+        t3, -t8, 0.0, t4,
         0.0, 0.0, -1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, t4, 0.0, t5,
-        t4, -t3, 0.0, t6,
+        t8, t3, 0.0, t10,
+        t3, -t8, 0.0, t4,
         0.0, 0.0, -1.0, -q3,
         0.0, 0.0, 0.0, 1.0,
-        t7, t8, 0.0, t5,
-        t8, -t7, 0.0, t6,
+        t6, -t7, 0.0, t10,
+        -t7, -t6, 0.0, t4,
         0.0, 0.0, -1.0, -q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -126,16 +162,58 @@ def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
-    t1 = 2.0*s1
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = 2.0*t2
+    t4 = cos(t1)
+    t5 = 2.0*t4
     c1 = cos(q1)
-    s2 = sin(q2)
-    t2 = t1 + 2.0*(s1*c2 + c1*s2)
-    t3 = 2.0*c1
-    t4 = t3 + 2.0*(c1*c2 - s1*s2)
     return (
-        -t2, t1 - t2, 0.0, 0.0,
-        t4, t4 - t3, 0.0, 0.0,
+        -(2.0*s1 + t3), -t3, 0.0, 0.0,
+        2.0*c1 + t5, t5, 0.0, 0.0,
+        0.0, 0.0, -1.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        1.0, 1.0, 0.0, -1.0,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = 2.0*qd1
+    t5 = t4 + 2.0*qd2
+    t6 = t2*t5
+    t7 = t5*t3
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        -(t6 + c1*t4), -t6, 0.0, 0.0,
+        -(t7 + t4*s1), -t7, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = 2.0*t2
+    t4 = cos(t1)
+    t5 = 2.0*t4
+    c1 = cos(q1)
+    return (
+        -(2.0*s1 + t3), -t3, 0.0, 0.0,
+        2.0*c1 + t5, t5, 0.0, 0.0,
         0.0, 0.0, -1.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -147,11 +225,10 @@ def _inertia_matrix(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
     c2 = cos(q2)
-    t1 = 53.0*c2
-    t2 = t1 + 48.727296
+    t1 = 48.727296 + 53.0*c2
     return (
-        141.529962968642 + 2.0*(13.0 + t1), t2, 0.01074126, -0.0030092012,
-        t2, 51.030547845, 0.01074126, -0.0030092012,
+        167.529962968642 + 106.0*c2, t1, 0.01074126, -0.0030092012,
+        t1, 51.030547845, 0.01074126, -0.0030092012,
         0.01074126, 0.01074126, 7.076873331938, 0.0,
         -0.0030092012, -0.0030092012, 0.0, 0.19129062612368,
     )
@@ -163,10 +240,10 @@ def _coriolis_matrix(functions, k, q, qd):
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
     t1 = 53.0*s2
-    t2 = (qd1 + qd2)*t1
-    t3 = qd1*t1
+    t2 = qd2*t1
+    t3 = t1*qd1
     return (
-        t3 - t2, -t2, 0.0, 0.0,
+        -t2, -(t2 + t3), 0.0, 0.0,
         t3, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -184,26 +261,17 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
-    c2 = cos(q2)
-    t1 = 2.0*qdd1
     s2 = sin(q2)
-    t2 = qd1*(2.0*qd1)
-    t3 = c2*t1 + s2*t2
-    t4 = qdd1 + qdd2
-    t5 = t3 + 2.0*t4
-    t6 = 6.5*t5 - 0.9*t4
-    t7 = 0.0005*(qdd4 - t4)
-    t8 = 0.01074126*qdd3 + (2.0*t6 - (0.9*t5 + (t7 + 0.0025092012*qdd4)))
-    t9 = 14.4*t3 + (26.305233*t4 + t8)
-    t10 = qd1 + qd2
-    t11 = t10*t10
-    t12 = s2*(6.5*(2.0*t11 + (c2*t2 - s2*t1)) + 13.5*t11) - c2*(t6 + 14.4*t4)
-    t13 = 92.824229968642*qdd1 + (0.021563*qdd2 + (t9 - 2.0*t12))
-    t14 = 9.496868641825*qd2 + (2.324814845*qdd2 + (t9 + 0.021563*qdd1))
-    t15 = 0.576873331938*qdd3 - (6.5*(9.8062 - qdd3) - 0.01074126*t4)
-    t16 = 0.411645229697152*qd4 + (0.19079062612368*qdd4 + (t7 - 0.0025092012*t4))
+    t1 = 0.01074126*qdd3 - 0.0030092012*qdd4
+    t2 = (106.0*qd1 + 53.0*qd2)*(s2*qd2) - (167.529962968642*qdd1 + (t1 + 5.8018217679508*qd1))
+    c2 = cos(q2)
+    t3 = qdd1*c2
+    t4 = 51.030547845*qdd2 + (48.727296*qdd1 + (t1 + 9.496868641825*qd2))
+    t5 = 7.076873331938*qdd3 - (63.7403 - 3.9804259903722*qd3)
+    t6 = qdd1 + qdd2
+    t7 = 0.411645229697152*qd4 + 0.19129062612368*qdd4 - 0.0030092012*t6
     return (
-        5.8018217679508*qd1 + t13, t14, 3.9804259903722*qd3 + t15, t16,
+        106.0*t3 + (qdd2*(48.727296 + 53.0*c2) - t2), 53.0*(t3 + s2*(qd1*qd1)) + t4, 0.01074126*t6 + t5, t7,
     )
 
 
@@ -213,28 +281,175 @@ def _forward_dynamics(functions, k, q, qd, tau):
     qd1, qd2, qd3, qd4 = qd
     tau1, tau2, tau3, tau4 = tau
     t1 = 3.9804259903722*qd3 - (63.7403 + tau3)
-    t2 = 0.0015177974080056776*t1
-    t3 = tau4 - 0.411645229697152*qd4
-    t4 = 0.015731043705478724*t3
     s2 = sin(q2)
-    t5 = qd1*(2.0*qd1)
-    t6 = s2*t5
-    t7 = 26.5*t6
-    t8 = 9.496868641825*qd2 - (t2 + (t4 - (t7 - tau2)))
+    t2 = 53.0*s2
+    t3 = qd4 - 2.4292762987577956*tau4
+    t4 = 0.0015177974080056776*t1 - (0.006475609099517726*t3 + t2*(qd1*qd1))
+    t5 = 9.496868641825*qd2 - (tau2 + t4)
     c2 = cos(q2)
-    t9 = 53.0*c2
-    t10 = t9 + 48.72723235906782
-    t11 = 0.019596129952462543*t10
+    t6 = 48.72723235906782 + 53.0*c2
+    t7 = 0.019596129952462543*t6
+    t8 = qd1 + qd2
+    t9 = t8*(t2*t8) + (t5*t7 - (5.8018217679508*qd1 - (tau1 + t4)))
+    t10 = t9/(t6*t7 - (167.5298993277098 + 106.0*c2))
+    t11 = 0.019596129952462543*t5 - t7*t10
+    t12 = t10 + t11
+    return (
+        -t10, -t11, 0.0015177974080056776*t12 - 0.14130534108714227*t1,
+        -(0.015731043705478724*t12 + 2.1519362346119384*t3),
+    )
+
+
+def _coriolis_vector(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    s2 = sin(q2)
+    t1 = 53.0*s2
+    t2 = t1*(qd1*qd1)
+    t3 = qd1 + qd2
+    return (
+        t2 - t3*(t1*t3), t2, 0.0, 0.0,
+    )
+
+
+def _inverse_dynamics_dq(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    s2 = sin(q2)
+    t1 = s2*qdd1
+    c2 = cos(q2)
+    t2 = 53.0*(t1 - qd1*(c2*qd1))
+    t3 = qd1 + qd2
+    return (
+        0.0, -(t2 + 53.0*(s2*qdd2 + (t1 + t3*(c2*t3)))), 0.0, 0.0,
+        0.0, -t2, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _inverse_dynamics_dqd(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    s2 = sin(q2)
+    t1 = 106.0*s2
+    t2 = t1*qd1
+    t3 = qd2*t1
+    return (
+        5.8018217679508 - t3, -(t3 + t2), 0.0, 0.0,
+        t2, 9.496868641825, 0.0, 0.0,
+        0.0, 0.0, 3.9804259903722, 0.0,
+        0.0, 0.0, 0.0, 0.411645229697152,
+    )
+
+
+def _regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    t1 = 4.0*qdd1
+    s2 = sin(q2)
+    t2 = 2.0*s2
+    t3 = qd1*qd1
+    t4 = qdd1 + qdd2
+    t5 = 2.0*t4
+    c2 = cos(q2)
+    t6 = 2.0*c2
+    t7 = t2*t3 + (t5 + qdd1*t6)
+    t8 = 2.0 + t6
+    t9 = 2.0*t7
+    t10 = t5 + t7
+    t11 = qdd1*t2 - t6*t3
     t12 = qd1 + qd2
     t13 = t12*t12
-    t14 = 2.0*(s2*(13.5*t13 + 6.5*(c2*t5 + 2.0*t13)) - t6*(6.5*c2))
-    t15 = t14 - (5.8018217679508*qd1 - (t2 + (t4 - (t7 - tau1))))
-    t16 = (t8*t11 + t15)/(t10*t11 - (141.5298993277098 + 2.0*(13.0 + t9)))
-    t17 = 0.019596129952462543*t8 - t11*t16
-    t18 = t16 + t17
+    t14 = t11 - 2.0*t13
+    t15 = t7*t8 + t2*t14
+    t16 = t4*t8 + (t7 - t2*t13)
+    t17 = t4*t2 + (t14 + t8*t13)
+    t18 = qdd1 + 107.815*qdd2
+    t19 = t4 + 53.7063*qdd3
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t20 = t7*c4 + t14*s4
+    t21 = t7*s4 - t14*c4
+    t22 = t2*c4 - t8*s4
+    t23 = t8*c4 + t2*s4
+    t24 = 2.0*c4
+    t25 = 2.0*s4
+    t26 = t12 - qd4
+    t27 = t26*t26
+    t28 = t4 - qdd4
+    t29 = t4 - 76.0364*qdd4
+    t30 = 9.8062 - qdd3
     return (
-        -t16, -t17, 0.0015177974080056776*t18 - 0.14130534108714227*t1,
-        5.227647691180876*t3 - 0.015731043705478724*t18,
+        t1, t1, 0.0, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, 3920.14984321*qdd1, qd1, t15, t16, t17, 0.0, 0.0,
+        0.0, t4, 0.0, 0.0, 0.0, t1, t18, 0.0, t15, t16, t17, 0.0, 0.0, 0.0, t4, 0.0, 0.0, 0.0, t15, t19, 0.0,
+        t15, t28*t23 + (t20 - t27*t22), t27*t23 - (t21 - t22*t28), 0.0, 0.0, 0.0, t28, 0.0, 0.0, 0.0, t15, t29,
+        0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t9, t10, t11, 0.0, 0.0, 0.0, t4, 0.0,
+        0.0, 0.0, 0.0, 107.815*t18, qd2, t9, t10, t11, 0.0, 0.0, 0.0, t4, 0.0, 0.0, 0.0, t9, t19, 0.0, t9,
+        t27*t25 + (t20 + t28*t24), -(t28*t25 + (t21 - t27*t24)), 0.0, 0.0, 0.0, t28, 0.0, 0.0, 0.0, t9, t29,
+        0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t30, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 53.7063*t19, qd3,
+        -t30, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t30, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t20, t21, 0.0, 0.0, 0.0, -t28, 0.0, 0.0, 0.0, 0.0, -76.0364*t29, qd4,
+    )
+
+
+def _base_regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    s2 = sin(q2)
+    t1 = 2.0*s2
+    t2 = qd1*qd1
+    c2 = cos(q2)
+    t3 = 2.0*c2
+    t4 = qdd1*t3 + t1*t2
+    t5 = qd1 + qd2
+    t6 = t5*t5
+    t7 = qdd1 + qdd2
+    t8 = qdd1*t1 - t3*t2
+    t9 = t8 - 2.0*t6
+    t10 = 2.0 + t3
+    t11 = qdd1 + 107.815*qdd2
+    t12 = t4 + 2.0*t7
+    t13 = t7 + 53.7063*qdd3
+    s4 = sin(q4)
+    c4 = cos(q4)
+    t14 = t9*s4 + t12*c4
+    t15 = t9*c4 - t12*s4
+    t16 = t1*c4 - t10*s4
+    t17 = t10*c4 + t1*s4
+    t18 = 2.0*s4
+    t19 = 2.0*c4
+    t20 = t5 - qd4
+    t21 = t20*t20
+    t22 = t7 - qdd4
+    t23 = t7 - 76.0364*qdd4
+    return (
+        qdd1, qd1, t7*t3 + (t4 - t6*t1), -(t1*t7 + (t8 + t6*t3)), t7, t11, 0.0, t1*t9 + t12*t10, t13, 0.0,
+        t22*t17 + (t14 - t21*t16), t21*t17 + (t15 + t16*t22), t22, t23, 0.0,
+        0.0, 0.0, t4, -t8, t7, 107.815*t11, qd2, 2.0*t12, t13, 0.0, t22*t19 + (t14 + t21*t18),
+        t21*t19 + (t15 - t22*t18), t22, t23, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, qdd3 - 9.8062, 53.7063*t13, qd3, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t14, -t15, -t22, -76.0364*t23, qd4,
+    )
+
+
+def _base_parameters(functions, k):
+    return (
+        92.824029968642, 5.8018217679508, 13.5, 0.0, 22.705, 0.0002, 9.496868641825, 6.5, 0.0002,
+        3.9804259903722, 0.0, 0.0, 0.0005, 3.3e-05, 0.411645229697152,
     )
 
 
@@ -278,6 +493,20 @@ jacobian = _function(
     shape=(6, 4),
     kernel=_jacobian,
 )
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 4),
+    kernel=_jacobian_dot,
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 4),
+    kernel=_analytic_jacobian_rpy,
+)
 inertia_matrix = _function(
     "inertia_matrix",
     arguments=("q",),
@@ -312,4 +541,46 @@ forward_dynamics = _function(
     output="qdd",
     shape=(4,),
     kernel=_forward_dynamics,
+)
+coriolis_vector = _function(
+    "coriolis_vector",
+    arguments=("q", "qd"),
+    output="c",
+    shape=(4,),
+    kernel=_coriolis_vector,
+)
+inverse_dynamics_dq = _function(
+    "inverse_dynamics_dq",
+    arguments=("q", "qd", "qdd"),
+    output="dtau/dq",
+    shape=(4, 4),
+    kernel=_inverse_dynamics_dq,
+)
+inverse_dynamics_dqd = _function(
+    "inverse_dynamics_dqd",
+    arguments=("q", "qd"),
+    output="dtau/dqd",
+    shape=(4, 4),
+    kernel=_inverse_dynamics_dqd,
+)
+regressor = _function(
+    "regressor",
+    arguments=("q", "qd", "qdd"),
+    output="Y",
+    shape=(4, 52),
+    kernel=_regressor,
+)
+base_regressor = _function(
+    "base_regressor",
+    arguments=("q", "qd", "qdd"),
+    output="Y_b",
+    shape=(4, 15),
+    kernel=_base_regressor,
+)
+base_parameters = _function(
+    "base_parameters",
+    arguments=(),
+    output="beta",
+    shape=(15,),
+    kernel=_base_parameters,
 )

@@ -12,6 +12,9 @@ Order of the entries of q, qd, qdd and tau:
 
 Every function takes one configuration, shape (n,) with n = 4, or any batch of them, shape (..., n); several
 arguments broadcast against each other, and the batch's shape leads in the result. Arguments are never modified.
+With `out=`, an array of float64 of the result's shape, the result is written there and returned.
+Arrays of another library (JAX, CuPy, PyTorch with array-api-compat, ...) give an array of that library, of the same
+dtype and on the same device; there the functions can be compiled, vectorised and differentiated.
 Every parameter has its number in this file; `params` must stay None.
 Self-check: `derive verify scara-matlab` compares every function with an independent recursion; and
 inverse_dynamics(q, qd, qdd) is inertia_matrix(q) @ qdd + coriolis_matrix(q, qd) @ qd + gravity_vector(q) and
@@ -19,6 +22,8 @@ friction.
 """
 
 import math
+import operator
+import struct
 
 import numpy as np
 
@@ -27,15 +32,36 @@ JOINT_NAMES = ("q1", "q2", "q3", "q4")
 JOINT_TYPES = ("revolute", "revolute", "prismatic", "revolute")
 LIMITS = (None, None, None, None)
 PARAMETERS = ()
+STANDARD_PARAMETERS = (
+    "m1", "mx1", "my1", "mz1", "Ixx1", "Iyy1", "Izz1", "Ixy1", "Ixz1", "Iyz1", "mm1", "Im1", "b1", "m2",
+    "mx2", "my2", "mz2", "Ixx2", "Iyy2", "Izz2", "Ixy2", "Ixz2", "Iyz2", "mm2", "Im2", "b2", "m3", "mx3",
+    "my3", "mz3", "Ixx3", "Iyy3", "Izz3", "Ixy3", "Ixz3", "Iyz3", "mm3", "Im3", "b3", "m4", "mx4", "my4",
+    "mz4", "Ixx4", "Iyy4", "Izz4", "Ixy4", "Ixz4", "Iyz4", "mm4", "Im4", "b4",
+)
+BASE_PARAMETERS = (
+    "Izz1", "b1", "mx2", "my2", "Izz2", "Im2", "b2", "m3", "Im3", "b3", "mx4", "my4", "Izz4", "Im4", "b4",
+)
+BASE_FORMULAS = (
+    "23*a1**2 + 1/25 + G1**2*Jm1", "G1**2*B1", "8*a2 - 5/2", "0", "8*a2**2 - 16*a2/5 + 141/200 - 9*a2/5",
+    "Jm2", "G2**2*B2", "13/2", "Jm3", "G3**2*B3", "0", "0", "1/2000", "Jm4", "G4**2*B4",
+)
 OPERATIONS = {
-    "forward_kinematics": {"mul": 10, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "link_transforms": {"mul": 12, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inertia_matrix": {"mul": 2, "add": 3, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
-    "coriolis_matrix": {"mul": 3, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "forward_kinematics": {"mul": 2, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "gravity_vector": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_dynamics": {"mul": 38, "add": 31, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
-    "forward_dynamics": {"mul": 30, "add": 25, "div": 1, "sin": 1, "cos": 1, "sqrt": 0},
+    "inverse_dynamics": {"mul": 24, "add": 19, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "forward_dynamics": {"mul": 22, "add": 19, "div": 1, "sin": 1, "cos": 1, "sqrt": 0},
+    "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "inverse_dynamics_dq": {"mul": 8, "add": 5, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "inverse_dynamics_dqd": {"mul": 3, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
 }
 
 __all__ = [
@@ -45,104 +71,156 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "STANDARD_PARAMETERS",
+    "BASE_PARAMETERS",
+    "BASE_FORMULAS",
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
     "inverse_dynamics",
     "forward_dynamics",
+    "coriolis_vector",
+    "inverse_dynamics_dq",
+    "inverse_dynamics_dqd",
+    "regressor",
+    "base_regressor",
+    "base_parameters",
 ]
 
 
-def forward_kinematics(q, params=None):
+def forward_kinematics(q, params=None, out=None):
     """Pose of the end effector in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         T, (..., 4, 4):
         base A_1 ... A_n tool, a 4x4 homogeneous transform.
 
-    Transforms of joint frames from the base outwards: 10 mul, 6 add, 3 sin, 3 cos.
+    Columns of the pose by the shortest ways to the world frame, turned by sums of angles of parallel joints: 2 mul, 4 add, 3 sin, 3 cos.
     """
-    return _FUNCTIONS["forward_kinematics"]((q,), params)
+    return _FUNCTIONS["forward_kinematics"]((q,), params, out)
 
 
-def link_transforms(q, params=None):
+def link_transforms(q, params=None, out=None):
     """Poses of the DH frames 1..n in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         T_i, (..., 4, 4, 4):
         base A_1 ... A_i for i = 1..n, without the tool.
 
-    Transforms of joint frames from the base outwards: 12 mul, 6 add, 3 sin, 3 cos.
+    Frames turned by sums of angles of parallel joints: 4 mul, 4 add, 3 sin, 3 cos.
     """
-    return _FUNCTIONS["link_transforms"]((q,), params)
+    return _FUNCTIONS["link_transforms"]((q,), params, out)
 
 
-def jacobian(q, params=None):
+def jacobian(q, params=None, out=None):
     """Geometric Jacobian at the end effector, in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         J, (..., 6, 4):
         rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
 
-    Geometric, from axes and origins: 8 mul, 6 add, 2 sin, 2 cos.
+    Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
     """
-    return _FUNCTIONS["jacobian"]((q,), params)
+    return _FUNCTIONS["jacobian"]((q,), params, out)
 
 
-def inertia_matrix(q, params=None):
+def jacobian_dot(q, qd, params=None, out=None):
+    """Rate of change of the geometric Jacobian, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dJ/dt, (..., 6, 4):
+        the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first.
+
+    Geometric Jacobian by the shortest ways to the world frame, differentiated in time: 6 mul, 4 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def analytic_jacobian_rpy(q, params=None, out=None):
+    """Analytic Jacobian for roll, pitch, yaw.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_A, (..., 6, 4):
+        rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit of qd; no finite numbers where cos(pitch) = 0.
+
+    Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 4 mul, 3 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["analytic_jacobian_rpy"]((q,), params, out)
+
+
+def inertia_matrix(q, params=None, out=None):
     """Inertia matrix, rotors and armatures included.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         B, (..., 4, 4):
         symmetric; kinetic energy is qd^T B qd / 2.
 
-    Composite bodies in base parameters: 2 mul, 3 add, 1 cos.
+    Composite bodies in base parameters: 2 mul, 2 add, 1 cos.
     """
-    return _FUNCTIONS["inertia_matrix"]((q,), params)
+    return _FUNCTIONS["inertia_matrix"]((q,), params, out)
 
 
-def coriolis_matrix(q, qd, params=None):
+def coriolis_matrix(q, qd, params=None, out=None):
     """Coriolis and centrifugal matrix in Christoffel form.
 
     Args:
         q: joint variables [rad, m], (..., n).
         qd: joint velocities [rad/s, m/s], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         C, (..., 4, 4):
         C qd is the velocity torque, and dB/dt = C + C^T.
 
-    Moving composite bodies in base parameters: 3 mul, 2 add, 1 sin.
+    Closed form: 3 mul, 1 add, 1 sin.
     """
-    return _FUNCTIONS["coriolis_matrix"]((q, qd), params)
+    return _FUNCTIONS["coriolis_matrix"]((q, qd), params, out)
 
 
-def gravity_vector(q, params=None):
+def gravity_vector(q, params=None, out=None):
     """Torques that hold the arm against gravity.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         g, (..., 4):
@@ -150,10 +228,10 @@ def gravity_vector(q, params=None):
 
     Composite first moments in base parameters: no operations.
     """
-    return _FUNCTIONS["gravity_vector"]((q,), params)
+    return _FUNCTIONS["gravity_vector"]((q,), params, out)
 
 
-def inverse_dynamics(q, qd, qdd, params=None):
+def inverse_dynamics(q, qd, qdd, params=None, out=None):
     """Joint torques and forces of a motion, friction included.
 
     Args:
@@ -161,17 +239,18 @@ def inverse_dynamics(q, qd, qdd, params=None):
         qd: joint velocities [rad/s, m/s], (..., n).
         qdd: joint accelerations [rad/s^2, m/s^2], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         tau, (..., 4):
         B qdd + C qd + g + viscous*qd + coulomb*sign(qd).
 
-    Newton-Euler in base parameters: 38 mul, 31 add, 1 sin, 1 cos.
+    Closed form: 24 mul, 19 add, 1 sin, 1 cos.
     """
-    return _FUNCTIONS["inverse_dynamics"]((q, qd, qdd), params)
+    return _FUNCTIONS["inverse_dynamics"]((q, qd, qdd), params, out)
 
 
-def forward_dynamics(q, qd, tau, params=None):
+def forward_dynamics(q, qd, tau, params=None, out=None):
     """Joint accelerations under given torques and forces.
 
     Args:
@@ -179,14 +258,124 @@ def forward_dynamics(q, qd, tau, params=None):
         qd: joint velocities [rad/s, m/s], (..., n).
         tau: joint torques and forces [N m, N], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         qdd, (..., 4):
         solution of tau = B qdd + C qd + g + friction.
 
-    Inertia matrix and Newton-Euler, factorised without roots: 30 mul, 25 add, 1 div, 1 sin, 1 cos.
+    Inertia matrix and Newton-Euler, factorised without roots: 22 mul, 19 add, 1 div, 1 sin, 1 cos.
     """
-    return _FUNCTIONS["forward_dynamics"]((q, qd, tau), params)
+    return _FUNCTIONS["forward_dynamics"]((q, qd, tau), params, out)
+
+
+def coriolis_vector(q, qd, params=None, out=None):
+    """Coriolis and centrifugal torques.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        c, (..., 4):
+        C qd, quadratic in qd.
+
+    Newton-Euler without gravity and accelerations in base parameters: 5 mul, 2 add, 1 sin.
+    """
+    return _FUNCTIONS["coriolis_vector"]((q, qd), params, out)
+
+
+def inverse_dynamics_dq(q, qd, qdd, params=None, out=None):
+    """Derivatives of the joint torques with respect to q.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        qdd: joint accelerations [rad/s^2, m/s^2], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dtau/dq, (..., 4, 4):
+        row i, column j: d tau_i / d q_j at constant qd and qdd.
+
+    Moving composite bodies in base parameters: 8 mul, 5 add, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["inverse_dynamics_dq"]((q, qd, qdd), params, out)
+
+
+def inverse_dynamics_dqd(q, qd, params=None, out=None):
+    """Derivatives of the joint torques with respect to qd.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dtau/dqd, (..., 4, 4):
+        2 C + viscous friction on the diagonal; Coulomb friction counts as constant.
+
+    Composite bodies of twice the mass and their inner motion in base parameters: 3 mul, 2 add, 1 sin.
+    """
+    return _FUNCTIONS["inverse_dynamics_dqd"]((q, qd), params, out)
+
+
+def regressor(q, qd, qdd, params=None, out=None):
+    """Regressor: tau = Y pi for the standard parameters pi, friction included.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        qdd: joint accelerations [rad/s^2, m/s^2], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        Y, (..., 4, 52):
+        a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's origin.
+
+    Work of unit wrenches on the screws of the joints: 44 mul, 31 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["regressor"]((q, qd, qdd), params, out)
+
+
+def base_regressor(q, qd, qdd, params=None, out=None):
+    """Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        qdd: joint accelerations [rad/s^2, m/s^2], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        Y_b, (..., 4, 15):
+        a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes.
+
+    Work of unit wrenches on the screws of the joints: 42 mul, 30 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["base_regressor"]((q, qd, qdd), params, out)
+
+
+def base_parameters(params=None, out=None):
+    """Base parameters: the fewest combinations of inertial parameters that determine the torques.
+
+    Args:
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        beta, (..., 15):
+        one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta.
+
+    Grouped from the tip inwards: no operations.
+    """
+    return _FUNCTIONS["base_parameters"]((), params, out)
 
 
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
@@ -195,19 +384,17 @@ def forward_dynamics(q, qd, tau, params=None):
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    c4 = cos(q4)
+    t1 = q1 + q2
+    t2 = q4 - t1
+    t3 = cos(t2)
+    t4 = sin(t2)
     c1 = cos(q1)
-    c2 = cos(q2)
+    t5 = cos(t1)
+    t6 = sin(t1)
     s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = c1*c2 - s1*s2
-    s4 = sin(q4)
-    t2 = s1*c2 + c1*s2
-    t3 = c4*t1 + s4*t2
-    t4 = c4*t2 - s4*t1
     return (
-        t3, t4, 0.0, 2.0*(c1 + t1),
-        t4, -t3, 0.0, 2.0*(s1 + t2),
+        t3, -t4, 0.0, 2.0*(c1 + t5),
+        -t4, -t3, 0.0, 2.0*(s1 + t6),
         0.0, 0.0, -1.0, -q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -216,35 +403,33 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    c1 = cos(q1)
     s1 = sin(q1)
-    t1 = 2.0*c1
-    t2 = 2.0*s1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = c1*c2 - s1*s2
-    t4 = s1*c2 + c1*s2
-    t5 = t1 + 2.0*t3
-    t6 = t2 + 2.0*t4
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t7 = c4*t3 + s4*t4
-    t8 = c4*t4 - s4*t3
+    t1 = 2.0*s1
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1 + 2.0*t3
+    t5 = q4 - t2
+    t6 = cos(t5)
+    t7 = sin(t5)
+    t8 = cos(t2)
+    c1 = cos(q1)
+    t9 = 2.0*c1
+    t10 = t9 + 2.0*t8
     return (
-        c1, -s1, 0.0, t1,
-        s1, c1, 0.0, t2,
+        c1, -s1, 0.0, t9,
+        s1, c1, 0.0, t1,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, t4, 0.0, t5,
-        t4, -t3, 0.0, t6,
+        t8, t3, 0.0, t10,
+        t3, -t8, 0.0, t4,
         0.0, 0.0, -1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, t4, 0.0, t5,
-        t4, -t3, 0.0, t6,
+        t8, t3, 0.0, t10,
+        t3, -t8, 0.0, t4,
         0.0, 0.0, -1.0, -q3,
         0.0, 0.0, 0.0, 1.0,
-        t7, t8, 0.0, t5,
-        t8, -t7, 0.0, t6,
+        t6, -t7, 0.0, t10,
+        -t7, -t6, 0.0, t4,
         0.0, 0.0, -1.0, -q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -254,16 +439,58 @@ def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
-    t1 = 2.0*s1
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = 2.0*t2
+    t4 = cos(t1)
+    t5 = 2.0*t4
     c1 = cos(q1)
-    s2 = sin(q2)
-    t2 = t1 + 2.0*(s1*c2 + c1*s2)
-    t3 = 2.0*c1
-    t4 = t3 + 2.0*(c1*c2 - s1*s2)
     return (
-        -t2, t1 - t2, 0.0, 0.0,
-        t4, t4 - t3, 0.0, 0.0,
+        -(2.0*s1 + t3), -t3, 0.0, 0.0,
+        2.0*c1 + t5, t5, 0.0, 0.0,
+        0.0, 0.0, -1.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        1.0, 1.0, 0.0, -1.0,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = 2.0*qd1
+    t5 = t4 + 2.0*qd2
+    t6 = t2*t5
+    t7 = t5*t3
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        -(t6 + c1*t4), -t6, 0.0, 0.0,
+        -(t7 + t4*s1), -t7, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = 2.0*t2
+    t4 = cos(t1)
+    t5 = 2.0*t4
+    c1 = cos(q1)
+    return (
+        -(2.0*s1 + t3), -t3, 0.0, 0.0,
+        2.0*c1 + t5, t5, 0.0, 0.0,
         0.0, 0.0, -1.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -275,11 +502,10 @@ def _inertia_matrix(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
     c2 = cos(q2)
-    t1 = 53.0*c2
-    t2 = t1 + 48.727296
+    t1 = 48.727296 + 53.0*c2
     return (
-        141.529962968642 + 2.0*(13.0 + t1), t2, 0.01074126, -0.0030092012,
-        t2, 51.030547845, 0.01074126, -0.0030092012,
+        167.529962968642 + 106.0*c2, t1, 0.01074126, -0.0030092012,
+        t1, 51.030547845, 0.01074126, -0.0030092012,
         0.01074126, 0.01074126, 7.076873331938, 0.0,
         -0.0030092012, -0.0030092012, 0.0, 0.19129062612368,
     )
@@ -291,10 +517,10 @@ def _coriolis_matrix(functions, k, q, qd):
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
     t1 = 53.0*s2
-    t2 = (qd1 + qd2)*t1
-    t3 = qd1*t1
+    t2 = qd2*t1
+    t3 = t1*qd1
     return (
-        t3 - t2, -t2, 0.0, 0.0,
+        -t2, -(t2 + t3), 0.0, 0.0,
         t3, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -312,26 +538,17 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
-    c2 = cos(q2)
-    t1 = 2.0*qdd1
     s2 = sin(q2)
-    t2 = qd1*(2.0*qd1)
-    t3 = c2*t1 + s2*t2
-    t4 = qdd1 + qdd2
-    t5 = t3 + 2.0*t4
-    t6 = 6.5*t5 - 0.9*t4
-    t7 = 0.0005*(qdd4 - t4)
-    t8 = 0.01074126*qdd3 + (2.0*t6 - (0.9*t5 + (t7 + 0.0025092012*qdd4)))
-    t9 = 14.4*t3 + (26.305233*t4 + t8)
-    t10 = qd1 + qd2
-    t11 = t10*t10
-    t12 = s2*(6.5*(2.0*t11 + (c2*t2 - s2*t1)) + 13.5*t11) - c2*(t6 + 14.4*t4)
-    t13 = 92.824229968642*qdd1 + (0.021563*qdd2 + (t9 - 2.0*t12))
-    t14 = 9.496868641825*qd2 + (2.324814845*qdd2 + (t9 + 0.021563*qdd1))
-    t15 = 0.576873331938*qdd3 - (6.5*(9.8062 - qdd3) - 0.01074126*t4)
-    t16 = 0.411645229697152*qd4 + (0.19079062612368*qdd4 + (t7 - 0.0025092012*t4))
+    t1 = 0.01074126*qdd3 - 0.0030092012*qdd4
+    t2 = (106.0*qd1 + 53.0*qd2)*(s2*qd2) - (167.529962968642*qdd1 + (t1 + 5.8018217679508*qd1))
+    c2 = cos(q2)
+    t3 = qdd1*c2
+    t4 = 51.030547845*qdd2 + (48.727296*qdd1 + (t1 + 9.496868641825*qd2))
+    t5 = 7.076873331938*qdd3 - (63.7403 - 3.9804259903722*qd3)
+    t6 = qdd1 + qdd2
+    t7 = 0.411645229697152*qd4 + 0.19129062612368*qdd4 - 0.0030092012*t6
     return (
-        5.8018217679508*qd1 + t13, t14, 3.9804259903722*qd3 + t15, t16,
+        106.0*t3 + (qdd2*(48.727296 + 53.0*c2) - t2), 53.0*(t3 + s2*(qd1*qd1)) + t4, 0.01074126*t6 + t5, t7,
     )
 
 
@@ -341,236 +558,479 @@ def _forward_dynamics(functions, k, q, qd, tau):
     qd1, qd2, qd3, qd4 = qd
     tau1, tau2, tau3, tau4 = tau
     t1 = 3.9804259903722*qd3 - (63.7403 + tau3)
-    t2 = 0.0015177974080056776*t1
-    t3 = tau4 - 0.411645229697152*qd4
-    t4 = 0.015731043705478724*t3
     s2 = sin(q2)
-    t5 = qd1*(2.0*qd1)
-    t6 = s2*t5
-    t7 = 26.5*t6
-    t8 = 9.496868641825*qd2 - (t2 + (t4 - (t7 - tau2)))
+    t2 = 53.0*s2
+    t3 = qd4 - 2.4292762987577956*tau4
+    t4 = 0.0015177974080056776*t1 - (0.006475609099517726*t3 + t2*(qd1*qd1))
+    t5 = 9.496868641825*qd2 - (tau2 + t4)
     c2 = cos(q2)
-    t9 = 53.0*c2
-    t10 = t9 + 48.72723235906782
-    t11 = 0.019596129952462543*t10
-    t12 = qd1 + qd2
-    t13 = t12*t12
-    t14 = 2.0*(s2*(13.5*t13 + 6.5*(c2*t5 + 2.0*t13)) - t6*(6.5*c2))
-    t15 = t14 - (5.8018217679508*qd1 - (t2 + (t4 - (t7 - tau1))))
-    t16 = (t8*t11 + t15)/(t10*t11 - (141.5298993277098 + 2.0*(13.0 + t9)))
-    t17 = 0.019596129952462543*t8 - t11*t16
-    t18 = t16 + t17
+    t6 = 48.72723235906782 + 53.0*c2
+    t7 = 0.019596129952462543*t6
+    t8 = qd1 + qd2
+    t9 = t8*(t2*t8) + (t5*t7 - (5.8018217679508*qd1 - (tau1 + t4)))
+    t10 = t9/(t6*t7 - (167.5298993277098 + 106.0*c2))
+    t11 = 0.019596129952462543*t5 - t7*t10
+    t12 = t10 + t11
     return (
-        -t16, -t17, 0.0015177974080056776*t18 - 0.14130534108714227*t1,
-        5.227647691180876*t3 - 0.015731043705478724*t18,
+        -t10, -t11, 0.0015177974080056776*t12 - 0.14130534108714227*t1,
+        -(0.015731043705478724*t12 + 2.1519362346119384*t3),
     )
 
 
-# How kernels are run.
+def _coriolis_vector(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    s2 = sin(q2)
+    t1 = 53.0*s2
+    t2 = t1*(qd1*qd1)
+    t3 = qd1 + qd2
+    return (
+        t2 - t3*(t1*t3), t2, 0.0, 0.0,
+    )
 
-_BLOCK_BYTES = 1 << 23
-"""Working memory of a batch: blocks of configurations are as long as their columns fit in here."""
 
-_BLOCK_LIMITS = (256, 4096)
-"""Fewest and most configurations in a block."""
+def _inverse_dynamics_dq(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    s2 = sin(q2)
+    t1 = s2*qdd1
+    c2 = cos(q2)
+    t2 = 53.0*(t1 - qd1*(c2*qd1))
+    t3 = qd1 + qd2
+    return (
+        0.0, -(t2 + 53.0*(s2*qdd2 + (t1 + t3*(c2*t3)))), 0.0, 0.0,
+        0.0, -t2, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _inverse_dynamics_dqd(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    s2 = sin(q2)
+    t1 = 106.0*s2
+    t2 = t1*qd1
+    t3 = qd2*t1
+    return (
+        5.8018217679508 - t3, -(t3 + t2), 0.0, 0.0,
+        t2, 9.496868641825, 0.0, 0.0,
+        0.0, 0.0, 3.9804259903722, 0.0,
+        0.0, 0.0, 0.0, 0.411645229697152,
+    )
+
+
+def _regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    t1 = 4.0*qdd1
+    s2 = sin(q2)
+    t2 = 2.0*s2
+    t3 = qd1*qd1
+    t4 = qdd1 + qdd2
+    t5 = 2.0*t4
+    c2 = cos(q2)
+    t6 = 2.0*c2
+    t7 = t2*t3 + (t5 + qdd1*t6)
+    t8 = 2.0 + t6
+    t9 = 2.0*t7
+    t10 = t5 + t7
+    t11 = qdd1*t2 - t6*t3
+    t12 = qd1 + qd2
+    t13 = t12*t12
+    t14 = t11 - 2.0*t13
+    t15 = t7*t8 + t2*t14
+    t16 = t4*t8 + (t7 - t2*t13)
+    t17 = t4*t2 + (t14 + t8*t13)
+    t18 = qdd1 + 107.815*qdd2
+    t19 = t4 + 53.7063*qdd3
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t20 = t7*c4 + t14*s4
+    t21 = t7*s4 - t14*c4
+    t22 = t2*c4 - t8*s4
+    t23 = t8*c4 + t2*s4
+    t24 = 2.0*c4
+    t25 = 2.0*s4
+    t26 = t12 - qd4
+    t27 = t26*t26
+    t28 = t4 - qdd4
+    t29 = t4 - 76.0364*qdd4
+    t30 = 9.8062 - qdd3
+    return (
+        t1, t1, 0.0, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, 3920.14984321*qdd1, qd1, t15, t16, t17, 0.0, 0.0,
+        0.0, t4, 0.0, 0.0, 0.0, t1, t18, 0.0, t15, t16, t17, 0.0, 0.0, 0.0, t4, 0.0, 0.0, 0.0, t15, t19, 0.0,
+        t15, t28*t23 + (t20 - t27*t22), t27*t23 - (t21 - t22*t28), 0.0, 0.0, 0.0, t28, 0.0, 0.0, 0.0, t15, t29,
+        0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t9, t10, t11, 0.0, 0.0, 0.0, t4, 0.0,
+        0.0, 0.0, 0.0, 107.815*t18, qd2, t9, t10, t11, 0.0, 0.0, 0.0, t4, 0.0, 0.0, 0.0, t9, t19, 0.0, t9,
+        t27*t25 + (t20 + t28*t24), -(t28*t25 + (t21 - t27*t24)), 0.0, 0.0, 0.0, t28, 0.0, 0.0, 0.0, t9, t29,
+        0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t30, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 53.7063*t19, qd3,
+        -t30, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t30, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t20, t21, 0.0, 0.0, 0.0, -t28, 0.0, 0.0, 0.0, 0.0, -76.0364*t29, qd4,
+    )
+
+
+def _base_regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    s2 = sin(q2)
+    t1 = 2.0*s2
+    t2 = qd1*qd1
+    c2 = cos(q2)
+    t3 = 2.0*c2
+    t4 = qdd1*t3 + t1*t2
+    t5 = qd1 + qd2
+    t6 = t5*t5
+    t7 = qdd1 + qdd2
+    t8 = qdd1*t1 - t3*t2
+    t9 = t8 - 2.0*t6
+    t10 = 2.0 + t3
+    t11 = qdd1 + 107.815*qdd2
+    t12 = t4 + 2.0*t7
+    t13 = t7 + 53.7063*qdd3
+    s4 = sin(q4)
+    c4 = cos(q4)
+    t14 = t9*s4 + t12*c4
+    t15 = t9*c4 - t12*s4
+    t16 = t1*c4 - t10*s4
+    t17 = t10*c4 + t1*s4
+    t18 = 2.0*s4
+    t19 = 2.0*c4
+    t20 = t5 - qd4
+    t21 = t20*t20
+    t22 = t7 - qdd4
+    t23 = t7 - 76.0364*qdd4
+    return (
+        qdd1, qd1, t7*t3 + (t4 - t6*t1), -(t1*t7 + (t8 + t6*t3)), t7, t11, 0.0, t1*t9 + t12*t10, t13, 0.0,
+        t22*t17 + (t14 - t21*t16), t21*t17 + (t15 + t16*t22), t22, t23, 0.0,
+        0.0, 0.0, t4, -t8, t7, 107.815*t11, qd2, 2.0*t12, t13, 0.0, t22*t19 + (t14 + t21*t18),
+        t21*t19 + (t15 - t22*t18), t22, t23, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, qdd3 - 9.8062, 53.7063*t13, qd3, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t14, -t15, -t22, -76.0364*t23, qd4,
+    )
+
+
+def _base_parameters(functions, k):
+    return (
+        92.824029968642, 5.8018217679508, 13.5, 0.0, 22.705, 0.0002, 9.496868641825, 6.5, 0.0002,
+        3.9804259903722, 0.0, 0.0, 0.0005, 3.3e-05, 0.411645229697152,
+    )
+
+
+# What functions take, and what they refuse.
 
 _SHAPE = f"({DOF},) or (..., {DOF})"
 
 
-class _Function:
-    """One function: its kernel, run on floats for one configuration and block by block for a batch."""
+class _Signature:
+    """What a function takes and returns, and the words in which it refuses anything else."""
 
-    def __init__(self, name, arguments, shape, kernel, hoisted=None, needs=()):
+    def __init__(self, name, arguments, shape, needs=()):
         self.name = name
         self.arguments = arguments
         self.shape = shape
         self.size = math.prod(shape)
-        self.kernel = kernel
-        self.hoisted = hoisted
         self.needs = tuple(PARAMETERS[i] for i in needs)
-        self._plans = {}
 
-    def __call__(self, values, params):
-        arrays = [self._array(label, value) for label, value in zip(self.arguments, values)]
-        given, extent = self._given(params)
-        if not extent and all(array.ndim == 1 for array in arrays):
-            try:
-                constants = self.hoisted(_FLOATS, given) if self.hoisted else ()
-                results = self.kernel(_FLOATS, constants, *[array.tolist() for array in arrays])
-                return np.array(results, dtype=np.float64).reshape(self.shape)
-            except (ValueError, ArithmeticError):
-                pass  # Python's functions refuse what NumPy answers with nan or inf.
-        return self._batch(arrays, given, extent)
-
-    def _array(self, label, value):
-        """An argument as an array of floats, (..., DOF)."""
+    def argument(self, label, value):
+        """An argument as a NumPy array of floats, (..., DOF)."""
         try:
             array = np.asarray(value)
         except ValueError:
             raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
-        if array.ndim == 0 or array.shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {array.shape}")
+        self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
-    def _given(self, params):
-        """Numbers of the parameters that this function needs, and the batch shape of all that are given."""
-        if params is None:
-            params = {}
-        if not hasattr(params, "keys"):
-            params = self._by_name(params)
-        unknown = [str(name) for name in params if name not in PARAMETERS]
-        if unknown:
-            raise ValueError(f"{self.name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
-        missing = [name for name in self.needs if name not in params]
+    def check_shape(self, label, shape):
+        """Refuse an argument whose last axis is not that of the joints."""
+        if not shape or shape[-1] != DOF:
+            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+
+    def parameters(self, params):
+        """The parameters of a call, checked."""
+        if type(params) is not _Parameters:
+            params = _Parameters(self.name, params) if params is not None else _NO_PARAMETERS
+        missing = [name for name in self.needs if name not in params.numbers] if self.needs else ()
         if missing:
             raise ValueError(f"{self.name}: missing in params: {', '.join(missing)}")
+        return params
+
+    def batch(self, arrays, extent):
+        """The shape that the batches of arguments and parameters have together."""
         try:
-            extent = np.broadcast_shapes(*(np.shape(value) for value in params.values()))
+            return np.broadcast_shapes(*(array.shape[:-1] for array in arrays), extent)
         except ValueError:
-            shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in params.items() if np.ndim(value))
-            raise ValueError(f"{self.name}: batch shapes do not broadcast: params {shapes}") from None
-        return [self._number(name, params[name]) for name in self.needs], extent
+            shapes = [f"{label} {tuple(array.shape[:-1])}" for label, array in zip(self.arguments, arrays)]
+            shapes += [f"params {extent}"] * bool(extent)
+            raise ValueError(f"{self.name}: batch shapes do not broadcast: {', '.join(shapes)}") from None
+
+    def check_out(self, out, batch):
+        """Refuse what a result cannot be written to."""
+        shape = (*batch, *self.shape)
+        wanted = f"{self.name}: out must be a NumPy array of float64 of shape {shape}"
+        if not isinstance(out, np.ndarray):
+            raise ValueError(f"{wanted}; got {type(out).__name__}")
+        if out.shape != shape or out.dtype != np.float64:
+            raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
+        if not out.flags.writeable:
+            raise ValueError(f"{wanted}; got one that is read-only")
+
+
+_NAMES = frozenset(PARAMETERS)
+_NUMBERS = frozenset({float, int})
+
+
+class _Parameters:
+    """Numbers of the free parameters, checked; what functions compute from them alone is kept with them."""
+
+    def __init__(self, name, params):
+        self.name = name
+        self.constants = {}
+        params = getattr(params, "numbers", params)
+        if type(params) is dict and params.keys() <= _NAMES and _NUMBERS.issuperset(map(type, params.values())):
+            self.numbers, self.extent, self.libraries = dict(params), (), ()
+            return
+        if not hasattr(params, "keys"):
+            params = self._by_name(params)
+        unknown = [str(label) for label in params if label not in _NAMES]
+        if unknown:
+            raise ValueError(f"{name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
+        self.numbers = {label: self._number(label, value) for label, value in params.items()}
+        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None)
+        self.extent = self._extent({label: np.shape(value) for label, value in self.numbers.items()})
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
-        columns = np.moveaxis(params, -1, 0) if getattr(params, "ndim", 1) > 1 else list(params)
+        shape = getattr(params, "shape", None)
+        columns = [params[..., i] for i in range(shape[-1])] if shape else list(params)
         if len(columns) != len(PARAMETERS):
             wanted = f"{len(PARAMETERS)} entries, {PARAMETERS}"
             raise ValueError(f"{self.name}: params must have {wanted}; got {len(columns)}")
         return dict(zip(PARAMETERS, columns))
 
-    def _number(self, name, value):
+    def _number(self, label, value):
+        if _library(value) is not None:
+            return value
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
-            raise TypeError(f"{self.name}: params: {name} must be a real number or an array; got dtype {array.dtype}")
+            raise TypeError(f"{self.name}: params: {label} must be a real number or an array; got dtype {array.dtype}")
         return float(array) if array.ndim == 0 else array.astype(np.float64, copy=False)
 
-    def _batch(self, arrays, given, extent):
-        """Every configuration of a batch; arguments and parameters broadcast against each other."""
+    def _extent(self, shapes):
+        """The batch shape of all parameters together."""
         try:
-            batch = np.broadcast_shapes(*(a.shape[:-1] for a in arrays), extent)
+            return np.broadcast_shapes(*shapes.values())
         except ValueError:
-            shapes = [f"{label} {array.shape[:-1]}" for label, array in zip(self.arguments, arrays)]
-            shapes += [f"params {extent}"] * bool(extent)
-            raise ValueError(f"{self.name}: batch shapes do not broadcast: {', '.join(shapes)}") from None
-        rows = [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arrays]
-        varying = any(np.ndim(value) for value in given)
-        if varying:
-            columns = np.stack([np.broadcast_to(value, batch) for value in given], axis=-1)
-            rows.append(columns.reshape(-1, len(given)))
-        scalars = self.hoisted(_ANY, [np.float64(value) for value in given]) if self.hoisted and not varying else ()
-        result = np.empty((math.prod(batch), self.size))
-        self._plan(varying, len(scalars)).run(rows, scalars, result)
-        return result.reshape(*batch, *self.shape)
+            text = ", ".join(f"{label} {tuple(shape)}" for label, shape in shapes.items() if shape)
+            raise ValueError(f"{self.name}: batch shapes do not broadcast: params {text}") from None
 
-    def _plan(self, varying, scalars):
-        plan = self._plans.get(varying)
-        if plan is None:
-            widths = [DOF] * len(self.arguments) + [len(self.needs)] * varying
-            plan = self._plans[varying] = _Plan(self._recorded(varying), widths, scalars)
-        return plan
 
-    def _recorded(self, varying):
-        """The kernel as a function of all its inputs, parameters last."""
+# Arrays of other libraries.
 
-        def run(groups, scalars):
-            constants = self.hoisted(_RECORDED, groups[-1]) if varying else scalars
-            return self.kernel(_RECORDED, constants, *groups[: len(self.arguments)])
+_OURS = (np.ndarray, np.generic, list, tuple, float, int)
+_NEEDING_HELP = ("torch", "cupy")
+"""Libraries whose arrays may not name their namespace themselves; array-api-compat knows it."""
 
-        return run
+
+def _library(value):
+    """The namespace (jax.numpy, ...) of an array of another library; None for all that NumPy reads by itself."""
+    if isinstance(value, _OURS):
+        return None
+    if hasattr(value, "__array_namespace__"):
+        return value.__array_namespace__()
+    family = {kind.__module__.partition(".")[0] for kind in type(value).__mro__}
+    if family.isdisjoint(_NEEDING_HELP):
+        return None
+    try:
+        from array_api_compat import array_namespace
+    except ImportError:
+        raise TypeError(f"{type(value).__module__} arrays need the package array-api-compat") from None
+    return array_namespace(value)
+
+
+def _elsewhere(name, values):
+    """How to compute with the one library whose arrays are among the values; None where there are none."""
+    found = {id(library): library for library in map(_library, values) if library is not None}
+    if len(found) > 1:
+        names = ", ".join(sorted(library.__name__ for library in found.values()))
+        raise TypeError(f"{name}: arrays of one library can be combined, with each other and with NumPy's; got {names}")
+    return _Elsewhere(*found.values(), name, values) if found else None
+
+
+class _Elsewhere:
+    """Runs kernels on the arrays of another library, in their dtype and on their device.
+
+    Integers become the library's usual float; lists and NumPy arrays among the arguments follow the others. No value is
+    looked at, only shapes, so that kernels can be traced, compiled and differentiated.
+    """
+
+    def __init__(self, library, name, values):
+        self.library = library
+        self.name = name
+        arrays = [value for value in values if _library(value) is not None]
+        self.device = getattr(arrays[0], "device", None)
+        self.dtype = self._dtype(arrays)
+        self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+
+    def _dtype(self, arrays):
+        xp = self.library
+        for array in arrays:
+            if not xp.isdtype(array.dtype, ("bool", "integral", "real floating")):
+                raise TypeError(f"{self.name}: arguments and params must be real numbers; got dtype {array.dtype}")
+        floats = [array for array in arrays if xp.isdtype(array.dtype, "real floating")]
+        return xp.result_type(*floats) if floats else xp.asarray(0.0).dtype
+
+    def array(self, value):
+        """A value as an array of this library."""
+        if _library(value) is not None:
+            return self.library.astype(value, self.dtype)
+        return self.library.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arranged(self, results, batch, shape):
+        """Results, arrays or numbers, as one array (*batch, *shape)."""
+        arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
+        columns = [self.library.broadcast_to(array, batch) for array in arrays]
+        return self.library.reshape(self.library.stack(columns, axis=-1), (*batch, *shape))
+
+
+# Batches: columns of NumPy's, in blocks.
+
+_BLOCK_BYTES = 1 << 23
+"""Working memory of a batch: blocks of configurations are as long as their columns fit in here."""
+
+_BLOCK_LIMITS = (256, 8192)
+"""Fewest and most configurations in a block."""
 
 
 class _Plan:
-    """A kernel recorded as steps on columns, with columns used again as soon as their values are dead."""
+    """A kernel recorded as steps on columns, with columns used again as soon as their values are dead.
 
-    def __init__(self, function, widths, scalars):
-        self.widths = widths
-        first = sum(widths)
-        self.inputs = first + scalars
-        steps = _Steps(self.inputs)
-        columns = [_Column(steps, i) for i in range(self.inputs)]
-        groups = [columns[sum(widths[:i]) : sum(widths[: i + 1])] for i in range(len(widths))]
-        results = function(groups, columns[first:])
-        self.results = [r.index if isinstance(r, _Column) else float(r) for r in results]
-        self.numbers = tuple(np.float64(number) for number in steps.numbers)
-        self._place(steps)
+    A value is a column, one number for each configuration, or still: the same for all of them. Still values are
+    computed once for a call. Columns are counted from 0, still values from -1 down.
+    """
+
+    def __init__(self, function, groups):
+        steps = _Steps()
+        values = [[steps.value(varies) for _ in range(width)] for width, varies in groups]
+        self.inputs = steps.columns
+        results = function(values)
+        self.results = [steps.index(result) for result in results]
+        self.stills = steps.stills
+        self.steps = []
+        self.columns = self._place(steps.list)
 
     def _place(self, steps):
-        """Give every value a slot: inputs, then columns, then numbers (counted from the end)."""
-        last = {k: i for i, (_, operands) in enumerate(steps.list) for k in operands}
-        kept = {r for r in self.results if not isinstance(r, float)}
+        """Give every column a slot; return the number of slots."""
+        last = {k: i for i, (_, operands) in enumerate(steps) for k in operands}
+        last.update(dict.fromkeys(self.results, len(steps)))
         slots = {i: i for i in range(self.inputs)}
-        slots.update({-1 - i: -1 - i for i in range(len(steps.numbers))})
-        free, used, self.steps = [], self.inputs, []
-        for i, (ufunc, operands) in enumerate(steps.list):
-            value = self.inputs + i
-            places = [slots[k] for k in operands]
-            free += [slots[k] for k in dict.fromkeys(operands) if k >= self.inputs and last[k] == i and k not in kept]
-            if free:
-                slots[value] = free.pop()
-            else:
-                slots[value], used = used, used + 1
-            self.steps.append((ufunc, (*places, slots[value])))
-        self.columns = used - self.inputs
-        self.results = [r if isinstance(r, float) else slots[r] for r in self.results]
+        free, used = [], self.inputs
+        for i, (ufunc, operands) in enumerate(steps):
+            places = [slots.get(k, k) for k in operands]
+            free += [slots[k] for k in dict.fromkeys(operands) if k >= 0 and last[k] == i]
+            if not free:
+                free, used = [used], used + 1
+            slots[self.inputs + i] = free.pop()
+            self.steps.append((ufunc, operator.itemgetter(*places, slots[self.inputs + i])))
+        self.results = [slots.get(k, k) for k in self.results]
+        return used
 
-    def run(self, rows, scalars, result):
-        """Fill ``result``, (N, size), from ``rows``, (N, width) each."""
+    def run(self, groups, result):
+        """Fill ``result``, (N, size), from arrays (N, width) and lists of the numbers that are the same for all."""
+        stills = self._stills([value for group in groups if isinstance(group, list) for value in group])
+        rows = [group for group in groups if not isinstance(group, list)]
         count = len(result)
-        for place, slot in enumerate(self.results):
-            if isinstance(slot, float):
-                result[:, place] = slot
-        varying = [(place, slot) for place, slot in enumerate(self.results) if not isinstance(slot, float)]
         length = min(count, self._block())
-        memory = np.empty((sum(self.widths) + self.columns, length))
-        bound = None
-        for start in range(0, count if varying else 0, max(length, 1)):
-            block = min(length, count - start)
-            if bound is None or block != length:
-                slots = self._slots(memory[:, :block], scalars)
-                bound = [(ufunc, [slots[k] for k in places]) for ufunc, places in self.steps]
+        memory = np.empty((self.columns, length))
+        for start in range(0, count, length):
+            stop = min(start + length, count)
+            columns = memory[:, : stop - start]
             at = 0
-            for row, width in zip(rows, self.widths):
-                memory[at : at + width, :block] = row[start : start + block].T
-                at += width
-            for ufunc, columns in bound:
-                ufunc(*columns)
-            target = result[start : start + block]
-            for place, slot in varying:
-                target[:, place] = slots[slot]
+            for row in rows:
+                columns[at : at + row.shape[1]] = row[start:stop].T
+                at += row.shape[1]
+            self._fill([*columns, *stills], result[start:stop])
+
+    def _fill(self, slots, result):
+        """One block."""
+        for ufunc, operands in self.steps:
+            ufunc(*operands(slots))
+        for place, slot in enumerate(self.results):
+            result[:, place] = slots[slot]
+
+    def _stills(self, numbers):
+        """All still values, the last one first."""
+        numbers = iter(numbers)
+        values = []
+        for still in self.stills:
+            if isinstance(still, tuple):
+                ufunc, operands = still
+                still = ufunc(*[values[-1 - k] for k in operands])
+            values.append(np.asarray(next(numbers) if still is None else still, dtype=np.float64))
+        return values[::-1]
 
     def _block(self):
         fewest, most = _BLOCK_LIMITS
-        return max(fewest, min(most, _BLOCK_BYTES // (8 * (sum(self.widths) + self.columns))))
-
-    def _slots(self, memory, scalars):
-        """What the steps refer to: rows of ``memory``, scalars of this call, numbers of the kernel."""
-        width = sum(self.widths)
-        return [*memory[:width], *scalars, *memory[width:], *reversed(self.numbers)]
+        return max(fewest, min(most, _BLOCK_BYTES // (8 * max(self.columns, 1))))
 
 
 class _Steps:
-    """What a kernel does, in order: a ufunc and the values it takes; numbers are values -1, -2, ..."""
+    """What a kernel does, in order: a ufunc and the values it takes."""
 
-    def __init__(self, inputs):
-        self.inputs = inputs
+    def __init__(self):
+        self.columns = 0
         self.list = []
-        self.numbers = []
-        self._known = {}
+        self.stills = []
+        self._numbers = {}
+        self._half_angles = {}
+
+    def value(self, varies):
+        """An input: a column, or a still value that each call brings along."""
+        if not varies:
+            return self._still(None)
+        self.columns += 1
+        return _Column(self, self.columns - 1)
 
     def add(self, ufunc, *operands):
-        self.list.append((ufunc, [self._index(operand) for operand in operands]))
-        return _Column(self, self.inputs + len(self.list) - 1)
+        """A step, done once for a call where nothing varies."""
+        indices = [self.index(operand) for operand in operands]
+        if max(indices) < 0:
+            return self._still((ufunc, indices))
+        self.list.append((ufunc, indices))
+        return _Column(self, self.columns + len(self.list) - 1)
 
-    def _index(self, operand):
+    def half_angle(self, angle):
+        """t = tan(x/2) and w = 2/(1 + t^2): sin x = t w and cos x = w - 1, to 4e-16; NumPy's tan is much the faster."""
+        if angle.index not in self._half_angles:
+            t = self.add(np.tan, angle * 0.5)
+            self._half_angles[angle.index] = t, 2.0 / (t * t + 1.0)
+        return self._half_angles[angle.index]
+
+    def index(self, operand):
         if isinstance(operand, _Column):
             return operand.index
-        if operand not in self._known:
-            self.numbers.append(operand)
-            self._known[operand] = -len(self.numbers)
-        return self._known[operand]
+        if operand not in self._numbers:
+            self._numbers[operand] = self._still(np.array(operand, dtype=np.float64)).index
+        return self._numbers[operand]
+
+    def _still(self, value):
+        self.stills.append(value)
+        return _Column(self, -len(self.stills))
 
 
 class _Column:
@@ -610,14 +1070,201 @@ class _Column:
         return self.steps.add(np.negative, self)
 
 
+def _column_sine(angle):
+    t, w = angle.steps.half_angle(angle)
+    return t * w
+
+
+def _column_cosine(angle):
+    _, w = angle.steps.half_angle(angle)
+    return w - 1.0
+
+
+def _column_root(x):
+    return x.steps.add(np.sqrt, x)
+
+
+def _column_sign(x):
+    return x.steps.add(np.sign, x)
+
+
+_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+
+
+# How kernels are run.
+
+_FEW = 16
+"""Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
+
+_DOUBLE = np.dtype(np.float64)
+_ONE = (DOF,)
+_JOINTS = struct.Struct(f"{DOF}d")
+
+
+class _Function:
+    """One function: its kernel, run on floats, on columns of a batch, or on arrays of another library."""
+
+    def __init__(self, name, arguments, shape, kernel, hoisted=None, needs=()):
+        self.signature = _Signature(name, arguments, shape, needs)
+        self.kernel = kernel
+        self.hoisted = hoisted
+        self._entries = struct.Struct(f"{self.signature.size}d")
+        self._plans = {}
+
+    def __call__(self, values, params, out):
+        signature = self.signature
+        parameters = signature.parameters(params)
+        if not parameters.extent and not parameters.libraries:
+            floats = _floats(values)
+            if floats is not None:
+                if out is not None:
+                    signature.check_out(out, ())
+                try:
+                    return self._one(floats, parameters, out)
+                except (ValueError, ArithmeticError):
+                    pass  # Python's functions refuse what NumPy answers with nan or inf.
+        elsewhere = _elsewhere(signature.name, (*values, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on(elsewhere, values, parameters, out)
+        arrays = [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+        return self._batch(arrays, parameters, out)
+
+    def _one(self, floats, parameters, out):
+        """One configuration, on Python's floats."""
+        constants = self._constants(parameters) if self.hoisted else ()
+        if out is not None and not out.flags.c_contiguous:
+            out[...] = self._one(floats, parameters, None)
+            return out
+        result = np.empty(self.signature.shape) if out is None else out
+        self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
+        return result
+
+    def _constants(self, parameters):
+        """What the kernel needs of parameters that are numbers; computed once for each set."""
+        if self.hoisted is None:
+            return ()
+        name = self.signature.name
+        if name not in parameters.constants:
+            parameters.constants[name] = self.hoisted(_FLOATS, self._given(parameters))
+        return parameters.constants[name]
+
+    def _given(self, parameters):
+        return [parameters.numbers[name] for name in self.signature.needs]
+
+    def _batch(self, arrays, parameters, out):
+        """Every configuration of a batch; arguments and parameters broadcast against each other."""
+        signature = self.signature
+        batch = signature.batch(arrays, parameters.extent)
+        if out is not None:
+            signature.check_out(out, batch)
+        given = [np.asarray(value) for value in self._given(parameters)]
+        shared = out is None or not out.flags.c_contiguous
+        shared = shared or any(np.may_share_memory(out, array) for array in (*arrays, *given))
+        result = np.empty((*batch, *signature.shape)) if shared else out
+        if result.size:
+            groups = [_group(array, batch) for array in arrays]
+            groups += self._parameter_groups(parameters, given, batch)
+            self._fill(groups, result.reshape(-1, signature.size))
+        if out is None or result is out:
+            return result
+        out[...] = result
+        return out
+
+    def _parameter_groups(self, parameters, given, batch):
+        """The parameters, each by itself, where one of them varies; else what is computed from them alone."""
+        if any(value.size > 1 for value in given):
+            return [_group(value[..., None], batch) for value in given]
+        try:
+            return [list(self._constants(parameters))]
+        except (ValueError, ArithmeticError):
+            return [list(self.hoisted(_ANY, [np.float64(value) for value in given]))]
+
+    def _fill(self, groups, result):
+        """One by one on floats where configurations are few, else in columns."""
+        if len(result) <= _FEW:
+            try:
+                return self._fill_few(groups, result)
+            except (ValueError, ArithmeticError):
+                pass  # as for one configuration
+        self._plan(groups).run(groups, result)
+
+    def _fill_few(self, groups, result):
+        tables = [[group] * len(result) if isinstance(group, list) else group.tolist() for group in groups]
+        evaluate = self._of_groups(_FLOATS, groups)
+        for place, values in zip(result, zip(*tables)):
+            self._entries.pack_into(place, 0, *evaluate(values))
+
+    def _plan(self, groups):
+        varies = tuple(not isinstance(group, list) for group in groups)
+        if varies not in self._plans:
+            widths = [group.shape[1] if varying else len(group) for group, varying in zip(groups, varies)]
+            self._plans[varies] = _Plan(self._of_groups(_RECORDED, groups), list(zip(widths, varies)))
+        return self._plans[varies]
+
+    def _of_groups(self, functions, groups):
+        """The kernel as a function of the values of its groups: arguments, then parameters."""
+        count = len(self.signature.arguments)
+        hoisting = any(not isinstance(group, list) for group in groups[count:])
+
+        def evaluate(values):
+            constants = self.hoisted(functions, [value for (value,) in values[count:]]) if hoisting else values[count]
+            return self.kernel(functions, constants, *values[:count])
+
+        return evaluate
+
+    def _on(self, elsewhere, values, parameters, out):
+        """The kernel on arrays of another library."""
+        signature = self.signature
+        if out is not None:
+            raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.library.__name__}")
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        batch = signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            given = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
+
+
+def _floats(values):
+    """One configuration of each argument as floats; None where an argument is anything else."""
+    groups = []
+    for value in values:
+        kind = type(value)
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+            groups.append(value.tolist())
+        elif kind is list or kind is tuple:
+            try:
+                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+            except (struct.error, TypeError, ValueError, OverflowError):
+                return None
+        else:
+            return None
+    return groups
+
+
+def _group(array, batch):
+    """An input (..., width) as a list, where it is the same for the whole batch, or as an array (N, width)."""
+    width = array.shape[-1]
+    if array.size == width:
+        return array.reshape(width).tolist()
+    return np.broadcast_to(array, (*batch, width)).reshape(-1, width)
+
+
 def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign)
-_RECORDED = tuple((lambda column, ufunc=ufunc: column.steps.add(ufunc, column)) for ufunc in _ANY)
 
+
+_NO_PARAMETERS = _Parameters("params", {})
 
 _FUNCTIONS = {
     "forward_kinematics": _Function(
@@ -637,6 +1284,18 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6, 4),
         kernel=_jacobian,
+    ),
+    "jacobian_dot": _Function(
+        name="jacobian_dot",
+        arguments=("q", "qd"),
+        shape=(6, 4),
+        kernel=_jacobian_dot,
+    ),
+    "analytic_jacobian_rpy": _Function(
+        name="analytic_jacobian_rpy",
+        arguments=("q",),
+        shape=(6, 4),
+        kernel=_analytic_jacobian_rpy,
     ),
     "inertia_matrix": _Function(
         name="inertia_matrix",
@@ -667,5 +1326,41 @@ _FUNCTIONS = {
         arguments=("q", "qd", "tau"),
         shape=(4,),
         kernel=_forward_dynamics,
+    ),
+    "coriolis_vector": _Function(
+        name="coriolis_vector",
+        arguments=("q", "qd"),
+        shape=(4,),
+        kernel=_coriolis_vector,
+    ),
+    "inverse_dynamics_dq": _Function(
+        name="inverse_dynamics_dq",
+        arguments=("q", "qd", "qdd"),
+        shape=(4, 4),
+        kernel=_inverse_dynamics_dq,
+    ),
+    "inverse_dynamics_dqd": _Function(
+        name="inverse_dynamics_dqd",
+        arguments=("q", "qd"),
+        shape=(4, 4),
+        kernel=_inverse_dynamics_dqd,
+    ),
+    "regressor": _Function(
+        name="regressor",
+        arguments=("q", "qd", "qdd"),
+        shape=(4, 52),
+        kernel=_regressor,
+    ),
+    "base_regressor": _Function(
+        name="base_regressor",
+        arguments=("q", "qd", "qdd"),
+        shape=(4, 15),
+        kernel=_base_regressor,
+    ),
+    "base_parameters": _Function(
+        name="base_parameters",
+        arguments=(),
+        shape=(15,),
+        kernel=_base_parameters,
     ),
 }

@@ -17,11 +17,19 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
     inertia_matrix(q, params) -> B
     coriolis_matrix(q, qd, params) -> C
     gravity_vector(q, params) -> g
     inverse_dynamics(q, qd, qdd, params) -> tau
     forward_dynamics(q, qd, tau, params) -> qdd
+    coriolis_vector(q, qd, params) -> c
+    inverse_dynamics_dq(q, qd, qdd, params) -> dtau/dq
+    inverse_dynamics_dqd(q, qd, params) -> dtau/dqd
+    regressor(q, qd, qdd, params) -> Y
+    base_regressor(q, qd, qdd, params) -> Y_b
+    base_parameters(params) -> beta
 
 Self-check: `derive verify scara-perugia-zup` compares every function with an independent recursion.
 """
@@ -36,15 +44,34 @@ PARAMETERS = (
     "a1", "a2", "d4", "g", "ml1", "l1", "Il1", "mm1", "Im1", "kr1", "ml2", "l2", "Il2", "mm2", "Im2",
     "kr2", "ml3", "Il4",
 )
+STANDARD_PARAMETERS = (
+    "m1", "mx1", "my1", "mz1", "Ixx1", "Iyy1", "Izz1", "Ixy1", "Ixz1", "Iyz1", "mm1", "Im1", "m2", "mx2",
+    "my2", "mz2", "Ixx2", "Iyy2", "Izz2", "Ixy2", "Ixz2", "Iyz2", "mm2", "Im2", "m3", "mx3", "my3", "mz3",
+    "Ixx3", "Iyy3", "Izz3", "Ixy3", "Ixz3", "Iyz3", "m4", "mx4", "my4", "mz4", "Ixx4", "Iyy4", "Izz4",
+    "Ixy4", "Ixz4", "Iyz4",
+)
+BASE_PARAMETERS = ("Izz1", "mx2", "my2", "Izz2", "Im2", "m3", "mx4", "my4", "Izz4")
+BASE_FORMULAS = (
+    "a1**2*ml2 + a1**2*mm2 + ml1*l1**2 + Il1 + kr1**2*Im1", "ml2*l2", "0", "ml2*l2**2 + Il2", "Im2", "ml3",
+    "0", "0", "Il4",
+)
 OPERATIONS = {
-    "forward_kinematics": {"mul": 12, "add": 7, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "link_transforms": {"mul": 12, "add": 7, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inertia_matrix": {"mul": 3, "add": 3, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
-    "coriolis_matrix": {"mul": 3, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 5, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "gravity_vector": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_dynamics": {"mul": 26, "add": 19, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
-    "forward_dynamics": {"mul": 20, "add": 19, "div": 5, "sin": 1, "cos": 1, "sqrt": 0},
+    "inverse_dynamics": {"mul": 15, "add": 13, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "forward_dynamics": {"mul": 10, "add": 13, "div": 5, "sin": 1, "cos": 1, "sqrt": 0},
+    "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "inverse_dynamics_dq": {"mul": 8, "add": 5, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "inverse_dynamics_dqd": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
 }
 
 __all__ = [
@@ -54,14 +81,25 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "STANDARD_PARAMETERS",
+    "BASE_PARAMETERS",
+    "BASE_FORMULAS",
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
     "inverse_dynamics",
     "forward_dynamics",
+    "coriolis_vector",
+    "inverse_dynamics_dq",
+    "inverse_dynamics_dqd",
+    "regressor",
+    "base_regressor",
+    "base_parameters",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -70,27 +108,25 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics_constants(functions, p):
     p_a1, p_a2, p_d4 = p
     return (
-        p_a1, p_a2, p_d4,
+        p_d4, p_a1, p_a2,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    p_a1, p_a2, p_d4 = k
-    c4 = cos(q4)
-    c1 = cos(q1)
-    c2 = cos(q2)
+    p_d4, p_a1, p_a2 = k
     s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = c1*c2 - s1*s2
-    s4 = sin(q4)
-    t2 = s1*c2 + c1*s2
-    t3 = c4*t1 - s4*t2
-    t4 = c4*t2 + s4*t1
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = q4 + t1
+    t4 = cos(t3)
+    t5 = sin(t3)
+    t6 = cos(t1)
+    c1 = cos(q1)
     return (
-        t3, -t4, 0.0, p_a1*c1 + p_a2*t1,
-        t4, t3, 0.0, p_a1*s1 + p_a2*t2,
+        t4, -t5, 0.0, p_a1*c1 + p_a2*t6,
+        t5, t4, 0.0, p_a1*s1 + p_a2*t2,
         0.0, 0.0, 1.0, p_d4 + q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -99,43 +135,41 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_a1, p_a2, p_d4 = p
     return (
-        p_a1, p_a2, p_d4,
+        p_d4, p_a1, p_a2,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    p_a1, p_a2, p_d4 = k
-    c1 = cos(q1)
+    p_d4, p_a1, p_a2 = k
     s1 = sin(q1)
-    t1 = p_a1*c1
-    t2 = p_a1*s1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = c1*c2 - s1*s2
-    t4 = s1*c2 + c1*s2
-    t5 = t1 + p_a2*t3
-    t6 = t2 + p_a2*t4
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t7 = c4*t3 - s4*t4
-    t8 = c4*t4 + s4*t3
+    t1 = p_a1*s1
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1 + p_a2*t3
+    t5 = q4 + t2
+    t6 = cos(t5)
+    t7 = sin(t5)
+    t8 = cos(t2)
+    c1 = cos(q1)
+    t9 = p_a1*c1
+    t10 = t9 + p_a2*t8
     return (
-        c1, -s1, 0.0, t1,
-        s1, c1, 0.0, t2,
+        c1, -s1, 0.0, t9,
+        s1, c1, 0.0, t1,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, -t4, 0.0, t5,
-        t4, t3, 0.0, t6,
+        t8, -t3, 0.0, t10,
+        t3, t8, 0.0, t4,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, -t4, 0.0, t5,
-        t4, t3, 0.0, t6,
+        t8, -t3, 0.0, t10,
+        t3, t8, 0.0, t4,
         0.0, 0.0, 1.0, q3,
         0.0, 0.0, 0.0, 1.0,
-        t7, -t8, 0.0, t5,
-        t8, t7, 0.0, t6,
+        t6, -t7, 0.0, t10,
+        t7, t6, 0.0, t4,
         0.0, 0.0, 1.0, p_d4 + q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -153,16 +187,74 @@ def _jacobian(functions, k, q):
     q1, q2, q3, q4 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
-    t1 = p_a1*s1
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_a2*t2
+    t4 = cos(t1)
+    t5 = p_a2*t4
     c1 = cos(q1)
-    s2 = sin(q2)
-    t2 = t1 + p_a2*(s1*c2 + c1*s2)
-    t3 = p_a1*c1
-    t4 = t3 + p_a2*(c1*c2 - s1*s2)
     return (
-        -t2, t1 - t2, 0.0, 0.0,
-        t4, t4 - t3, 0.0, 0.0,
+        -(p_a1*s1 + t3), -t3, 0.0, 0.0,
+        p_a1*c1 + t5, t5, 0.0, 0.0,
+        0.0, 0.0, 1.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        1.0, 1.0, 0.0, 1.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    p_a2, p_a1 = k
+    t1 = p_a2*(qd1 + qd2)
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1*t3
+    t5 = cos(t2)
+    t6 = t5*t1
+    t7 = p_a1*qd1
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -(t6 + c1*t7), -t6, 0.0, 0.0,
+        -(t4 + t7*s1), -t4, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    p_a1, p_a2 = k
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_a2*t2
+    t4 = cos(t1)
+    t5 = p_a2*t4
+    c1 = cos(q1)
+    return (
+        -(p_a1*s1 + t3), -t3, 0.0, 0.0,
+        p_a1*c1 + t5, t5, 0.0, 0.0,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -172,31 +264,30 @@ def _jacobian(functions, k, q):
 
 def _inertia_matrix_constants(functions, p):
     p_a1, p_a2, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3, p_Il4 = p
-    t1 = p_ml2*p_l2
-    t2 = p_a2*p_ml3
-    t3 = t1 + t2
-    t4 = 2.0*p_a1
-    t5 = p_a1*(p_a1*(p_ml3 + (p_ml2 + p_mm2)))
-    t6 = p_l2*t1 + (p_a2*t2 + (p_Il2 + p_Il4))
-    t7 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (t6 + (p_Il1 + p_Im2)))
-    t8 = p_Im2*p_kr2
-    t9 = t8 + t6
-    t10 = t6 + p_kr2*t8
+    t1 = p_a2*p_ml3
+    t2 = p_l2*p_ml2
+    t3 = p_a2*t1 + (p_l2*t2 + (p_Il2 + p_Il4))
+    t4 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (p_Il1 + (p_Im2 + t3)))
+    t5 = (p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t4
+    t6 = p_a1*(t2 + t1)
+    t7 = 2.0*t6
+    t8 = p_kr2*p_Im2
+    t9 = t8 + t3
+    t10 = t3 + p_kr2*t8
     return (
-        p_ml3, t3, p_a1, t4, t5, p_Il4, t7, t9, t10,
+        p_ml3, p_Il4, t5, t6, t7, t9, t10,
     )
 
 
 def _inertia_matrix(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    p_ml3, k2, p_a1, k4, k5, p_Il4, k7, k8, k9 = k
+    p_ml3, p_Il4, k3, k4, k5, k6, k7 = k
     c2 = cos(q2)
-    t11 = c2*k2
-    t12 = p_a1*t11 + k8
+    t11 = k6 + k4*c2
     return (
-        t11*k4 + k5 + k7, t12, 0.0, p_Il4,
-        t12, k9, 0.0, p_Il4,
+        k3 + k5*c2, t11, 0.0, p_Il4,
+        t11, k7, 0.0, p_Il4,
         0.0, 0.0, p_ml3, 0.0,
         p_Il4, p_Il4, 0.0, p_Il4,
     )
@@ -204,7 +295,7 @@ def _inertia_matrix(functions, k, q):
 
 def _coriolis_matrix_constants(functions, p):
     p_a1, p_a2, p_ml2, p_l2, p_ml3 = p
-    t1 = p_a1*(p_ml2*p_l2 + p_a2*p_ml3)
+    t1 = p_a1*(p_a2*p_ml3 + p_ml2*p_l2)
     return (
         t1,
     )
@@ -216,11 +307,11 @@ def _coriolis_matrix(functions, k, q, qd):
     qd1, qd2, qd3, qd4 = qd
     (k1,) = k
     s2 = sin(q2)
-    t2 = s2*k1
-    t3 = (qd1 + qd2)*t2
-    t4 = qd1*t2
+    t2 = k1*s2
+    t3 = qd2*t2
+    t4 = t2*qd1
     return (
-        t4 - t3, -t3, 0.0, 0.0,
+        -t3, -(t3 + t4), 0.0, 0.0,
         t4, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -247,13 +338,17 @@ def _inverse_dynamics_constants(functions, p):
         p_a1, p_a2, p_g, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3,
         p_Il4,
     ) = p
-    t1 = p_a1*(p_a1*(p_ml2 + p_mm2)) + (p_l1*(p_ml1*p_l1) + (p_Il1 + p_Im2))
-    t2 = t1 + p_kr1*(p_Im1*p_kr1)
-    t3 = p_Im2*p_kr2
-    t4 = p_ml2*p_l2
-    t5 = p_Il2 + p_l2*t4
+    t1 = p_l2*p_ml2
+    t2 = p_a2*p_ml3
+    t3 = p_l2*t1 + (p_Il2 + p_a2*t2)
+    t4 = p_a1*(t2 + t1)
+    t5 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (p_Im2 + p_Il1))
+    t6 = (p_mm2 + (p_ml3 + p_ml2))*(p_a1*p_a1) + t5
+    t7 = p_Im2*p_kr2
+    t8 = p_kr2*t7
+    t9 = p_ml3*p_g
     return (
-        p_a1, t2, p_kr2, t3, t4, t5, p_Il4, p_a2, p_ml3, p_g,
+        p_ml3, t3, t4, p_Il4, t6, t7, t8, t9,
     )
 
 
@@ -262,21 +357,18 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
-    p_a1, k2, p_kr2, k4, k5, k6, p_Il4, p_a2, p_ml3, p_g = k
+    p_ml3, k2, k3, p_Il4, k5, k6, k7, k8 = k
+    t10 = qdd1 + qdd2
     c2 = cos(q2)
-    t6 = p_a1*qdd1
+    t11 = k3*c2
+    t12 = p_Il4*(t10 + qdd4)
     s2 = sin(q2)
-    t7 = qd1*(p_a1*qd1)
-    t8 = c2*t6 + s2*t7
-    t9 = qdd1 + qdd2
-    t10 = p_Il4*(qdd4 + t9)
-    t11 = p_ml3*(t8 + p_a2*t9)
-    t12 = k5*t8 + (k6*t9 + (t10 + p_a2*t11))
-    t13 = qd1 + qd2
-    t14 = t13*t13
-    t15 = s2*(p_ml3*(p_a2*t14 + (c2*t7 - s2*t6)) + k5*t14) - c2*(t11 + k5*t9)
+    t13 = k3*s2
+    t14 = t13*(qd1*qd1) + (k2*t10 + (t12 + qdd1*t11))
+    t15 = qd1 + qd2
+    t16 = t10*t11 + (k6*qdd2 + (t14 + k5*qdd1)) - t15*(t13*t15)
     return (
-        qdd1*k2 + (k4*qdd2 + (t12 - p_a1*t15)), t12 + k4*(qdd1 + p_kr2*qdd2), p_ml3*(p_g + qdd3), t10,
+        t16, k7*qdd2 + (t14 + k6*qdd1), k8 + p_ml3*qdd3, t12,
     )
 
 
@@ -285,19 +377,19 @@ def _forward_dynamics_constants(functions, p):
         p_a1, p_a2, p_g, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3,
         p_Il4,
     ) = p
-    t1 = p_ml2*p_l2
-    t2 = p_a2*p_ml3
-    t3 = t1 + t2
-    t4 = p_l2*t1 + (p_a2*t2 + (p_Il2 + p_Il4))
-    t5 = p_Im2*p_kr2
-    t6 = t4 - (p_Il4 - t5)
-    t7 = p_kr2*t5 - (p_Il4 - t4)
-    t8 = 2.0*p_a1
-    t9 = p_a1*(p_a1*(p_ml3 + (p_ml2 + p_mm2)))
-    t10 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (t4 - (p_Il4 - (p_Il1 + p_Im2))))
+    t1 = p_ml3*p_a2
+    t2 = p_l2*p_ml2
+    t3 = p_a2*t1 + (p_Il2 + p_l2*t2)
+    t4 = p_Im2*p_kr2
+    t5 = t4 + t3
+    t6 = p_a1*(t2 + t1)
+    t7 = t3 + p_kr2*t4
+    t8 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + (p_Im2 + t3)))
+    t9 = (p_mm2 + (p_ml3 + p_ml2))*(p_a1*p_a1) + t8
+    t10 = 2.0*t6
     t11 = p_g*p_ml3
     return (
-        p_a1, t1, p_ml3, p_a2, t3, p_Il4, t6, t7, t8, t9, t10, t11,
+        p_ml3, t5, t6, t7, t9, t10, p_Il4, t11,
     )
 
 
@@ -306,24 +398,220 @@ def _forward_dynamics(functions, k, q, qd, tau):
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     tau1, tau2, tau3, tau4 = tau
-    p_a1, k2, p_ml3, p_a2, k5, p_Il4, k7, k8, k9, k10, k11, k12 = k
-    s2 = sin(q2)
-    t12 = qd1 + qd2
-    t13 = t12*t12
+    p_ml3, k2, k3, k4, k5, k6, p_Il4, k8 = k
     c2 = cos(q2)
-    t14 = qd1*(p_a1*qd1)
-    t15 = s2*t14
-    t16 = p_ml3*t15
-    t17 = p_a1*(s2*(k2*t13 + p_ml3*(c2*t14 + p_a2*t13)) - c2*t16)
-    t18 = p_a2*t16 + k2*t15
-    t19 = tau4 + (t18 - tau2)
-    t20 = c2*k5
-    t21 = p_a1*t20 + k7
-    t22 = t21/k8
-    t23 = (t17 + (t19*t22 - (tau4 + (t18 - tau1))))/(t21*t22 - (t20*k9 + k10 + k11))
-    t24 = t19/k8 - t22*t23
+    t12 = k2 + k3*c2
+    t13 = t12/k4
+    s2 = sin(q2)
+    t14 = k3*s2
+    t15 = tau4 + t14*(qd1*qd1)
+    t16 = tau2 - t15
+    t17 = qd1 + qd2
+    t18 = (t17*(t14*t17) - (t16*t13 - (tau1 - t15)))/(t12*t13 - (k5 + k6*c2))
+    t19 = t16/k4 + t13*t18
     return (
-        -t23, -t24, (tau3 - k12)/p_ml3, tau4/p_Il4 + (t23 + t24),
+        -t18, t19, (tau3 - k8)/p_ml3, tau4/p_Il4 + (t18 - t19),
+    )
+
+
+def _coriolis_vector_constants(functions, p):
+    p_a1, p_a2, p_ml2, p_l2, p_ml3 = p
+    t1 = p_a1*(p_ml2*p_l2 + p_a2*p_ml3)
+    return (
+        t1,
+    )
+
+
+def _coriolis_vector(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    (k1,) = k
+    s2 = sin(q2)
+    t2 = k1*s2
+    t3 = t2*(qd1*qd1)
+    t4 = qd1 + qd2
+    return (
+        t3 - t4*(t2*t4), t3, 0.0, 0.0,
+    )
+
+
+def _inverse_dynamics_dq_constants(functions, p):
+    p_a1, p_a2, p_ml2, p_l2, p_ml3 = p
+    t1 = p_a1*(p_ml2*p_l2 + p_a2*p_ml3)
+    return (
+        t1,
+    )
+
+
+def _inverse_dynamics_dq(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    (k1,) = k
+    s2 = sin(q2)
+    t2 = s2*qdd1
+    c2 = cos(q2)
+    t3 = k1*(t2 - qd1*(c2*qd1))
+    t4 = qd1 + qd2
+    return (
+        0.0, -(t3 + k1*(s2*qdd2 + (t2 + t4*(c2*t4)))), 0.0, 0.0,
+        0.0, -t3, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _inverse_dynamics_dqd_constants(functions, p):
+    p_a1, p_a2, p_ml2, p_l2, p_ml3 = p
+    t1 = (p_a2*p_ml3 + p_ml2*p_l2)*(2.0*p_a1)
+    return (
+        t1,
+    )
+
+
+def _inverse_dynamics_dqd(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    (k1,) = k
+    s2 = sin(q2)
+    t2 = k1*s2
+    t3 = qd2*t2
+    t4 = t2*qd1
+    return (
+        -t3, -(t3 + t4), 0.0, 0.0,
+        t4, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _regressor_constants(functions, p):
+    p_a1, p_a2, p_g, p_kr1, p_kr2 = p
+    t1 = p_kr1*p_kr1
+    return (
+        p_a1, t1, p_a2, p_kr2, p_g,
+    )
+
+
+def _regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    p_a1, k2, p_a2, p_kr2, p_g = k
+    t2 = p_a1*qdd1
+    t3 = p_a1*t2
+    s2 = sin(q2)
+    t4 = p_a1*s2
+    t5 = qd1*qd1
+    c2 = cos(q2)
+    t6 = p_a1*c2
+    t7 = t2*s2 - t5*t6
+    t8 = qd1 + qd2
+    t9 = t8*t8
+    t10 = p_a2 + t6
+    t11 = t7 - p_a2*t9
+    t12 = qdd1 + qdd2
+    t13 = p_a2*t12
+    t14 = t5*t4 + (t13 + t2*c2)
+    t15 = p_a2*t14
+    t16 = t13 + t14
+    t17 = t11*t4 + t14*t10
+    t18 = t12*t10 + (t14 - t9*t4)
+    t19 = t4*t12 + (t11 + t9*t10)
+    t20 = qdd1 + p_kr2*qdd2
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t21 = t14*c4 - t11*s4
+    t22 = t11*c4 + t14*s4
+    t23 = t4*c4 + t10*s4
+    t24 = t10*c4 - t4*s4
+    t25 = p_a2*c4
+    t26 = p_a2*s4
+    t27 = t8 + qd4
+    t28 = t27*t27
+    t29 = t12 + qdd4
+    t30 = p_g + qdd3
+    return (
+        t3, 2.0*t2, 0.0, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, k2*qdd1, t17, t18, -t19, 0.0, 0.0, 0.0, t12,
+        0.0, 0.0, 0.0, t3, t20, t17, t18, -t19, 0.0, 0.0, 0.0, t12, 0.0, 0.0, 0.0, t17,
+        t29*t24 + (t21 - t28*t23), -(t28*t24 + (t22 + t23*t29)), 0.0, 0.0, 0.0, t29, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t15, t16, -t7, 0.0, 0.0, 0.0, t12, 0.0,
+        0.0, 0.0, 0.0, p_kr2*t20, t15, t16, -t7, 0.0, 0.0, 0.0, t12, 0.0, 0.0, 0.0, t15,
+        t21 + t29*t25 - t28*t26, -(t29*t26 + (t22 + t28*t25)), 0.0, 0.0, 0.0, t29, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, t30, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t30, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t21, -t22, 0.0, 0.0, 0.0,
+        t29, 0.0, 0.0, 0.0,
+    )
+
+
+def _base_regressor_constants(functions, p):
+    p_a1, p_a2, p_g, p_kr2 = p
+    return (
+        p_a1, p_kr2, p_a2, p_g,
+    )
+
+
+def _base_regressor(functions, k, q, qd, qdd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    qdd1, qdd2, qdd3, qdd4 = qdd
+    p_a1, p_kr2, p_a2, p_g = k
+    s2 = sin(q2)
+    t1 = p_a1*s2
+    t2 = qd1*qd1
+    c2 = cos(q2)
+    t3 = p_a1*c2
+    t4 = qdd1*t3 + t1*t2
+    t5 = qd1 + qd2
+    t6 = t5*t5
+    t7 = qdd1 + qdd2
+    t8 = qdd1*t1 - t3*t2
+    t9 = qdd1 + p_kr2*qdd2
+    t10 = t8 - p_a2*t6
+    t11 = p_a2 + t3
+    t12 = t4 + p_a2*t7
+    s4 = sin(q4)
+    c4 = cos(q4)
+    t13 = t10*s4 - t12*c4
+    t14 = t10*c4 + t12*s4
+    t15 = t1*c4 + t11*s4
+    t16 = t11*c4 - t1*s4
+    t17 = p_a2*c4
+    t18 = p_a2*s4
+    t19 = t5 + qd4
+    t20 = t19*t19
+    t21 = t7 + qdd4
+    return (
+        qdd1, t3*t7 + (t4 - t6*t1), -(t1*t7 + (t8 + t6*t3)), t7, t9, t1*t10 + t12*t11,
+        t21*t16 - (t13 + t20*t15), -(t20*t16 + (t14 + t15*t21)), t21,
+        0.0, t4, -t8, t7, p_kr2*t9, p_a2*t12, -(t20*t18 + (t13 - t21*t17)), -(t21*t18 + (t14 + t20*t17)), t21,
+        0.0, 0.0, 0.0, 0.0, 0.0, p_g + qdd3, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t13, -t14, t21,
+    )
+
+
+def _base_parameters_constants(functions, p):
+    p_a1, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_ml3, p_Il4 = p
+    t1 = (p_ml2 + p_mm2)*(p_a1*p_a1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + p_kr1*(p_Im1*p_kr1)))
+    t2 = p_ml2*p_l2
+    t3 = p_Il2 + p_l2*t2
+    return (
+        t1, t2, t3, p_Im2, p_ml3, p_Il4,
+    )
+
+
+def _base_parameters(functions, k):
+    k1, k2, k3, p_Im2, p_ml3, p_Il4 = k
+    return (
+        k1, k2, 0.0, k3, p_Im2, p_ml3, 0.0, 0.0, p_Il4,
     )
 
 
@@ -381,6 +669,28 @@ jacobian = _function(
         0, 1,
     ),
 )
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 4),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 4),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0, 1,
+    ),
+)
 inertia_matrix = _function(
     "inertia_matrix",
     arguments=("q",),
@@ -434,5 +744,71 @@ forward_dynamics = _function(
     hoisted=_forward_dynamics_constants,
     needs=(
         0, 1, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
+    ),
+)
+coriolis_vector = _function(
+    "coriolis_vector",
+    arguments=("q", "qd"),
+    output="c",
+    shape=(4,),
+    kernel=_coriolis_vector,
+    hoisted=_coriolis_vector_constants,
+    needs=(
+        0, 1, 10, 11, 16,
+    ),
+)
+inverse_dynamics_dq = _function(
+    "inverse_dynamics_dq",
+    arguments=("q", "qd", "qdd"),
+    output="dtau/dq",
+    shape=(4, 4),
+    kernel=_inverse_dynamics_dq,
+    hoisted=_inverse_dynamics_dq_constants,
+    needs=(
+        0, 1, 10, 11, 16,
+    ),
+)
+inverse_dynamics_dqd = _function(
+    "inverse_dynamics_dqd",
+    arguments=("q", "qd"),
+    output="dtau/dqd",
+    shape=(4, 4),
+    kernel=_inverse_dynamics_dqd,
+    hoisted=_inverse_dynamics_dqd_constants,
+    needs=(
+        0, 1, 10, 11, 16,
+    ),
+)
+regressor = _function(
+    "regressor",
+    arguments=("q", "qd", "qdd"),
+    output="Y",
+    shape=(4, 44),
+    kernel=_regressor,
+    hoisted=_regressor_constants,
+    needs=(
+        0, 1, 3, 9, 15,
+    ),
+)
+base_regressor = _function(
+    "base_regressor",
+    arguments=("q", "qd", "qdd"),
+    output="Y_b",
+    shape=(4, 9),
+    kernel=_base_regressor,
+    hoisted=_base_regressor_constants,
+    needs=(
+        0, 1, 3, 15,
+    ),
+)
+base_parameters = _function(
+    "base_parameters",
+    arguments=(),
+    output="beta",
+    shape=(9,),
+    kernel=_base_parameters,
+    hoisted=_base_parameters_constants,
+    needs=(
+        0, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 16, 17,
     ),
 )

@@ -17,6 +17,8 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
 
 Self-check: `derive verify scara-sankyo` compares every function with an independent recursion.
 """
@@ -29,9 +31,11 @@ JOINT_TYPES = ("revolute", "revolute", "prismatic", "revolute")
 LIMITS = (None, None, None, None)
 PARAMETERS = ("d1", "a1", "a2", "d4")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 12, "add": 7, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "link_transforms": {"mul": 12, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
 
 __all__ = [
@@ -44,6 +48,8 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -53,28 +59,26 @@ def _forward_kinematics_constants(functions, p):
     p_d1, p_a1, p_a2, p_d4 = p
     t1 = p_d1 + p_d4
     return (
-        p_a1, p_a2, t1,
+        t1, p_a1, p_a2,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    p_a1, p_a2, k3 = k
-    c4 = cos(q4)
-    c1 = cos(q1)
-    c2 = cos(q2)
+    k1, p_a1, p_a2 = k
     s1 = sin(q1)
-    s2 = sin(q2)
-    t2 = c1*c2 - s1*s2
-    s4 = sin(q4)
-    t3 = s1*c2 + c1*s2
-    t4 = c4*t2 - s4*t3
-    t5 = c4*t3 + s4*t2
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = q4 + t2
+    t5 = cos(t4)
+    t6 = sin(t4)
+    t7 = cos(t2)
+    c1 = cos(q1)
     return (
-        t4, t5, 0.0, p_a1*c1 + p_a2*t2,
-        t5, -t4, 0.0, p_a1*s1 + p_a2*t3,
-        0.0, 0.0, -1.0, q3 + k3,
+        t5, t6, 0.0, p_a1*c1 + p_a2*t7,
+        t6, -t5, 0.0, p_a1*s1 + p_a2*t3,
+        0.0, 0.0, -1.0, k1 + q3,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -82,45 +86,43 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_d1, p_a1, p_a2, p_d4 = p
     return (
-        p_a1, p_d1, p_a2, p_d4,
+        p_d1, p_d4, p_a1, p_a2,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
-    p_a1, p_d1, p_a2, p_d4 = k
-    c1 = cos(q1)
+    p_d1, p_d4, p_a1, p_a2 = k
+    t1 = p_d1 + q3
     s1 = sin(q1)
-    t1 = p_a1*c1
     t2 = p_a1*s1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = c1*c2 - s1*s2
-    t4 = s1*c2 + c1*s2
-    t5 = t1 + p_a2*t3
-    t6 = t2 + p_a2*t4
-    t7 = p_d1 + q3
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t8 = c4*t3 - s4*t4
-    t9 = c4*t4 + s4*t3
+    t3 = q1 + q2
+    t4 = sin(t3)
+    t5 = t2 + p_a2*t4
+    t6 = q4 + t3
+    t7 = cos(t6)
+    t8 = sin(t6)
+    t9 = cos(t3)
+    c1 = cos(q1)
+    t10 = p_a1*c1
+    t11 = t10 + p_a2*t9
     return (
-        c1, -s1, 0.0, t1,
+        c1, -s1, 0.0, t10,
         s1, c1, 0.0, t2,
         0.0, 0.0, 1.0, p_d1,
         0.0, 0.0, 0.0, 1.0,
-        t3, -t4, 0.0, t5,
-        t4, t3, 0.0, t6,
+        t9, -t4, 0.0, t11,
+        t4, t9, 0.0, t5,
         0.0, 0.0, 1.0, p_d1,
         0.0, 0.0, 0.0, 1.0,
-        t3, -t4, 0.0, t5,
-        t4, t3, 0.0, t6,
-        0.0, 0.0, 1.0, t7,
+        t9, -t4, 0.0, t11,
+        t4, t9, 0.0, t5,
+        0.0, 0.0, 1.0, t1,
         0.0, 0.0, 0.0, 1.0,
-        t8, t9, 0.0, t5,
-        t9, -t8, 0.0, t6,
-        0.0, 0.0, -1.0, p_d4 + t7,
+        t7, t8, 0.0, t11,
+        t8, -t7, 0.0, t5,
+        0.0, 0.0, -1.0, p_d4 + t1,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -137,16 +139,74 @@ def _jacobian(functions, k, q):
     q1, q2, q3, q4 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
-    t1 = p_a1*s1
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_a2*t2
+    t4 = cos(t1)
+    t5 = p_a2*t4
     c1 = cos(q1)
-    s2 = sin(q2)
-    t2 = t1 + p_a2*(s1*c2 + c1*s2)
-    t3 = p_a1*c1
-    t4 = t3 + p_a2*(c1*c2 - s1*s2)
     return (
-        -t2, t1 - t2, 0.0, 0.0,
-        t4, t4 - t3, 0.0, 0.0,
+        -(p_a1*s1 + t3), -t3, 0.0, 0.0,
+        p_a1*c1 + t5, t5, 0.0, 0.0,
+        0.0, 0.0, 1.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        1.0, 1.0, 0.0, 1.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    p_a2, p_a1 = k
+    t1 = p_a2*(qd1 + qd2)
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1*t3
+    t5 = cos(t2)
+    t6 = t5*t1
+    t7 = p_a1*qd1
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -(t6 + c1*t7), -t6, 0.0, 0.0,
+        -(t4 + t7*s1), -t4, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    p_a1, p_a2 = k
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_a2*t2
+    t4 = cos(t1)
+    t5 = p_a2*t4
+    c1 = cos(q1)
+    return (
+        -(p_a1*s1 + t3), -t3, 0.0, 0.0,
+        p_a1*c1 + t5, t5, 0.0, 0.0,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -204,6 +264,28 @@ jacobian = _function(
     shape=(6, 4),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        1, 2,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 4),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        1, 2,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 4),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
     needs=(
         1, 2,
     ),

@@ -15,6 +15,8 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
 
 Self-check: `derive verify skeleton` compares every function with an independent recursion.
 """
@@ -27,9 +29,11 @@ JOINT_TYPES = ("revolute", "revolute")
 LIMITS = (None, None)
 PARAMETERS = ("Tx", "Ty", "l0", "l1")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "link_transforms": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
 
 __all__ = [
@@ -42,6 +46,8 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -50,23 +56,22 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics_constants(functions, p):
     p_Tx, p_Ty, p_l0, p_l1 = p
     return (
-        p_Tx, p_l0, p_l1, p_Ty,
+        p_l0, p_l1, p_Ty, p_Tx,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2 = q
-    p_Tx, p_l0, p_l1, p_Ty = k
-    c1 = cos(q1)
-    c2 = cos(q2)
+    p_l0, p_l1, p_Ty, p_Tx = k
     s1 = sin(q1)
-    s2 = sin(q2)
-    t1 = c1*c2 - s1*s2
-    t2 = s1*c2 + c1*s2
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = cos(t1)
+    c1 = cos(q1)
     return (
-        t1, t2, 0.0, p_Tx + p_l0*c1 + p_l1*t1,
-        -t2, t1, 0.0, p_Ty - p_l0*s1 - p_l1*t2,
+        t3, t2, 0.0, p_Tx + (p_l0*c1 + p_l1*t3),
+        -t2, t3, 0.0, p_Ty - (p_l0*s1 + p_l1*t2),
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -75,56 +80,113 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_Tx, p_Ty, p_l0, p_l1 = p
     return (
-        p_Tx, p_l0, p_Ty, p_l1,
+        p_l0, p_Ty, p_l1, p_Tx,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2 = q
-    p_Tx, p_l0, p_Ty, p_l1 = k
-    c1 = cos(q1)
+    p_l0, p_Ty, p_l1, p_Tx = k
     s1 = sin(q1)
-    t1 = p_Tx + p_l0*c1
-    t2 = p_Ty - p_l0*s1
-    c2 = cos(q2)
-    s2 = sin(q2)
-    t3 = c1*c2 - s1*s2
-    t4 = s1*c2 + c1*s2
+    t1 = p_Ty - p_l0*s1
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c1 = cos(q1)
+    t5 = p_Tx + p_l0*c1
     return (
-        c1, s1, 0.0, t1,
-        -s1, c1, 0.0, t2,
+        c1, s1, 0.0, t5,
+        -s1, c1, 0.0, t1,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, t4, 0.0, t1 + p_l1*t3,
-        -t4, t3, 0.0, t2 - p_l1*t4,
+        t4, t3, 0.0, t5 + p_l1*t4,
+        -t3, t4, 0.0, t1 - p_l1*t3,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
 
 
 def _jacobian_constants(functions, p):
-    p_Tx, p_Ty, p_l0, p_l1 = p
+    p_l0, p_l1 = p
     return (
-        p_Ty, p_l0, p_l1, p_Tx,
+        p_l0, p_l1,
     )
 
 
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2 = q
-    p_Ty, p_l0, p_l1, p_Tx = k
+    p_l0, p_l1 = k
     s1 = sin(q1)
-    t1 = p_Ty - p_l0*s1
-    c2 = cos(q2)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_l1*t2
+    t4 = cos(t1)
+    t5 = p_l1*t4
     c1 = cos(q1)
-    s2 = sin(q2)
-    t2 = t1 - p_l1*(s1*c2 + c1*s2)
-    t3 = p_Tx + p_l0*c1
-    t4 = t3 + p_l1*(c1*c2 - s1*s2)
     return (
-        t2 - p_Ty, t2 - t1,
-        p_Tx - t4, t3 - t4,
+        -(p_l0*s1 + t3), -t3,
+        -(p_l0*c1 + t5), -t5,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        -1.0, -1.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l1, p_l0,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    p_l1, p_l0 = k
+    t1 = p_l1*(qd1 + qd2)
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = t1*t3
+    t5 = cos(t2)
+    t6 = t5*t1
+    t7 = p_l0*qd1
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -(t6 + c1*t7), -t6,
+        t4 + t7*s1, t4,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    p_l0, p_l1 = k
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_l1*t2
+    t4 = cos(t1)
+    t5 = p_l1*t4
+    c1 = cos(q1)
+    return (
+        -(p_l0*s1 + t3), -t3,
+        -(p_l0*c1 + t5), -t5,
         0.0, 0.0,
         0.0, 0.0,
         0.0, 0.0,
@@ -183,6 +245,28 @@ jacobian = _function(
     kernel=_jacobian,
     hoisted=_jacobian_constants,
     needs=(
-        0, 1, 2, 3,
+        2, 3,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 2),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        2, 3,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 2),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        2, 3,
     ),
 )

@@ -17,6 +17,8 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
 
 Self-check: `derive verify skeleton-root` compares every function with an independent recursion.
 """
@@ -29,9 +31,11 @@ JOINT_TYPES = ("prismatic", "prismatic", "revolute", "revolute")
 LIMITS = (None, None, None, None)
 PARAMETERS = ("l0", "l1")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "link_transforms": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "jacobian": {"mul": 8, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "link_transforms": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
 
 __all__ = [
@@ -44,6 +48,8 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -60,15 +66,14 @@ def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
-    c3 = cos(q3)
-    c4 = cos(q4)
     s3 = sin(q3)
-    s4 = sin(q4)
-    t1 = c3*c4 - s3*s4
-    t2 = s3*c4 + c3*s4
+    t1 = q3 + q4
+    t2 = sin(t1)
+    t3 = cos(t1)
+    c3 = cos(q3)
     return (
-        t1, t2, 0.0, q1 + p_l0*c3 + p_l1*t1,
-        -t2, t1, 0.0, q2 - p_l0*s3 - p_l1*t2,
+        t3, t2, 0.0, q1 + (p_l0*c3 + p_l1*t3),
+        -t2, t3, 0.0, q2 - (p_l0*s3 + p_l1*t2),
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -85,14 +90,13 @@ def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
-    c3 = cos(q3)
     s3 = sin(q3)
-    t1 = q1 + p_l0*c3
-    t2 = q2 - p_l0*s3
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t3 = c3*c4 - s3*s4
-    t4 = s3*c4 + c3*s4
+    t1 = q2 - p_l0*s3
+    t2 = q3 + q4
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c3 = cos(q3)
+    t5 = q1 + p_l0*c3
     return (
         0.0, 1.0, 0.0, q1,
         0.0, 0.0, 1.0, 0.0,
@@ -102,12 +106,12 @@ def _link_transforms(functions, k, q):
         0.0, 1.0, 0.0, q2,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        c3, s3, 0.0, t1,
-        -s3, c3, 0.0, t2,
+        c3, s3, 0.0, t5,
+        -s3, c3, 0.0, t1,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t3, t4, 0.0, t1 + p_l1*t3,
-        -t4, t3, 0.0, t2 - p_l1*t4,
+        t4, t3, 0.0, t5 + p_l1*t4,
+        -t3, t4, 0.0, t1 - p_l1*t3,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -125,16 +129,74 @@ def _jacobian(functions, k, q):
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
     s3 = sin(q3)
-    t1 = q2 - p_l0*s3
-    c4 = cos(q4)
+    t1 = q3 + q4
+    t2 = sin(t1)
+    t3 = p_l1*t2
+    t4 = cos(t1)
+    t5 = p_l1*t4
     c3 = cos(q3)
-    s4 = sin(q4)
-    t2 = t1 - p_l1*(s3*c4 + c3*s4)
-    t3 = q1 + p_l0*c3
-    t4 = t3 + p_l1*(c3*c4 - s3*s4)
     return (
-        1.0, 0.0, t2 - q2, t2 - t1,
-        0.0, 1.0, q1 - t4, t3 - t4,
+        1.0, 0.0, -(p_l0*s3 + t3), -t3,
+        0.0, 1.0, -(p_l0*c3 + t5), -t5,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, -1.0, -1.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l1, p_l0,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    p_l1, p_l0 = k
+    t1 = p_l1*(qd3 + qd4)
+    t2 = q3 + q4
+    t3 = sin(t2)
+    t4 = t1*t3
+    t5 = cos(t2)
+    t6 = t5*t1
+    t7 = p_l0*qd3
+    s3 = sin(q3)
+    c3 = cos(q3)
+    return (
+        0.0, 0.0, -(t6 + c3*t7), -t6,
+        0.0, 0.0, t4 + t7*s3, t4,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    p_l0, p_l1 = k
+    s3 = sin(q3)
+    t1 = q3 + q4
+    t2 = sin(t1)
+    t3 = p_l1*t2
+    t4 = cos(t1)
+    t5 = p_l1*t4
+    c3 = cos(q3)
+    return (
+        1.0, 0.0, -(p_l0*s3 + t3), -t3,
+        0.0, 1.0, -(p_l0*c3 + t5), -t5,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -192,6 +254,28 @@ jacobian = _function(
     shape=(6, 4),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 4),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 4),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
     needs=(
         0, 1,
     ),

@@ -16,6 +16,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify spherical-arm` compares every function with an independent recursion.
 """
@@ -30,7 +33,10 @@ PARAMETERS = ("d2",)
 OPERATIONS = {
     "forward_kinematics": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "jacobian": {"mul": 11, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian": {"mul": 10, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
 }
 
 __all__ = [
@@ -43,6 +49,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -59,15 +68,15 @@ def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d2,) = k
-    c1 = cos(q1)
     c2 = cos(q2)
-    s1 = sin(q1)
     s2 = sin(q2)
-    t1 = c1*s2
-    t2 = s1*s2
+    s1 = sin(q1)
+    t1 = s1*s2
+    c1 = cos(q1)
+    t2 = c1*s2
     return (
-        c1*c2, -s1, t1, q3*t1 - p_d2*s1,
-        s1*c2, c1, t2, p_d2*c1 + q3*t2,
+        c1*c2, -s1, t2, q3*t2 - p_d2*s1,
+        s1*c2, c1, t1, p_d2*c1 + q3*t1,
         -s2, 0.0, c2, c2*q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -84,27 +93,27 @@ def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d2,) = k
-    c1 = cos(q1)
-    s1 = sin(q1)
     c2 = cos(q2)
-    t1 = c1*c2
     s2 = sin(q2)
-    t2 = c1*s2
-    t3 = p_d2*s1
-    t4 = s1*c2
-    t5 = s1*s2
-    t6 = p_d2*c1
+    s1 = sin(q1)
+    t1 = s1*c2
+    t2 = s1*s2
+    c1 = cos(q1)
+    t3 = c1*s2
+    t4 = c1*c2
+    t5 = p_d2*c1
+    t6 = p_d2*s1
     return (
         c1, 0.0, -s1, 0.0,
         s1, 0.0, c1, 0.0,
         0.0, -1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -s1, t2, -t3,
-        t4, c1, t5, t6,
+        t4, -s1, t3, -t6,
+        t1, c1, t2, t5,
         -s2, 0.0, c2, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -s1, t2, q3*t2 - t3,
-        t4, c1, t5, t6 + q3*t5,
+        t4, -s1, t3, q3*t3 - t6,
+        t1, c1, t2, t5 + q3*t2,
         -s2, 0.0, c2, c2*q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -121,24 +130,111 @@ def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d2,) = k
-    c1 = cos(q1)
-    t1 = p_d2*c1
     s1 = sin(q1)
     s2 = sin(q2)
-    t2 = s1*s2
-    t3 = t1 + q3*t2
+    t1 = s1*s2
+    c1 = cos(q1)
+    t2 = c1*s2
     c2 = cos(q2)
-    t4 = c2*q3
-    t5 = c1*s2
-    t6 = p_d2*s1
-    t7 = t6 - q3*t5
+    t3 = q3*c2
     return (
-        -t3, c1*t4, t5,
-        -t7, s1*t4, t2,
-        0.0, s1*(t1 - t3) - c1*(t6 - t7), c2,
+        -(p_d2*c1 + q3*t1), c1*t3, t2,
+        q3*t2 - p_d2*s1, s1*t3, t1,
+        0.0, -q3*s2, c2,
         0.0, -s1, 0.0,
         0.0, c1, 0.0,
         1.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    qd1, qd2, qd3 = qd
+    (p_d2,) = k
+    s2 = sin(q2)
+    c1 = cos(q1)
+    t1 = qd1*c1
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t2 = c2*qd2
+    t3 = s2*t1 + s1*t2
+    t4 = s1*qd1
+    t5 = s2*qd3
+    t6 = q3*c2
+    t7 = s2*qd2
+    t8 = c2*qd3 - q3*t7
+    t9 = t4*s2 - c1*t2
+    return (
+        p_d2*t4 - q3*t3 - s1*t5, c1*t8 - t4*t6, -t9,
+        c1*t5 - (p_d2*t1 + q3*t9), s1*t8 + t1*t6, t3,
+        0.0, -(t5 + q3*t2), -t7,
+        0.0, -t1, 0.0,
+        0.0, -t4, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t1 = q3*c2
+    s1 = sin(q1)
+    t2 = s1*s2
+    c1 = cos(q1)
+    t3 = c1*s2
+    return (
+        -(p_d2*c1 + q3*t2), c1*t1, t3,
+        q3*t3 - p_d2*s1, s1*t1, t2,
+        0.0, -q3*s2, c2,
+        0.0, 0.0, 0.0,
+        0.0, c2*(1.0/sqrt(c2*c2)), 0.0,
+        1.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t1 = q3*c2
+    s1 = sin(q1)
+    t2 = s1*s2
+    c1 = cos(q1)
+    t3 = c1*s2
+    return (
+        -(p_d2*c1 + q3*t2), c1*t1, t3,
+        q3*t3 - p_d2*s1, s1*t1, t2,
+        0.0, -q3*s2, c2,
+        1.0, 0.0, 0.0,
+        0.0, s2*(1.0/sqrt(s2*s2)), 0.0,
+        0.0, 0.0, 0.0,
     )
 
 
@@ -192,6 +288,39 @@ jacobian = _function(
     shape=(6, 3),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 3),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0,
     ),

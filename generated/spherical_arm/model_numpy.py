@@ -11,13 +11,18 @@ Order of the entries of q, qd, qdd and tau:
 
 Every function takes one configuration, shape (n,) with n = 3, or any batch of them, shape (..., n); several
 arguments broadcast against each other, and the batch's shape leads in the result. Arguments are never modified.
+With `out=`, an array of float64 of the result's shape, the result is written there and returned.
+Arrays of another library (JAX, CuPy, PyTorch with array-api-compat, ...) give an array of that library, of the same
+dtype and on the same device; there the functions can be compiled, vectorised and differentiated.
 Parameters without a number are given as `params`: a dictionary by name, or a sequence in the order of PARAMETERS
 (or an array of shape (..., len(PARAMETERS))). Each is a number or an array that broadcasts against the batch. A
-function asks only for those that it needs.
+function asks only for those that it needs. For many calls with the same numbers pass `precompute(params)`.
 Self-check: `derive verify spherical-arm` compares every function with an independent recursion.
 """
 
 import math
+import operator
+import struct
 
 import numpy as np
 
@@ -29,7 +34,10 @@ PARAMETERS = ("d2",)
 OPERATIONS = {
     "forward_kinematics": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "jacobian": {"mul": 11, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian": {"mul": 10, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
 }
 
 __all__ = [
@@ -42,15 +50,20 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
+    "precompute",
 ]
 
 
-def forward_kinematics(q, params=None):
+def forward_kinematics(q, params=None, out=None):
     """Pose of the end effector in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         T, (..., 4, 4):
@@ -58,15 +71,16 @@ def forward_kinematics(q, params=None):
 
     Transforms of joint frames from the base outwards: 9 mul, 2 add, 2 sin, 2 cos.
     """
-    return _FUNCTIONS["forward_kinematics"]((q,), params)
+    return _FUNCTIONS["forward_kinematics"]((q,), params, out)
 
 
-def link_transforms(q, params=None):
+def link_transforms(q, params=None, out=None):
     """Poses of the DH frames 1..n in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         T_i, (..., 3, 4, 4):
@@ -74,23 +88,88 @@ def link_transforms(q, params=None):
 
     Transforms of joint frames from the base outwards: 9 mul, 2 add, 2 sin, 2 cos.
     """
-    return _FUNCTIONS["link_transforms"]((q,), params)
+    return _FUNCTIONS["link_transforms"]((q,), params, out)
 
 
-def jacobian(q, params=None):
+def jacobian(q, params=None, out=None):
     """Geometric Jacobian at the end effector, in the world frame.
 
     Args:
         q: joint variables [rad, m], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
 
     Returns:
         J, (..., 6, 3):
         rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
 
-    Geometric, from axes and origins: 11 mul, 5 add, 2 sin, 2 cos.
+    Geometric, from axes and origins: 10 mul, 2 add, 2 sin, 2 cos.
     """
-    return _FUNCTIONS["jacobian"]((q,), params)
+    return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_dot(q, qd, params=None, out=None):
+    """Rate of change of the geometric Jacobian, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dJ/dt, (..., 6, 3):
+        the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first.
+
+    Geometric Jacobian, differentiated in time: 23 mul, 10 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def analytic_jacobian_rpy(q, params=None, out=None):
+    """Analytic Jacobian for roll, pitch, yaw.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_A, (..., 6, 3):
+        rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit of qd; no finite numbers where cos(pitch) = 0.
+
+    Geometric Jacobian, and the angles' rates: 12 mul, 2 add, 1 div, 2 sin, 2 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["analytic_jacobian_rpy"]((q,), params, out)
+
+
+def analytic_jacobian_zyz(q, params=None, out=None):
+    """Analytic Jacobian for Euler angles ZYZ.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_A, (..., 6, 3):
+        rows: velocity of the end effector's origin [m/s], then rates of phi, theta and psi [rad/s], per unit of qd; no finite numbers where sin(theta) = 0.
+
+    Geometric Jacobian, and the angles' rates: 12 mul, 2 add, 1 div, 2 sin, 2 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def precompute(params):
+    """Parameters for many calls: checked once, and what a function computes from them alone is computed once.
+
+    Args:
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        What every function takes as `params`. Later changes of the dictionary have no effect on it.
+    """
+    return _Parameters("precompute", params)
 
 
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
@@ -107,15 +186,15 @@ def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d2,) = k
-    c1 = cos(q1)
     c2 = cos(q2)
-    s1 = sin(q1)
     s2 = sin(q2)
-    t1 = c1*s2
-    t2 = s1*s2
+    s1 = sin(q1)
+    t1 = s1*s2
+    c1 = cos(q1)
+    t2 = c1*s2
     return (
-        c1*c2, -s1, t1, q3*t1 - p_d2*s1,
-        s1*c2, c1, t2, p_d2*c1 + q3*t2,
+        c1*c2, -s1, t2, q3*t2 - p_d2*s1,
+        s1*c2, c1, t1, p_d2*c1 + q3*t1,
         -s2, 0.0, c2, c2*q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -132,27 +211,27 @@ def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d2,) = k
-    c1 = cos(q1)
-    s1 = sin(q1)
     c2 = cos(q2)
-    t1 = c1*c2
     s2 = sin(q2)
-    t2 = c1*s2
-    t3 = p_d2*s1
-    t4 = s1*c2
-    t5 = s1*s2
-    t6 = p_d2*c1
+    s1 = sin(q1)
+    t1 = s1*c2
+    t2 = s1*s2
+    c1 = cos(q1)
+    t3 = c1*s2
+    t4 = c1*c2
+    t5 = p_d2*c1
+    t6 = p_d2*s1
     return (
         c1, 0.0, -s1, 0.0,
         s1, 0.0, c1, 0.0,
         0.0, -1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -s1, t2, -t3,
-        t4, c1, t5, t6,
+        t4, -s1, t3, -t6,
+        t1, c1, t2, t5,
         -s2, 0.0, c2, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -s1, t2, q3*t2 - t3,
-        t4, c1, t5, t6 + q3*t5,
+        t4, -s1, t3, q3*t3 - t6,
+        t1, c1, t2, t5 + q3*t2,
         -s2, 0.0, c2, c2*q3,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -169,232 +248,415 @@ def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d2,) = k
-    c1 = cos(q1)
-    t1 = p_d2*c1
     s1 = sin(q1)
     s2 = sin(q2)
-    t2 = s1*s2
-    t3 = t1 + q3*t2
+    t1 = s1*s2
+    c1 = cos(q1)
+    t2 = c1*s2
     c2 = cos(q2)
-    t4 = c2*q3
-    t5 = c1*s2
-    t6 = p_d2*s1
-    t7 = t6 - q3*t5
+    t3 = q3*c2
     return (
-        -t3, c1*t4, t5,
-        -t7, s1*t4, t2,
-        0.0, s1*(t1 - t3) - c1*(t6 - t7), c2,
+        -(p_d2*c1 + q3*t1), c1*t3, t2,
+        q3*t2 - p_d2*s1, s1*t3, t1,
+        0.0, -q3*s2, c2,
         0.0, -s1, 0.0,
         0.0, c1, 0.0,
         1.0, 0.0, 0.0,
     )
 
 
-# How kernels are run.
+def _jacobian_dot_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
 
-_BLOCK_BYTES = 1 << 23
-"""Working memory of a batch: blocks of configurations are as long as their columns fit in here."""
 
-_BLOCK_LIMITS = (256, 4096)
-"""Fewest and most configurations in a block."""
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    qd1, qd2, qd3 = qd
+    (p_d2,) = k
+    s2 = sin(q2)
+    c1 = cos(q1)
+    t1 = qd1*c1
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t2 = c2*qd2
+    t3 = s2*t1 + s1*t2
+    t4 = s1*qd1
+    t5 = s2*qd3
+    t6 = q3*c2
+    t7 = s2*qd2
+    t8 = c2*qd3 - q3*t7
+    t9 = t4*s2 - c1*t2
+    return (
+        p_d2*t4 - q3*t3 - s1*t5, c1*t8 - t4*t6, -t9,
+        c1*t5 - (p_d2*t1 + q3*t9), s1*t8 + t1*t6, t3,
+        0.0, -(t5 + q3*t2), -t7,
+        0.0, -t1, 0.0,
+        0.0, -t4, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t1 = q3*c2
+    s1 = sin(q1)
+    t2 = s1*s2
+    c1 = cos(q1)
+    t3 = c1*s2
+    return (
+        -(p_d2*c1 + q3*t2), c1*t1, t3,
+        q3*t3 - p_d2*s1, s1*t1, t2,
+        0.0, -q3*s2, c2,
+        0.0, 0.0, 0.0,
+        0.0, c2*(1.0/sqrt(c2*c2)), 0.0,
+        1.0, 0.0, 0.0,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t1 = q3*c2
+    s1 = sin(q1)
+    t2 = s1*s2
+    c1 = cos(q1)
+    t3 = c1*s2
+    return (
+        -(p_d2*c1 + q3*t2), c1*t1, t3,
+        q3*t3 - p_d2*s1, s1*t1, t2,
+        0.0, -q3*s2, c2,
+        1.0, 0.0, 0.0,
+        0.0, s2*(1.0/sqrt(s2*s2)), 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+# What functions take, and what they refuse.
 
 _SHAPE = f"({DOF},) or (..., {DOF})"
 
 
-class _Function:
-    """One function: its kernel, run on floats for one configuration and block by block for a batch."""
+class _Signature:
+    """What a function takes and returns, and the words in which it refuses anything else."""
 
-    def __init__(self, name, arguments, shape, kernel, hoisted=None, needs=()):
+    def __init__(self, name, arguments, shape, needs=()):
         self.name = name
         self.arguments = arguments
         self.shape = shape
         self.size = math.prod(shape)
-        self.kernel = kernel
-        self.hoisted = hoisted
         self.needs = tuple(PARAMETERS[i] for i in needs)
-        self._plans = {}
 
-    def __call__(self, values, params):
-        arrays = [self._array(label, value) for label, value in zip(self.arguments, values)]
-        given, extent = self._given(params)
-        if not extent and all(array.ndim == 1 for array in arrays):
-            try:
-                constants = self.hoisted(_FLOATS, given) if self.hoisted else ()
-                results = self.kernel(_FLOATS, constants, *[array.tolist() for array in arrays])
-                return np.array(results, dtype=np.float64).reshape(self.shape)
-            except (ValueError, ArithmeticError):
-                pass  # Python's functions refuse what NumPy answers with nan or inf.
-        return self._batch(arrays, given, extent)
-
-    def _array(self, label, value):
-        """An argument as an array of floats, (..., DOF)."""
+    def argument(self, label, value):
+        """An argument as a NumPy array of floats, (..., DOF)."""
         try:
             array = np.asarray(value)
         except ValueError:
             raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
-        if array.ndim == 0 or array.shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {array.shape}")
+        self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
-    def _given(self, params):
-        """Numbers of the parameters that this function needs, and the batch shape of all that are given."""
-        if params is None:
-            params = {}
-        if not hasattr(params, "keys"):
-            params = self._by_name(params)
-        unknown = [str(name) for name in params if name not in PARAMETERS]
-        if unknown:
-            raise ValueError(f"{self.name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
-        missing = [name for name in self.needs if name not in params]
+    def check_shape(self, label, shape):
+        """Refuse an argument whose last axis is not that of the joints."""
+        if not shape or shape[-1] != DOF:
+            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+
+    def parameters(self, params):
+        """The parameters of a call, checked."""
+        if type(params) is not _Parameters:
+            params = _Parameters(self.name, params) if params is not None else _NO_PARAMETERS
+        missing = [name for name in self.needs if name not in params.numbers] if self.needs else ()
         if missing:
             raise ValueError(f"{self.name}: missing in params: {', '.join(missing)}")
+        return params
+
+    def batch(self, arrays, extent):
+        """The shape that the batches of arguments and parameters have together."""
         try:
-            extent = np.broadcast_shapes(*(np.shape(value) for value in params.values()))
+            return np.broadcast_shapes(*(array.shape[:-1] for array in arrays), extent)
         except ValueError:
-            shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in params.items() if np.ndim(value))
-            raise ValueError(f"{self.name}: batch shapes do not broadcast: params {shapes}") from None
-        return [self._number(name, params[name]) for name in self.needs], extent
+            shapes = [f"{label} {tuple(array.shape[:-1])}" for label, array in zip(self.arguments, arrays)]
+            shapes += [f"params {extent}"] * bool(extent)
+            raise ValueError(f"{self.name}: batch shapes do not broadcast: {', '.join(shapes)}") from None
+
+    def check_out(self, out, batch):
+        """Refuse what a result cannot be written to."""
+        shape = (*batch, *self.shape)
+        wanted = f"{self.name}: out must be a NumPy array of float64 of shape {shape}"
+        if not isinstance(out, np.ndarray):
+            raise ValueError(f"{wanted}; got {type(out).__name__}")
+        if out.shape != shape or out.dtype != np.float64:
+            raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
+        if not out.flags.writeable:
+            raise ValueError(f"{wanted}; got one that is read-only")
+
+
+_NAMES = frozenset(PARAMETERS)
+_NUMBERS = frozenset({float, int})
+
+
+class _Parameters:
+    """Numbers of the free parameters, checked; what functions compute from them alone is kept with them."""
+
+    def __init__(self, name, params):
+        self.name = name
+        self.constants = {}
+        params = getattr(params, "numbers", params)
+        if type(params) is dict and params.keys() <= _NAMES and _NUMBERS.issuperset(map(type, params.values())):
+            self.numbers, self.extent, self.libraries = dict(params), (), ()
+            return
+        if not hasattr(params, "keys"):
+            params = self._by_name(params)
+        unknown = [str(label) for label in params if label not in _NAMES]
+        if unknown:
+            raise ValueError(f"{name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
+        self.numbers = {label: self._number(label, value) for label, value in params.items()}
+        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None)
+        self.extent = self._extent({label: np.shape(value) for label, value in self.numbers.items()})
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
-        columns = np.moveaxis(params, -1, 0) if getattr(params, "ndim", 1) > 1 else list(params)
+        shape = getattr(params, "shape", None)
+        columns = [params[..., i] for i in range(shape[-1])] if shape else list(params)
         if len(columns) != len(PARAMETERS):
             wanted = f"{len(PARAMETERS)} entries, {PARAMETERS}"
             raise ValueError(f"{self.name}: params must have {wanted}; got {len(columns)}")
         return dict(zip(PARAMETERS, columns))
 
-    def _number(self, name, value):
+    def _number(self, label, value):
+        if _library(value) is not None:
+            return value
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
-            raise TypeError(f"{self.name}: params: {name} must be a real number or an array; got dtype {array.dtype}")
+            raise TypeError(f"{self.name}: params: {label} must be a real number or an array; got dtype {array.dtype}")
         return float(array) if array.ndim == 0 else array.astype(np.float64, copy=False)
 
-    def _batch(self, arrays, given, extent):
-        """Every configuration of a batch; arguments and parameters broadcast against each other."""
+    def _extent(self, shapes):
+        """The batch shape of all parameters together."""
         try:
-            batch = np.broadcast_shapes(*(a.shape[:-1] for a in arrays), extent)
+            return np.broadcast_shapes(*shapes.values())
         except ValueError:
-            shapes = [f"{label} {array.shape[:-1]}" for label, array in zip(self.arguments, arrays)]
-            shapes += [f"params {extent}"] * bool(extent)
-            raise ValueError(f"{self.name}: batch shapes do not broadcast: {', '.join(shapes)}") from None
-        rows = [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arrays]
-        varying = any(np.ndim(value) for value in given)
-        if varying:
-            columns = np.stack([np.broadcast_to(value, batch) for value in given], axis=-1)
-            rows.append(columns.reshape(-1, len(given)))
-        scalars = self.hoisted(_ANY, [np.float64(value) for value in given]) if self.hoisted and not varying else ()
-        result = np.empty((math.prod(batch), self.size))
-        self._plan(varying, len(scalars)).run(rows, scalars, result)
-        return result.reshape(*batch, *self.shape)
+            text = ", ".join(f"{label} {tuple(shape)}" for label, shape in shapes.items() if shape)
+            raise ValueError(f"{self.name}: batch shapes do not broadcast: params {text}") from None
 
-    def _plan(self, varying, scalars):
-        plan = self._plans.get(varying)
-        if plan is None:
-            widths = [DOF] * len(self.arguments) + [len(self.needs)] * varying
-            plan = self._plans[varying] = _Plan(self._recorded(varying), widths, scalars)
-        return plan
 
-    def _recorded(self, varying):
-        """The kernel as a function of all its inputs, parameters last."""
+# Arrays of other libraries.
 
-        def run(groups, scalars):
-            constants = self.hoisted(_RECORDED, groups[-1]) if varying else scalars
-            return self.kernel(_RECORDED, constants, *groups[: len(self.arguments)])
+_OURS = (np.ndarray, np.generic, list, tuple, float, int)
+_NEEDING_HELP = ("torch", "cupy")
+"""Libraries whose arrays may not name their namespace themselves; array-api-compat knows it."""
 
-        return run
+
+def _library(value):
+    """The namespace (jax.numpy, ...) of an array of another library; None for all that NumPy reads by itself."""
+    if isinstance(value, _OURS):
+        return None
+    if hasattr(value, "__array_namespace__"):
+        return value.__array_namespace__()
+    family = {kind.__module__.partition(".")[0] for kind in type(value).__mro__}
+    if family.isdisjoint(_NEEDING_HELP):
+        return None
+    try:
+        from array_api_compat import array_namespace
+    except ImportError:
+        raise TypeError(f"{type(value).__module__} arrays need the package array-api-compat") from None
+    return array_namespace(value)
+
+
+def _elsewhere(name, values):
+    """How to compute with the one library whose arrays are among the values; None where there are none."""
+    found = {id(library): library for library in map(_library, values) if library is not None}
+    if len(found) > 1:
+        names = ", ".join(sorted(library.__name__ for library in found.values()))
+        raise TypeError(f"{name}: arrays of one library can be combined, with each other and with NumPy's; got {names}")
+    return _Elsewhere(*found.values(), name, values) if found else None
+
+
+class _Elsewhere:
+    """Runs kernels on the arrays of another library, in their dtype and on their device.
+
+    Integers become the library's usual float; lists and NumPy arrays among the arguments follow the others. No value is
+    looked at, only shapes, so that kernels can be traced, compiled and differentiated.
+    """
+
+    def __init__(self, library, name, values):
+        self.library = library
+        self.name = name
+        arrays = [value for value in values if _library(value) is not None]
+        self.device = getattr(arrays[0], "device", None)
+        self.dtype = self._dtype(arrays)
+        self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+
+    def _dtype(self, arrays):
+        xp = self.library
+        for array in arrays:
+            if not xp.isdtype(array.dtype, ("bool", "integral", "real floating")):
+                raise TypeError(f"{self.name}: arguments and params must be real numbers; got dtype {array.dtype}")
+        floats = [array for array in arrays if xp.isdtype(array.dtype, "real floating")]
+        return xp.result_type(*floats) if floats else xp.asarray(0.0).dtype
+
+    def array(self, value):
+        """A value as an array of this library."""
+        if _library(value) is not None:
+            return self.library.astype(value, self.dtype)
+        return self.library.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arranged(self, results, batch, shape):
+        """Results, arrays or numbers, as one array (*batch, *shape)."""
+        arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
+        columns = [self.library.broadcast_to(array, batch) for array in arrays]
+        return self.library.reshape(self.library.stack(columns, axis=-1), (*batch, *shape))
+
+
+# Batches: columns of NumPy's, in blocks.
+
+_BLOCK_BYTES = 1 << 23
+"""Working memory of a batch: blocks of configurations are as long as their columns fit in here."""
+
+_BLOCK_LIMITS = (256, 8192)
+"""Fewest and most configurations in a block."""
 
 
 class _Plan:
-    """A kernel recorded as steps on columns, with columns used again as soon as their values are dead."""
+    """A kernel recorded as steps on columns, with columns used again as soon as their values are dead.
 
-    def __init__(self, function, widths, scalars):
-        self.widths = widths
-        first = sum(widths)
-        self.inputs = first + scalars
-        steps = _Steps(self.inputs)
-        columns = [_Column(steps, i) for i in range(self.inputs)]
-        groups = [columns[sum(widths[:i]) : sum(widths[: i + 1])] for i in range(len(widths))]
-        results = function(groups, columns[first:])
-        self.results = [r.index if isinstance(r, _Column) else float(r) for r in results]
-        self.numbers = tuple(np.float64(number) for number in steps.numbers)
-        self._place(steps)
+    A value is a column, one number for each configuration, or still: the same for all of them. Still values are
+    computed once for a call. Columns are counted from 0, still values from -1 down.
+    """
+
+    def __init__(self, function, groups):
+        steps = _Steps()
+        values = [[steps.value(varies) for _ in range(width)] for width, varies in groups]
+        self.inputs = steps.columns
+        results = function(values)
+        self.results = [steps.index(result) for result in results]
+        self.stills = steps.stills
+        self.steps = []
+        self.columns = self._place(steps.list)
 
     def _place(self, steps):
-        """Give every value a slot: inputs, then columns, then numbers (counted from the end)."""
-        last = {k: i for i, (_, operands) in enumerate(steps.list) for k in operands}
-        kept = {r for r in self.results if not isinstance(r, float)}
+        """Give every column a slot; return the number of slots."""
+        last = {k: i for i, (_, operands) in enumerate(steps) for k in operands}
+        last.update(dict.fromkeys(self.results, len(steps)))
         slots = {i: i for i in range(self.inputs)}
-        slots.update({-1 - i: -1 - i for i in range(len(steps.numbers))})
-        free, used, self.steps = [], self.inputs, []
-        for i, (ufunc, operands) in enumerate(steps.list):
-            value = self.inputs + i
-            places = [slots[k] for k in operands]
-            free += [slots[k] for k in dict.fromkeys(operands) if k >= self.inputs and last[k] == i and k not in kept]
-            if free:
-                slots[value] = free.pop()
-            else:
-                slots[value], used = used, used + 1
-            self.steps.append((ufunc, (*places, slots[value])))
-        self.columns = used - self.inputs
-        self.results = [r if isinstance(r, float) else slots[r] for r in self.results]
+        free, used = [], self.inputs
+        for i, (ufunc, operands) in enumerate(steps):
+            places = [slots.get(k, k) for k in operands]
+            free += [slots[k] for k in dict.fromkeys(operands) if k >= 0 and last[k] == i]
+            if not free:
+                free, used = [used], used + 1
+            slots[self.inputs + i] = free.pop()
+            self.steps.append((ufunc, operator.itemgetter(*places, slots[self.inputs + i])))
+        self.results = [slots.get(k, k) for k in self.results]
+        return used
 
-    def run(self, rows, scalars, result):
-        """Fill ``result``, (N, size), from ``rows``, (N, width) each."""
+    def run(self, groups, result):
+        """Fill ``result``, (N, size), from arrays (N, width) and lists of the numbers that are the same for all."""
+        stills = self._stills([value for group in groups if isinstance(group, list) for value in group])
+        rows = [group for group in groups if not isinstance(group, list)]
         count = len(result)
-        for place, slot in enumerate(self.results):
-            if isinstance(slot, float):
-                result[:, place] = slot
-        varying = [(place, slot) for place, slot in enumerate(self.results) if not isinstance(slot, float)]
         length = min(count, self._block())
-        memory = np.empty((sum(self.widths) + self.columns, length))
-        bound = None
-        for start in range(0, count if varying else 0, max(length, 1)):
-            block = min(length, count - start)
-            if bound is None or block != length:
-                slots = self._slots(memory[:, :block], scalars)
-                bound = [(ufunc, [slots[k] for k in places]) for ufunc, places in self.steps]
+        memory = np.empty((self.columns, length))
+        for start in range(0, count, length):
+            stop = min(start + length, count)
+            columns = memory[:, : stop - start]
             at = 0
-            for row, width in zip(rows, self.widths):
-                memory[at : at + width, :block] = row[start : start + block].T
-                at += width
-            for ufunc, columns in bound:
-                ufunc(*columns)
-            target = result[start : start + block]
-            for place, slot in varying:
-                target[:, place] = slots[slot]
+            for row in rows:
+                columns[at : at + row.shape[1]] = row[start:stop].T
+                at += row.shape[1]
+            self._fill([*columns, *stills], result[start:stop])
+
+    def _fill(self, slots, result):
+        """One block."""
+        for ufunc, operands in self.steps:
+            ufunc(*operands(slots))
+        for place, slot in enumerate(self.results):
+            result[:, place] = slots[slot]
+
+    def _stills(self, numbers):
+        """All still values, the last one first."""
+        numbers = iter(numbers)
+        values = []
+        for still in self.stills:
+            if isinstance(still, tuple):
+                ufunc, operands = still
+                still = ufunc(*[values[-1 - k] for k in operands])
+            values.append(np.asarray(next(numbers) if still is None else still, dtype=np.float64))
+        return values[::-1]
 
     def _block(self):
         fewest, most = _BLOCK_LIMITS
-        return max(fewest, min(most, _BLOCK_BYTES // (8 * (sum(self.widths) + self.columns))))
-
-    def _slots(self, memory, scalars):
-        """What the steps refer to: rows of ``memory``, scalars of this call, numbers of the kernel."""
-        width = sum(self.widths)
-        return [*memory[:width], *scalars, *memory[width:], *reversed(self.numbers)]
+        return max(fewest, min(most, _BLOCK_BYTES // (8 * max(self.columns, 1))))
 
 
 class _Steps:
-    """What a kernel does, in order: a ufunc and the values it takes; numbers are values -1, -2, ..."""
+    """What a kernel does, in order: a ufunc and the values it takes."""
 
-    def __init__(self, inputs):
-        self.inputs = inputs
+    def __init__(self):
+        self.columns = 0
         self.list = []
-        self.numbers = []
-        self._known = {}
+        self.stills = []
+        self._numbers = {}
+        self._half_angles = {}
+
+    def value(self, varies):
+        """An input: a column, or a still value that each call brings along."""
+        if not varies:
+            return self._still(None)
+        self.columns += 1
+        return _Column(self, self.columns - 1)
 
     def add(self, ufunc, *operands):
-        self.list.append((ufunc, [self._index(operand) for operand in operands]))
-        return _Column(self, self.inputs + len(self.list) - 1)
+        """A step, done once for a call where nothing varies."""
+        indices = [self.index(operand) for operand in operands]
+        if max(indices) < 0:
+            return self._still((ufunc, indices))
+        self.list.append((ufunc, indices))
+        return _Column(self, self.columns + len(self.list) - 1)
 
-    def _index(self, operand):
+    def half_angle(self, angle):
+        """t = tan(x/2) and w = 2/(1 + t^2): sin x = t w and cos x = w - 1, to 4e-16; NumPy's tan is much the faster."""
+        if angle.index not in self._half_angles:
+            t = self.add(np.tan, angle * 0.5)
+            self._half_angles[angle.index] = t, 2.0 / (t * t + 1.0)
+        return self._half_angles[angle.index]
+
+    def index(self, operand):
         if isinstance(operand, _Column):
             return operand.index
-        if operand not in self._known:
-            self.numbers.append(operand)
-            self._known[operand] = -len(self.numbers)
-        return self._known[operand]
+        if operand not in self._numbers:
+            self._numbers[operand] = self._still(np.array(operand, dtype=np.float64)).index
+        return self._numbers[operand]
+
+    def _still(self, value):
+        self.stills.append(value)
+        return _Column(self, -len(self.stills))
 
 
 class _Column:
@@ -434,14 +696,201 @@ class _Column:
         return self.steps.add(np.negative, self)
 
 
+def _column_sine(angle):
+    t, w = angle.steps.half_angle(angle)
+    return t * w
+
+
+def _column_cosine(angle):
+    _, w = angle.steps.half_angle(angle)
+    return w - 1.0
+
+
+def _column_root(x):
+    return x.steps.add(np.sqrt, x)
+
+
+def _column_sign(x):
+    return x.steps.add(np.sign, x)
+
+
+_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+
+
+# How kernels are run.
+
+_FEW = 16
+"""Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
+
+_DOUBLE = np.dtype(np.float64)
+_ONE = (DOF,)
+_JOINTS = struct.Struct(f"{DOF}d")
+
+
+class _Function:
+    """One function: its kernel, run on floats, on columns of a batch, or on arrays of another library."""
+
+    def __init__(self, name, arguments, shape, kernel, hoisted=None, needs=()):
+        self.signature = _Signature(name, arguments, shape, needs)
+        self.kernel = kernel
+        self.hoisted = hoisted
+        self._entries = struct.Struct(f"{self.signature.size}d")
+        self._plans = {}
+
+    def __call__(self, values, params, out):
+        signature = self.signature
+        parameters = signature.parameters(params)
+        if not parameters.extent and not parameters.libraries:
+            floats = _floats(values)
+            if floats is not None:
+                if out is not None:
+                    signature.check_out(out, ())
+                try:
+                    return self._one(floats, parameters, out)
+                except (ValueError, ArithmeticError):
+                    pass  # Python's functions refuse what NumPy answers with nan or inf.
+        elsewhere = _elsewhere(signature.name, (*values, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on(elsewhere, values, parameters, out)
+        arrays = [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+        return self._batch(arrays, parameters, out)
+
+    def _one(self, floats, parameters, out):
+        """One configuration, on Python's floats."""
+        constants = self._constants(parameters) if self.hoisted else ()
+        if out is not None and not out.flags.c_contiguous:
+            out[...] = self._one(floats, parameters, None)
+            return out
+        result = np.empty(self.signature.shape) if out is None else out
+        self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
+        return result
+
+    def _constants(self, parameters):
+        """What the kernel needs of parameters that are numbers; computed once for each set."""
+        if self.hoisted is None:
+            return ()
+        name = self.signature.name
+        if name not in parameters.constants:
+            parameters.constants[name] = self.hoisted(_FLOATS, self._given(parameters))
+        return parameters.constants[name]
+
+    def _given(self, parameters):
+        return [parameters.numbers[name] for name in self.signature.needs]
+
+    def _batch(self, arrays, parameters, out):
+        """Every configuration of a batch; arguments and parameters broadcast against each other."""
+        signature = self.signature
+        batch = signature.batch(arrays, parameters.extent)
+        if out is not None:
+            signature.check_out(out, batch)
+        given = [np.asarray(value) for value in self._given(parameters)]
+        shared = out is None or not out.flags.c_contiguous
+        shared = shared or any(np.may_share_memory(out, array) for array in (*arrays, *given))
+        result = np.empty((*batch, *signature.shape)) if shared else out
+        if result.size:
+            groups = [_group(array, batch) for array in arrays]
+            groups += self._parameter_groups(parameters, given, batch)
+            self._fill(groups, result.reshape(-1, signature.size))
+        if out is None or result is out:
+            return result
+        out[...] = result
+        return out
+
+    def _parameter_groups(self, parameters, given, batch):
+        """The parameters, each by itself, where one of them varies; else what is computed from them alone."""
+        if any(value.size > 1 for value in given):
+            return [_group(value[..., None], batch) for value in given]
+        try:
+            return [list(self._constants(parameters))]
+        except (ValueError, ArithmeticError):
+            return [list(self.hoisted(_ANY, [np.float64(value) for value in given]))]
+
+    def _fill(self, groups, result):
+        """One by one on floats where configurations are few, else in columns."""
+        if len(result) <= _FEW:
+            try:
+                return self._fill_few(groups, result)
+            except (ValueError, ArithmeticError):
+                pass  # as for one configuration
+        self._plan(groups).run(groups, result)
+
+    def _fill_few(self, groups, result):
+        tables = [[group] * len(result) if isinstance(group, list) else group.tolist() for group in groups]
+        evaluate = self._of_groups(_FLOATS, groups)
+        for place, values in zip(result, zip(*tables)):
+            self._entries.pack_into(place, 0, *evaluate(values))
+
+    def _plan(self, groups):
+        varies = tuple(not isinstance(group, list) for group in groups)
+        if varies not in self._plans:
+            widths = [group.shape[1] if varying else len(group) for group, varying in zip(groups, varies)]
+            self._plans[varies] = _Plan(self._of_groups(_RECORDED, groups), list(zip(widths, varies)))
+        return self._plans[varies]
+
+    def _of_groups(self, functions, groups):
+        """The kernel as a function of the values of its groups: arguments, then parameters."""
+        count = len(self.signature.arguments)
+        hoisting = any(not isinstance(group, list) for group in groups[count:])
+
+        def evaluate(values):
+            constants = self.hoisted(functions, [value for (value,) in values[count:]]) if hoisting else values[count]
+            return self.kernel(functions, constants, *values[:count])
+
+        return evaluate
+
+    def _on(self, elsewhere, values, parameters, out):
+        """The kernel on arrays of another library."""
+        signature = self.signature
+        if out is not None:
+            raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.library.__name__}")
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        batch = signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            given = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
+
+
+def _floats(values):
+    """One configuration of each argument as floats; None where an argument is anything else."""
+    groups = []
+    for value in values:
+        kind = type(value)
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+            groups.append(value.tolist())
+        elif kind is list or kind is tuple:
+            try:
+                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+            except (struct.error, TypeError, ValueError, OverflowError):
+                return None
+        else:
+            return None
+    return groups
+
+
+def _group(array, batch):
+    """An input (..., width) as a list, where it is the same for the whole batch, or as an array (N, width)."""
+    width = array.shape[-1]
+    if array.size == width:
+        return array.reshape(width).tolist()
+    return np.broadcast_to(array, (*batch, width)).reshape(-1, width)
+
+
 def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign)
-_RECORDED = tuple((lambda column, ufunc=ufunc: column.steps.add(ufunc, column)) for ufunc in _ANY)
 
+
+_NO_PARAMETERS = _Parameters("params", {})
 
 _FUNCTIONS = {
     "forward_kinematics": _Function(
@@ -470,6 +919,36 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            0,
+        ),
+    ),
+    "jacobian_dot": _Function(
+        name="jacobian_dot",
+        arguments=("q", "qd"),
+        shape=(6, 3),
+        kernel=_jacobian_dot,
+        hoisted=_jacobian_dot_constants,
+        needs=(
+            0,
+        ),
+    ),
+    "analytic_jacobian_rpy": _Function(
+        name="analytic_jacobian_rpy",
+        arguments=("q",),
+        shape=(6, 3),
+        kernel=_analytic_jacobian_rpy,
+        hoisted=_analytic_jacobian_rpy_constants,
+        needs=(
+            0,
+        ),
+    ),
+    "analytic_jacobian_zyz": _Function(
+        name="analytic_jacobian_zyz",
+        arguments=("q",),
+        shape=(6, 3),
+        kernel=_analytic_jacobian_zyz,
+        hoisted=_analytic_jacobian_zyz_constants,
         needs=(
             0,
         ),

@@ -16,6 +16,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify spherical-wrist` compares every function with an independent recursion.
 """
@@ -30,7 +33,10 @@ PARAMETERS = ("d6",)
 OPERATIONS = {
     "forward_kinematics": {"mul": 17, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "link_transforms": {"mul": 17, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "jacobian": {"mul": 9, "add": 1, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian": {"mul": 8, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_dot": {"mul": 17, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
 }
 
 __all__ = [
@@ -43,6 +49,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -59,19 +68,19 @@ def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d6,) = k
-    c3 = cos(q3)
-    c1 = cos(q1)
     c2 = cos(q2)
-    t1 = c1*c2
-    s1 = sin(q1)
-    s3 = sin(q3)
     s2 = sin(q2)
+    s3 = sin(q3)
+    c3 = cos(q3)
+    s1 = sin(q1)
+    t1 = s1*s2
+    c1 = cos(q1)
     t2 = c1*s2
     t3 = s1*c2
-    t4 = s1*s2
+    t4 = c1*c2
     return (
-        c3*t1 - s1*s3, -(s1*c3 + s3*t1), t2, p_d6*t2,
-        c3*t3 + c1*s3, c1*c3 - s3*t3, t4, p_d6*t4,
+        c3*t4 - s1*s3, -(s1*c3 + s3*t4), t2, p_d6*t2,
+        c3*t3 + c1*s3, c1*c3 - s3*t3, t1, p_d6*t1,
         -s2*c3, s2*s3, c2, p_d6*c2,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -88,27 +97,27 @@ def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3 = q
     (p_d6,) = k
-    c1 = cos(q1)
-    s1 = sin(q1)
     c2 = cos(q2)
-    t1 = c1*c2
     s2 = sin(q2)
+    s3 = sin(q3)
+    c3 = cos(q3)
+    s1 = sin(q1)
+    t1 = s1*s2
+    c1 = cos(q1)
     t2 = c1*s2
     t3 = s1*c2
-    t4 = s1*s2
-    c3 = cos(q3)
-    s3 = sin(q3)
+    t4 = c1*c2
     return (
         c1, 0.0, -s1, 0.0,
         s1, 0.0, c1, 0.0,
         0.0, -1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -s1, t2, 0.0,
-        t3, c1, t4, 0.0,
+        t4, -s1, t2, 0.0,
+        t3, c1, t1, 0.0,
         -s2, 0.0, c2, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        c3*t1 - s1*s3, -(s1*c3 + s3*t1), t2, p_d6*t2,
-        c3*t3 + c1*s3, c1*c3 - s3*t3, t4, p_d6*t4,
+        c3*t4 - s1*s3, -(s1*c3 + s3*t4), t2, p_d6*t2,
+        c3*t3 + c1*s3, c1*c3 - s3*t3, t1, p_d6*t1,
         -s2*c3, s2*s3, c2, p_d6*c2,
         0.0, 0.0, 0.0, 1.0,
     )
@@ -127,20 +136,115 @@ def _jacobian(functions, k, q):
     (p_d6,) = k
     s1 = sin(q1)
     s2 = sin(q2)
-    t1 = s1*s2
-    t2 = p_d6*t1
+    t1 = p_d6*s2
     c1 = cos(q1)
     c2 = cos(q2)
-    t3 = p_d6*c2
-    t4 = c1*s2
-    t5 = p_d6*t4
+    t2 = p_d6*c2
     return (
-        -t2, c1*t3, 0.0,
-        t5, s1*t3, 0.0,
-        0.0, -(s1*t2 + c1*t5), 0.0,
-        0.0, -s1, t4,
-        0.0, c1, t1,
+        -s1*t1, c1*t2, 0.0,
+        t1*c1, s1*t2, 0.0,
+        0.0, -t1, 0.0,
+        0.0, -s1, s2*c1,
+        0.0, c1, s1*s2,
         1.0, 0.0, c2,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    qd1, qd2, qd3 = qd
+    (p_d6,) = k
+    s2 = sin(q2)
+    c1 = cos(q1)
+    t1 = c1*qd1
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t2 = c2*qd2
+    t3 = s2*t1 + s1*t2
+    t4 = p_d6*c2
+    t5 = s2*qd2
+    t6 = p_d6*t5
+    t7 = qd1*s1
+    t8 = s2*t7 - c1*t2
+    return (
+        -p_d6*t3, -(c1*t6 + t4*t7), 0.0,
+        -p_d6*t8, t1*t4 - s1*t6, 0.0,
+        0.0, -p_d6*t2, 0.0,
+        0.0, -t1, -t8,
+        0.0, -t7, t3,
+        0.0, 0.0, -t5,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d6,) = k
+    s1 = sin(q1)
+    s2 = sin(q2)
+    t1 = s1*s2
+    c1 = cos(q1)
+    c2 = cos(q2)
+    t2 = p_d6*c2
+    t3 = s2*c1
+    s3 = sin(q3)
+    c3 = cos(q3)
+    t4 = c2*c3
+    t5 = s1*s3 - c1*t4
+    t6 = c1*s3 + s1*t4
+    t7 = t5*t5 + t6*t6
+    t8 = 1.0/t7
+    t9 = s3*t8
+    t10 = 1.0/sqrt(t7)
+    return (
+        -p_d6*t1, c1*t2, 0.0,
+        p_d6*t3, s1*t2, 0.0,
+        0.0, -p_d6*s2, 0.0,
+        0.0, t9, t8*(t1*t6 - t3*t5),
+        0.0, t4*t10, -t10*(t3*t6 + t1*t5),
+        1.0, t9*(s2*c3), c2*t8,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d6,) = k
+    s2 = sin(q2)
+    t1 = p_d6*s2
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t2 = p_d6*c2
+    c1 = cos(q1)
+    return (
+        -s1*t1, c1*t2, 0.0,
+        t1*c1, s1*t2, 0.0,
+        0.0, -t1, 0.0,
+        1.0, 0.0, 0.0,
+        0.0, s2*(1.0/sqrt(s2*s2)), 0.0,
+        0.0, 0.0, 1.0,
     )
 
 
@@ -194,6 +298,39 @@ jacobian = _function(
     shape=(6, 3),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 3),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 3),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0,
     ),

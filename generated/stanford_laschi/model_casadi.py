@@ -19,6 +19,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify stanford-laschi` compares every function with an independent recursion.
 """
@@ -31,9 +34,12 @@ JOINT_TYPES = ("revolute", "revolute", "prismatic", "revolute", "revolute", "rev
 LIMITS = (None, None, None, None, None, None)
 PARAMETERS = ("d2", "d6")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 46, "add": 21, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "forward_kinematics": {"mul": 39, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "link_transforms": {"mul": 46, "add": 21, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
-    "jacobian": {"mul": 44, "add": 24, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "jacobian": {"mul": 40, "add": 15, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "jacobian_dot": {"mul": 107, "add": 58, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
 }
 
 __all__ = [
@@ -46,6 +52,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -54,44 +63,43 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics_constants(functions, p):
     p_d2, p_d6 = p
     return (
-        p_d2, p_d6,
+        p_d6, p_d2,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_d2, p_d6 = k
-    c6 = cos(q6)
+    p_d6, p_d2 = k
+    c2 = cos(q2)
     c5 = cos(q5)
     c4 = cos(q4)
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = c1*c2
-    s1 = sin(q1)
-    s4 = sin(q4)
-    t2 = c4*t1 - s1*s4
     s5 = sin(q5)
+    t1 = c4*s5
     s2 = sin(q2)
-    t3 = c1*s2
-    t4 = c5*t2 - s5*t3
+    t2 = c2*c5 - s2*t1
     s6 = sin(q6)
-    t5 = s1*c4 + s4*t1
-    t6 = c5*t3 + s5*t2
-    t7 = s1*c2
-    t8 = c4*t7 + c1*s4
-    t9 = s1*s2
-    t10 = c5*t8 - s5*t9
-    t11 = c1*c4 - s4*t7
-    t12 = c5*t9 + s5*t8
-    t13 = s2*c4
-    t14 = c5*t13 + c2*s5
-    t15 = s2*s4
-    t16 = c2*c5 - s5*t13
+    t3 = c5*s6
+    t4 = s5*s6
+    t5 = c2*t1 + s2*c5
+    s4 = sin(q4)
+    t6 = s4*s5
+    c6 = cos(q6)
+    t7 = c4*t3 + s4*c6
+    t8 = s4*t3 - c4*c6
+    t9 = c2*t4 + s2*t7
+    t10 = c2*t7 - s2*t4
+    t11 = s2*q3
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t12 = s1*t8 - c1*t10
+    t13 = c1*t8 + s1*t10
+    t14 = c1*t6 + s1*t5
+    t15 = s1*t6 - c1*t5
     return (
-        c6*t4 - s6*t5, -(c6*t5 + s6*t4), t6, p_d6*t6 - (p_d2*s1 - q3*t3),
-        c6*t10 + s6*t11, c6*t11 - s6*t10, t12, p_d2*c1 + q3*t9 + p_d6*t12,
-        s6*t15 - c6*t14, c6*t15 + s6*t14, t16, c2*q3 + p_d6*t16,
+        -(t9*t14 + t13*t2), t12, -t15, -(p_d2*s1 - c1*t11 + p_d6*t15),
+        -(t9*t15 + t12*t2), -t13, t14, p_d2*c1 + s1*t11 + p_d6*t14,
+        t12*t14 - t13*t15, t9, t2, c2*q3 + p_d6*t2,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -99,69 +107,69 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_d2, p_d6 = p
     return (
-        p_d2, p_d6,
+        p_d6, p_d2,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_d2, p_d6 = k
-    c1 = cos(q1)
-    s1 = sin(q1)
+    p_d6, p_d2 = k
     c2 = cos(q2)
-    t1 = c1*c2
-    s2 = sin(q2)
-    t2 = c1*s2
-    t3 = p_d2*s1
-    t4 = s1*c2
-    t5 = s1*s2
-    t6 = p_d2*c1
-    t7 = t3 - q3*t2
-    t8 = t6 + q3*t5
-    t9 = c2*q3
-    c4 = cos(q4)
-    s4 = sin(q4)
-    t10 = c4*t1 - s1*s4
-    t11 = s1*c4 + s4*t1
-    t12 = c4*t4 + c1*s4
-    t13 = c1*c4 - s4*t4
-    t14 = s2*c4
-    t15 = s2*s4
     c5 = cos(q5)
+    s2 = sin(q2)
+    c4 = cos(q4)
+    t1 = s2*c4
     s5 = sin(q5)
-    t16 = c5*t10 - s5*t2
-    t17 = c5*t2 + s5*t10
-    t18 = c5*t12 - s5*t5
-    t19 = c5*t5 + s5*t12
-    t20 = c5*t14 + c2*s5
-    t21 = c2*c5 - s5*t14
-    c6 = cos(q6)
+    t2 = c2*c5 - s5*t1
+    t3 = c2*q3
+    t4 = c5*t1 + c2*s5
     s6 = sin(q6)
+    s4 = sin(q4)
+    t5 = s2*s4
+    c6 = cos(q6)
+    s1 = sin(q1)
+    t6 = s1*c2
+    c1 = cos(q1)
+    t7 = c1*c2
+    t8 = c4*t6 + c1*s4
+    t9 = s1*s2
+    t10 = c1*s2
+    t11 = c5*t9 + s5*t8
+    t12 = c5*t8 - s5*t9
+    t13 = p_d2*c1
+    t14 = t13 + q3*t9
+    t15 = c1*c4 - s4*t6
+    t16 = c4*t7 - s1*s4
+    t17 = p_d2*s1
+    t18 = s1*c4 + s4*t7
+    t19 = c5*t10 + s5*t16
+    t20 = t17 - q3*t10
+    t21 = c5*t16 - s5*t10
     return (
         c1, 0.0, -s1, 0.0,
         s1, 0.0, c1, 0.0,
         0.0, -1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -s1, t2, -t3,
-        t4, c1, t5, t6,
+        t7, -s1, t10, -t17,
+        t6, c1, t9, t13,
         -s2, 0.0, c2, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        t1, -s1, t2, -t7,
-        t4, c1, t5, t8,
-        -s2, 0.0, c2, t9,
+        t7, -s1, t10, -t20,
+        t6, c1, t9, t14,
+        -s2, 0.0, c2, t3,
         0.0, 0.0, 0.0, 1.0,
-        t10, -t2, -t11, -t7,
-        t12, -t5, t13, t8,
-        -t14, -c2, t15, t9,
+        t16, -t10, -t18, -t20,
+        t8, -t9, t15, t14,
+        -t1, -c2, t5, t3,
         0.0, 0.0, 0.0, 1.0,
-        t16, -t11, t17, -t7,
-        t18, t13, t19, t8,
-        -t20, t15, t21, t9,
+        t21, -t18, t19, -t20,
+        t12, t15, t11, t14,
+        -t4, t5, t2, t3,
         0.0, 0.0, 0.0, 1.0,
-        c6*t16 - s6*t11, -(c6*t11 + s6*t16), t17, p_d6*t17 - t7,
-        c6*t18 + s6*t13, c6*t13 - s6*t18, t19, t8 + p_d6*t19,
-        s6*t15 - c6*t20, c6*t15 + s6*t20, t21, t9 + p_d6*t21,
+        c6*t21 - s6*t18, -(c6*t18 + s6*t21), t19, p_d6*t19 - t20,
+        c6*t12 + s6*t15, c6*t15 - s6*t12, t11, t14 + p_d6*t11,
+        s6*t5 - c6*t4, c6*t5 + s6*t4, t2, t3 + p_d6*t2,
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -169,50 +177,246 @@ def _link_transforms(functions, k, q):
 def _jacobian_constants(functions, p):
     p_d2, p_d6 = p
     return (
-        p_d2, p_d6,
+        p_d6, p_d2,
     )
 
 
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6 = q
-    p_d2, p_d6 = k
-    c1 = cos(q1)
-    t1 = p_d2*c1
-    s1 = sin(q1)
-    s2 = sin(q2)
-    t2 = s1*s2
-    t3 = t1 + q3*t2
+    p_d6, p_d2 = k
     c5 = cos(q5)
-    s5 = sin(q5)
-    c4 = cos(q4)
     c2 = cos(q2)
-    t4 = s1*c2
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*s5
+    s2 = sin(q2)
+    t2 = c5*c2 - s2*t1
+    t3 = s2*c5 + c2*t1
     s4 = sin(q4)
-    t5 = c5*t2 + s5*(c4*t4 + c1*s4)
-    t6 = t3 + p_d6*t5
-    t7 = c2*q3
-    t8 = c2*c5 - s5*(s2*c4)
-    t9 = t7 + p_d6*t8
-    t10 = c1*s2
-    t11 = t7 - t9
-    t12 = t3 - t6
-    t13 = c1*c4 - s4*t4
-    t14 = s2*s4
-    t15 = p_d2*s1
-    t16 = t15 - q3*t10
-    t17 = c1*c2
-    t18 = c5*t10 + s5*(c4*t17 - s1*s4)
-    t19 = t16 - p_d6*t18
-    t20 = t16 - t19
-    t21 = s1*c4 + s4*t17
+    t4 = s2*s4
+    s1 = sin(q1)
+    t5 = s5*s4
+    t6 = c2*s4
+    c1 = cos(q1)
+    t7 = s1*t3 + c1*t5
+    t8 = c1*t3 - s1*t5
+    t9 = c1*c4 - s1*t6
+    t10 = s1*c4 + c1*t6
+    t11 = s1*s2
+    t12 = c1*s2
+    t13 = p_d6*t7
+    t14 = p_d6*t8
+    t15 = p_d6*s5
+    t16 = p_d6*t2
+    t17 = t13 + q3*t11
+    t18 = t14 + q3*t12
+    t19 = t16 + c2*q3
     return (
-        -t6, c1*t9, t10, c2*t12 - t2*t11, t14*t12 - t13*t11, 0.0,
-        -t19, s1*t9, t2, c2*t20 + t10*t11, t14*t20 - t21*t11, 0.0,
-        0.0, s1*(t1 - t6) - c1*(t15 - t19), c2, -(t10*t12 + t2*t20), t21*t12 - t13*t20, 0.0,
-        0.0, -s1, 0.0, t10, -t21, t18,
-        0.0, c1, 0.0, t2, t13, t5,
-        1.0, 0.0, 0.0, c2, t14, t8,
+        -(t17 + p_d2*c1), c1*t19, t12, -t10*t15, t16*t9 - t13*t4, 0.0,
+        t18 - p_d2*s1, s1*t19, t11, t15*t9, t16*t10 + t4*t14, 0.0,
+        0.0, -(s1*t17 + c1*t18), c2, t15*t4, -(t13*t10 + t9*t14), 0.0,
+        0.0, -s1, 0.0, t12, -t10, t8,
+        0.0, c1, 0.0, t11, t9, t7,
+        1.0, 0.0, 0.0, c2, t4, t2,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    qd1, qd2, qd3, qd4, qd5, qd6 = qd
+    p_d6, p_d2 = k
+    c5 = cos(q5)
+    s2 = sin(q2)
+    t1 = s2*qd2
+    c2 = cos(q2)
+    s5 = sin(q5)
+    t2 = s5*qd5
+    s4 = sin(q4)
+    t3 = s4*qd4
+    c4 = cos(q4)
+    t4 = c5*qd5
+    t5 = s5*t3 - c4*t4
+    t6 = c4*s5
+    t7 = c2*qd2
+    t8 = c5*t1 + c2*t2 + (t6*t7 - s2*t5)
+    t9 = c4*qd4
+    t10 = s4*t7 + s2*t9
+    t11 = t6*t1 + c2*t5 - (c5*t7 - s2*t2)
+    s1 = sin(q1)
+    t12 = c2*t6 + s2*c5
+    c1 = cos(q1)
+    t13 = c1*qd1
+    t14 = s5*t9 + s4*t4
+    t15 = s4*s5
+    t16 = s1*qd1
+    t17 = t15*t16 - c1*t14 - (t12*t13 - s1*t11)
+    t18 = s4*t1 - c2*t9
+    t19 = c2*s4
+    t20 = s2*s4
+    t21 = c4*t16 + c1*t3 + (t19*t13 - s1*t18)
+    t22 = s2*t13 + s1*t7
+    t23 = t15*t13 + s1*t14 + (t12*t16 + c1*t11)
+    t24 = c4*t13 - s1*t3 - (t19*t16 + c1*t18)
+    t25 = s2*t16 - c1*t7
+    t26 = p_d6*t17
+    t27 = p_d6*t23
+    t28 = p_d6*s5
+    t29 = p_d6*t4
+    t30 = p_d6*t8
+    t31 = p_d6*(c2*c5 - s2*t6)
+    t32 = s1*c4 + c1*t19
+    t33 = c1*c4 - s1*t19
+    t34 = p_d6*(c1*t15 + s1*t12)
+    t35 = p_d6*(s1*t15 - c1*t12)
+    t36 = s1*s2
+    t37 = c1*s2
+    t38 = t36*qd3 + q3*t22 - t26
+    t39 = t37*qd3 - q3*t25 - t27
+    t40 = t16*(q3*t37 - t35) - c1*t39 - (t13*(q3*t36 + t34) + s1*t38)
+    t41 = c2*qd3 - q3*t1 - t30
+    t42 = c2*q3 + t31
+    return (
+        p_d2*t16 - t38, c1*t41 - t42*t16, -t25, -(t32*t29 + t28*t24),
+        -(t34*t10 - t20*t26 + (t33*t30 + t31*t21)), 0.0,
+        t39 - p_d2*t13, t42*t13 + s1*t41, t22, t33*t29 - t28*t21, -(t35*t10 + t20*t27 + (t32*t30 - t31*t24)),
+        0.0,
+        0.0, t40, -t1, t28*t10 + t20*t29, t32*t26 - t34*t24 + (t33*t27 - t35*t21), 0.0,
+        0.0, -t13, 0.0, -t25, -t24, -t23,
+        0.0, -t16, 0.0, t22, -t21, -t17,
+        0.0, 0.0, 0.0, -t1, t10, -t8,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d2 = k
+    c1 = cos(q1)
+    s4 = sin(q4)
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t1 = s1*c2
+    c4 = cos(q4)
+    t2 = c1*s4 + c4*t1
+    s5 = sin(q5)
+    s2 = sin(q2)
+    t3 = s1*s2
+    c5 = cos(q5)
+    t4 = t3*c5 + s5*t2
+    t5 = p_d6*t4
+    t6 = t5 + q3*t3
+    t7 = s2*c4
+    t8 = c5*c2 - s5*t7
+    t9 = p_d6*t8
+    t10 = t9 + q3*c2
+    t11 = c1*s2
+    t12 = s2*s4
+    t13 = c1*c2
+    t14 = s1*s4 - c4*t13
+    t15 = c5*t11 - s5*t14
+    t16 = c5*t14 + s5*t11
+    t17 = p_d6*t15
+    t18 = t17 + q3*t11
+    t19 = c5*t2 - t3*s5
+    t20 = s5*c2 + c5*t7
+    t21 = s1*c4 + s4*t13
+    t22 = c1*c4 - s4*t1
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t23 = s6*t21 + t16*c6
+    t24 = s6*t22 + t19*c6
+    t25 = t20*c6 - s6*t12
+    t26 = t23*t23 + t24*t24
+    t27 = 1.0/t26
+    t28 = t8*t27
+    t29 = 1.0/sqrt(t26)
+    t30 = t23*t27
+    t31 = t24*t27
+    t32 = t23*t29
+    t33 = t24*t29
+    t34 = s1*t30 + c1*t31
+    t35 = t11*t30 - t3*t31
+    t36 = t21*t30 + t22*t31
+    return (
+        -(t6 + p_d2*c1), c1*t10, t11, t3*t9 - c2*t5, -p_d6*t16, 0.0,
+        t18 - p_d2*s1, s1*t10, t3, c2*t17 - t9*t11, p_d6*t19, 0.0,
+        0.0, -(s1*t6 + c1*t18), c2, t5*t11 - t3*t17, -p_d6*t20, 0.0,
+        0.0, t34, 0.0, -t35, t36, t25*t28,
+        0.0, s1*t33 - c1*t32, 0.0, -(t3*t32 + t11*t33), t21*t33 - t22*t32, -(t4*t32 + t15*t33),
+        1.0, t34*t25, 0.0, c2 - t35*t25, t12 + t36*t25, t28,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d2 = k
+    s2 = sin(q2)
+    c5 = cos(q5)
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*s5
+    c2 = cos(q2)
+    t2 = s2*c5 + c2*t1
+    t3 = c5*c2 - s2*t1
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t4 = s5*s4
+    s1 = sin(q1)
+    t5 = c1*t2 - s1*t4
+    t6 = s1*t2 + c1*t4
+    t7 = t5*t5 + t6*t6
+    t8 = 1.0/t7
+    t9 = t4*t8
+    t10 = 1.0/sqrt(t7)
+    t11 = t6*t8
+    t12 = c2*s4
+    t13 = s2*s4
+    t14 = t5*t8
+    t15 = c1*c4 - s1*t12
+    t16 = s1*c4 + c1*t12
+    t17 = s1*s2
+    t18 = c1*s2
+    t19 = t17*t11 + t18*t14
+    t20 = t5*t10
+    t21 = t6*t10
+    t22 = p_d6*t6
+    t23 = p_d6*t5
+    t24 = p_d6*s5
+    t25 = p_d6*t3
+    t26 = t22 + q3*t17
+    t27 = t23 + q3*t18
+    t28 = t25 + q3*c2
+    return (
+        -(t26 + p_d2*c1), c1*t28, t18, -t16*t24, t25*t15 - t22*t13, 0.0,
+        t27 - p_d2*s1, s1*t28, t17, t24*t15, t25*t16 + t13*t23, 0.0,
+        0.0, -(s1*t26 + c1*t27), c2, t24*t13, -(t22*t16 + t15*t23), 0.0,
+        1.0, -t3*t9, 0.0, c2 - t3*t19, t13*t8, 0.0,
+        0.0, t2*t10, 0.0, t17*t20 - t18*t21, t15*t20 + t16*t21, 0.0,
+        0.0, t9, 0.0, t19, t15*t11 - t16*t14, 1.0,
     )
 
 
@@ -266,6 +470,39 @@ jacobian = _function(
     shape=(6, 6),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 6),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0, 1,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 6),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1,
     ),

@@ -18,6 +18,9 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_dot(q, qd, params) -> dJ/dt
+    analytic_jacobian_rpy(q, params) -> J_A
+    analytic_jacobian_zyz(q, params) -> J_A
 
 Self-check: `derive verify thumb` compares every function with an independent recursion.
 """
@@ -33,9 +36,12 @@ LIMITS = (
 )
 PARAMETERS = ("lI1", "lI2", "lI3")
 OPERATIONS = {
-    "forward_kinematics": {"mul": 47, "add": 22, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "forward_kinematics": {"mul": 36, "add": 17, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "link_transforms": {"mul": 47, "add": 22, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
-    "jacobian": {"mul": 63, "add": 35, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian": {"mul": 44, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_dot": {"mul": 111, "add": 67, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "analytic_jacobian_rpy": {"mul": 76, "add": 29, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "analytic_jacobian_zyz": {"mul": 54, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
 }
 
 __all__ = [
@@ -48,6 +54,9 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
 ]
 
 _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
@@ -56,44 +65,44 @@ _OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 def _forward_kinematics_constants(functions, p):
     p_lI1, p_lI2, p_lI3 = p
     return (
-        p_lI1, p_lI2, p_lI3,
+        p_lI2, p_lI3, p_lI1,
     )
 
 
 def _forward_kinematics(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5 = q
-    p_lI1, p_lI2, p_lI3 = k
-    c5 = cos(q5)
+    p_lI2, p_lI3, p_lI1 = k
     c4 = cos(q4)
+    t1 = q4 + q5
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_lI2*c4 + p_lI3*t2
     c3 = cos(q3)
-    s1 = sin(q1)
-    c2 = cos(q2)
-    t1 = s1*c2
-    c1 = cos(q1)
-    s3 = sin(q3)
-    t2 = c3*t1 + c1*s3
-    s4 = sin(q4)
+    t5 = p_lI1 + c3*t4
     s2 = sin(q2)
-    t3 = s1*s2
-    t4 = c4*t2 - s4*t3
-    s5 = sin(q5)
-    t5 = c4*t3 + s4*t2
-    t6 = c5*t4 - s5*t5
-    t7 = c1*c2
-    t8 = c3*t7 - s1*s3
-    t9 = c1*s2
-    t10 = c4*t8 - s4*t9
-    t11 = c4*t9 + s4*t8
-    t12 = c5*t10 - s5*t11
-    t13 = s2*c3
-    t14 = c4*t13 + c2*s4
-    t15 = c2*c4 - s4*t13
-    t16 = c5*t14 + s5*t15
+    s4 = sin(q4)
+    t6 = p_lI2*s4 + p_lI3*t3
+    c2 = cos(q2)
+    t7 = c2*t5 - s2*t6
+    s3 = sin(q3)
+    t8 = s3*t4
+    t9 = s2*s3
+    t10 = c3*t3
+    t11 = c2*t2 - s2*t10
+    t12 = c2*t10 + s2*t2
+    t13 = s3*t3
+    t14 = c2*s3
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t15 = c1*t13 + s1*t12
+    t16 = s1*t13 - c1*t12
+    t17 = s1*c3 + c1*t14
+    t18 = c1*c3 - s1*t14
     return (
-        -t6, c5*t5 + s5*t4, s3*t1 - c1*c3, -(p_lI1*t1 + p_lI2*t4 + p_lI3*t6),
-        t12, -(c5*t11 + s5*t10), -(s1*c3 + s3*t7), p_lI1*t7 + p_lI2*t10 + p_lI3*t12,
-        -t16, s5*t14 - c5*t15, s2*s3, -(p_lI1*s2 + p_lI2*t14 + p_lI3*t16),
+        t9*t16 - t11*t17, t15, -t18, -(s1*t7 + c1*t8),
+        t11*t18 - t9*t15, t16, -t17, c1*t7 - s1*t8,
+        t16*t18 - t15*t17, -t11, t9, -(s2*t5 + c2*t6),
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -101,69 +110,69 @@ def _forward_kinematics(functions, k, q):
 def _link_transforms_constants(functions, p):
     p_lI1, p_lI2, p_lI3 = p
     return (
-        p_lI1, p_lI2, p_lI3,
+        p_lI3, p_lI2, p_lI1,
     )
 
 
 def _link_transforms(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5 = q
-    p_lI1, p_lI2, p_lI3 = k
-    s1 = sin(q1)
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = s1*c2
+    p_lI3, p_lI2, p_lI1 = k
     s2 = sin(q2)
-    t2 = s1*s2
-    t3 = p_lI1*t1
-    t4 = c1*c2
-    t5 = c1*s2
-    t6 = p_lI1*t4
-    t7 = p_lI1*s2
     c3 = cos(q3)
-    s3 = sin(q3)
-    t8 = c3*t1 + c1*s3
-    t9 = c1*c3 - s3*t1
-    t10 = c3*t4 - s1*s3
-    t11 = s1*c3 + s3*t4
-    t12 = s2*c3
-    t13 = s2*s3
+    t1 = s2*c3
     c4 = cos(q4)
+    c2 = cos(q2)
     s4 = sin(q4)
-    t14 = c4*t8 - s4*t2
-    t15 = c4*t2 + s4*t8
-    t16 = t3 + p_lI2*t14
-    t17 = c4*t10 - s4*t5
-    t18 = c4*t5 + s4*t10
-    t19 = t6 + p_lI2*t17
-    t20 = c4*t12 + c2*s4
-    t21 = c2*c4 - s4*t12
-    t22 = t7 + p_lI2*t20
+    t2 = c4*t1 + c2*s4
     c5 = cos(q5)
+    t3 = c2*c4 - s4*t1
     s5 = sin(q5)
-    t23 = c5*t14 - s5*t15
-    t24 = c5*t17 - s5*t18
-    t25 = c5*t20 + s5*t21
+    t4 = c5*t2 + s5*t3
+    t5 = p_lI1*s2
+    t6 = t5 + p_lI2*t2
+    s3 = sin(q3)
+    t7 = s2*s3
+    c1 = cos(q1)
+    t8 = c1*c2
+    s1 = sin(q1)
+    t9 = s1*c2
+    t10 = c3*t8 - s1*s3
+    t11 = c1*s2
+    t12 = s1*s2
+    t13 = c4*t10 - s4*t11
+    t14 = c4*t11 + s4*t10
+    t15 = c5*t13 - s5*t14
+    t16 = p_lI1*t8
+    t17 = t16 + p_lI2*t13
+    t18 = s1*c3 + s3*t8
+    t19 = c3*t9 + c1*s3
+    t20 = p_lI1*t9
+    t21 = c1*c3 - s3*t9
+    t22 = c4*t19 - s4*t12
+    t23 = c4*t12 + s4*t19
+    t24 = c5*t22 - s5*t23
+    t25 = t20 + p_lI2*t22
     return (
         -s1, 0.0, -c1, 0.0,
         c1, 0.0, -s1, 0.0,
         0.0, -1.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 1.0,
-        -t1, -c1, -t2, -t3,
-        t4, -s1, t5, t6,
-        -s2, 0.0, c2, -t7,
+        -t9, -c1, -t12, -t20,
+        t8, -s1, t11, t16,
+        -s2, 0.0, c2, -t5,
         0.0, 0.0, 0.0, 1.0,
-        -t8, t2, -t9, -t3,
-        t10, -t5, -t11, t6,
-        -t12, -c2, t13, -t7,
+        -t19, t12, -t21, -t20,
+        t10, -t11, -t18, t16,
+        -t1, -c2, t7, -t5,
         0.0, 0.0, 0.0, 1.0,
-        -t14, t15, -t9, -t16,
-        t17, -t18, -t11, t19,
-        -t20, -t21, t13, -t22,
+        -t22, t23, -t21, -t25,
+        t13, -t14, -t18, t17,
+        -t2, -t3, t7, -t6,
         0.0, 0.0, 0.0, 1.0,
-        -t23, c5*t15 + s5*t14, -t9, -(t16 + p_lI3*t23),
-        t24, -(c5*t18 + s5*t17), -t11, t19 + p_lI3*t24,
-        -t25, s5*t20 - c5*t21, t13, -(t22 + p_lI3*t25),
+        -t24, c5*t23 + s5*t22, -t21, -(t25 + p_lI3*t24),
+        t15, -(c5*t14 + s5*t13), -t18, t17 + p_lI3*t15,
+        -t4, s5*t2 - c5*t3, t7, -(t6 + p_lI3*t4),
         0.0, 0.0, 0.0, 1.0,
     )
 
@@ -171,59 +180,255 @@ def _link_transforms(functions, k, q):
 def _jacobian_constants(functions, p):
     p_lI1, p_lI2, p_lI3 = p
     return (
-        p_lI1, p_lI2, p_lI3,
+        p_lI3, p_lI2, p_lI1,
     )
 
 
 def _jacobian(functions, k, q):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5 = q
-    p_lI1, p_lI2, p_lI3 = k
-    c1 = cos(q1)
-    c2 = cos(q2)
-    t1 = c1*c2
-    t2 = p_lI1*t1
+    p_lI3, p_lI2, p_lI1 = k
+    t1 = q4 + q5
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_lI3*t2
+    t5 = p_lI3*t3
     c4 = cos(q4)
+    t6 = t4 + p_lI2*c4
     c3 = cos(q3)
+    t7 = p_lI1 + c3*t6
+    c2 = cos(q2)
+    s4 = sin(q4)
+    t8 = t5 + p_lI2*s4
+    s2 = sin(q2)
+    t9 = c2*t7 - s2*t8
+    c1 = cos(q1)
     s1 = sin(q1)
     s3 = sin(q3)
-    t3 = c3*t1 - s1*s3
-    s4 = sin(q4)
-    s2 = sin(q2)
-    t4 = c1*s2
-    t5 = c4*t3 - s4*t4
-    t6 = t2 + p_lI2*t5
-    c5 = cos(q5)
-    s5 = sin(q5)
-    t7 = t6 + p_lI3*(c5*t5 - s5*(c4*t4 + s4*t3))
-    t8 = p_lI1*s2
-    t9 = s2*c3
-    t10 = c4*t9 + c2*s4
-    t11 = t8 + p_lI2*t10
-    t12 = t11 + p_lI3*(c5*t10 + s5*(c2*c4 - s4*t9))
-    t13 = t8 - t12
-    t14 = t2 - t7
-    t15 = s1*c3 + s3*t1
-    t16 = s2*s3
-    t17 = t11 - t12
-    t18 = t6 - t7
-    t19 = s1*c2
-    t20 = p_lI1*t19
-    t21 = c3*t19 + c1*s3
-    t22 = s1*s2
-    t23 = c4*t21 - s4*t22
-    t24 = t20 + p_lI2*t23
-    t25 = t24 + p_lI3*(c5*t23 - s5*(c4*t22 + s4*t21))
-    t26 = t20 - t25
-    t27 = c1*c3 - s3*t19
-    t28 = t24 - t25
+    t10 = s1*s3
+    t11 = t7*s2 + c2*t8
+    t12 = c2*s1
+    t13 = c1*c3 - s3*t12
+    t14 = c1*s3
+    t15 = t14 + c3*t12
+    t16 = s2*s1
+    t17 = c1*c2
+    t18 = c1*s2
+    t19 = c3*s1 + s3*t17
+    t20 = t10 - c3*t17
+    t21 = s2*s3
+    t22 = c3*s2
     return (
-        -t7, s1*t12, t4*t13 + c2*t14, t16*t14 - t15*t13, t16*t18 - t15*t17,
-        -t25, -c1*t12, c2*t26 + t22*t13, t16*t26 + t27*t13, t16*t28 + t27*t17,
-        0.0, -(c1*t7 + s1*t25), t22*t14 - t4*t26, t27*t14 + t15*t26, t27*t18 + t15*t28,
-        0.0, -c1, -t22, -t27, -t27,
-        0.0, -s1, t4, -t15, -t15,
-        1.0, 0.0, c2, t16, t16,
+        t6*t10 - c1*t9, s1*t11, -t6*t13, t8*t15 + t6*t16, t5*t15 + t4*t16,
+        -(t9*s1 + t6*t14), -c1*t11, -t6*t19, t8*t20 - t6*t18, t5*t20 - t4*t18,
+        0.0, -t9, t6*t21, t8*t22 - c2*t6, t5*t22 - c2*t4,
+        0.0, -c1, -t16, -t13, -t13,
+        0.0, -s1, t18, -t19, -t19,
+        1.0, 0.0, c2, t21, t21,
+    )
+
+
+def _jacobian_dot_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _jacobian_dot(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5 = q
+    qd1, qd2, qd3, qd4, qd5 = qd
+    p_lI3, p_lI2, p_lI1 = k
+    t1 = q4 + q5
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_lI3*t2
+    t5 = p_lI3*t3
+    c4 = cos(q4)
+    t6 = p_lI2*c4
+    t7 = t4 + t6
+    c3 = cos(q3)
+    t8 = p_lI1 + c3*t7
+    c2 = cos(q2)
+    s4 = sin(q4)
+    t9 = p_lI2*s4
+    t10 = t5 + t9
+    s2 = sin(q2)
+    t11 = c2*t8 - s2*t10
+    s1 = sin(q1)
+    t12 = s1*qd1
+    t13 = qd4 + qd5
+    t14 = t5*t13
+    t15 = t14 + t9*qd4
+    t16 = t4*t13
+    t17 = t16 + t6*qd4
+    t18 = c3*t15
+    s3 = sin(q3)
+    t19 = s3*qd3
+    t20 = t18 + t7*t19
+    t21 = s2*qd2
+    t22 = c2*qd2
+    t23 = s2*t17 + (t10*t22 + (t8*t21 + c2*t20))
+    c1 = cos(q1)
+    t24 = c3*qd3
+    t25 = qd1*c1
+    t26 = s1*t24 + s3*t25
+    t27 = s1*s3
+    t28 = t8*s2 + c2*t10
+    t29 = c2*t17 - (t10*t21 - (t8*t22 - s2*t20))
+    t30 = c2*t25 - s1*t21
+    t31 = c2*s1
+    t32 = s3*t30 + (t24*t31 + (c3*t12 + c1*t19))
+    t33 = s3*t15
+    t34 = c1*t24 - t12*s3
+    t35 = c3*t30 + (t34 - t19*t31)
+    t36 = c1*s3
+    t37 = t36 + c3*t31
+    t38 = s2*t25 + s1*t22
+    t39 = s2*s1
+    t40 = c2*t12 + c1*t21
+    t41 = c2*c1
+    t42 = s3*t40 - (t24*t41 + (c3*t25 - s1*t19))
+    t43 = s3*t22 + s2*t24
+    t44 = c3*t40 + (t26 + t19*t41)
+    t45 = t27 - c3*t41
+    t46 = s2*t12 - c1*t22
+    t47 = s2*c1
+    t48 = c3*s2
+    t49 = c3*t22 - s2*t19
+    return (
+        t7*t26 + (t11*t12 + c1*t23) - t15*t27, t25*t28 + s1*t29, t7*t32 + c1*t18 - t31*t33,
+        t7*t38 + (t10*t35 + t17*t37) - t15*t39, t4*t38 + (t5*t35 + t16*t37) - t14*t39,
+        t15*t36 - (t11*t25 - s1*t23) - t7*t34, t12*t28 - c1*t29, t33*t41 + (t7*t42 + s1*t18),
+        t15*t47 + (t7*t46 + (t10*t44 + t17*t45)), t14*t47 + (t4*t46 + (t5*t44 + t16*t45)),
+        0.0, t23, t7*t43 - s2*t33, t17*t48 + (c2*t15 + (t10*t49 + t7*t21)),
+        t16*t48 + (c2*t14 + (t5*t49 + t4*t21)),
+        0.0, t12, -t38, t32, t32,
+        0.0, -t25, -t46, t42, t42,
+        0.0, 0.0, -t21, t43, t43,
+    )
+
+
+def _analytic_jacobian_rpy_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI2, p_lI3, p_lI1,
+    )
+
+
+def _analytic_jacobian_rpy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5 = q
+    p_lI2, p_lI3, p_lI1 = k
+    c4 = cos(q4)
+    t1 = q4 + q5
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_lI2*c4 + p_lI3*t2
+    c3 = cos(q3)
+    t5 = p_lI1 + c3*t4
+    c2 = cos(q2)
+    s4 = sin(q4)
+    t6 = p_lI2*s4 + p_lI3*t3
+    s2 = sin(q2)
+    t7 = c2*t5 - s2*t6
+    c1 = cos(q1)
+    s1 = sin(q1)
+    s3 = sin(q3)
+    t8 = s1*s3
+    t9 = t5*s2 + c2*t6
+    t10 = c2*s1
+    t11 = c1*c3 - s3*t10
+    t12 = s2*s1
+    t13 = c1*s3
+    t14 = t2*s2 + t3*(c2*c3)
+    t15 = s1*t14 + t3*t13
+    t16 = c1*c2
+    t17 = c3*s1 + s3*t16
+    t18 = c1*t14 - t3*t8
+    t19 = s2*s3
+    t20 = c3*s2
+    t21 = c1*s2
+    t22 = c2*t2 - t3*t20
+    t23 = t18*t19 + t17*t22
+    t24 = t15*t19 - t11*t22
+    t25 = t11*t18 + t15*t17
+    t26 = t23*t23 + t24*t24
+    t27 = 1.0/t26
+    t28 = 1.0/sqrt(t26)
+    t29 = t22*t28
+    t30 = t19*t27
+    t31 = t23*t27
+    t32 = t24*t27
+    t33 = t11*t31 + t17*t32
+    t34 = t23*t28
+    t35 = t24*t28
+    t36 = c1*t31 + s1*t32
+    t37 = t12*t31 - t21*t32
+    return (
+        t4*t8 - c1*t7, s1*t9, -t4*t11, t4*t12 + t6*(t13 + c3*t10), p_lI3*t15,
+        -(t7*s1 + t4*t13), -c1*t9, -t4*t17, t6*(t8 - c3*t16) - t4*t21, -p_lI3*t18,
+        0.0, -t7, t4*t19, t6*t20 - c2*t4, -p_lI3*t22,
+        0.0, t36, t37, t33, t33,
+        0.0, s1*t34 - c1*t35, -(t21*t34 + t12*t35), t29, t29,
+        1.0, t36*t25, c2 + t37*t25, t30, t30,
+    )
+
+
+def _analytic_jacobian_zyz_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _analytic_jacobian_zyz(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5 = q
+    p_lI3, p_lI2, p_lI1 = k
+    t1 = q4 + q5
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_lI3*t2
+    t5 = p_lI3*t3
+    c4 = cos(q4)
+    t6 = t4 + p_lI2*c4
+    c3 = cos(q3)
+    t7 = p_lI1 + c3*t6
+    c2 = cos(q2)
+    s4 = sin(q4)
+    t8 = t5 + p_lI2*s4
+    s2 = sin(q2)
+    t9 = c2*t7 - s2*t8
+    c1 = cos(q1)
+    s1 = sin(q1)
+    s3 = sin(q3)
+    t10 = s1*s3
+    t11 = t7*s2 + c2*t8
+    t12 = c2*s1
+    t13 = c1*c3 - s3*t12
+    t14 = c1*s3
+    t15 = t14 + c3*t12
+    t16 = s2*s1
+    t17 = c1*c2
+    t18 = c3*s1 + s3*t17
+    t19 = t10 - c3*t17
+    t20 = s2*s3
+    t21 = c1*s2
+    t22 = c3*s2
+    t23 = t13*t13 + t18*t18
+    t24 = 1.0/t23
+    t25 = c3*t24
+    t26 = c2*t24
+    t27 = 1.0/sqrt(t23)
+    return (
+        t6*t10 - c1*t9, s1*t11, -t6*t13, t8*t15 + t6*t16, t5*t15 + t4*t16,
+        -(t9*s1 + t6*t14), -c1*t11, -t6*t18, t8*t19 - t6*t21, t5*t19 - t4*t21,
+        0.0, -t9, t6*t20, t8*t22 - c2*t6, t5*t22 - c2*t4,
+        1.0, -t20*t25, t26, 0.0, 0.0,
+        0.0, (s1*t13 - c1*t18)*t27, -t22*t27, 0.0, 0.0,
+        0.0, t25, -t20*t26, 1.0, 1.0,
     )
 
 
@@ -277,6 +482,39 @@ jacobian = _function(
     shape=(6, 5),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+jacobian_dot = _function(
+    "jacobian_dot",
+    arguments=("q", "qd"),
+    output="dJ/dt",
+    shape=(6, 5),
+    kernel=_jacobian_dot,
+    hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+analytic_jacobian_rpy = _function(
+    "analytic_jacobian_rpy",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 5),
+    kernel=_analytic_jacobian_rpy,
+    hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+analytic_jacobian_zyz = _function(
+    "analytic_jacobian_zyz",
+    arguments=("q",),
+    output="J_A",
+    shape=(6, 5),
+    kernel=_analytic_jacobian_zyz,
+    hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1, 2,
     ),

@@ -52,22 +52,24 @@ class _Traceless(SourceFileLoader):
         raise OSError("byte code is not wanted")
 
 
-def load_models(folder: Path, compiler: Command | None = None) -> tuple[GeneratedModel, ...]:
+def load_models(folder: Path) -> tuple[GeneratedModel, ...]:
     """The generated modules that lie in ``folder``.
 
-    Args:
-        folder: A generated robot.
-        compiler: The C compiler; None leaves the C model out.
+    Raises:
+        VerificationError: A module cannot be imported.
+    """
+    return tuple(kind(_import(folder / file)) for file, kind in _KINDS.items() if (folder / file).is_file())
+
+
+def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedModel, ...]:
+    """The generated C sources that lie in ``folder``, compiled for the occasion; none without a compiler.
 
     Raises:
-        VerificationError: A module cannot be imported, or does not compile.
+        VerificationError: One does not compile.
     """
-    models: list[GeneratedModel] = [
-        kind(_import(folder / file)) for file, kind in _KINDS.items() if (folder / file).is_file()
-    ]
-    if compiler:
-        models += [load(folder, compiler) for file, load in _COMPILED.items() if (folder / file).is_file()]
-    return tuple(models)
+    if compiler is None:
+        return ()
+    return tuple(load(folder, compiler) for file, load in _COMPILED.items() if (folder / file).is_file())
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,10 @@ from derive.check.oracle.arm import Array
 from derive.check.verify.expectation import expectation
 from derive.check.verify.expected import Expectation, PartialExpectation
 from derive.check.verify.forms import FORMS, Trial, constant_trials, parameter_trials
-from derive.check.verify.generated import COMPILED, MODULES, GeneratedModel, load_models
+from derive.check.verify.generated import COMPILED, MODULES, GeneratedModel, compile_models, load_models
 from derive.check.verify.report import TOLERANCE, Report, Row
 from derive.check.verify.samples import SampleSet, sample_sets
-from derive.compiler import find_compiler
+from derive.compiler import Command, find_compiler
 from derive.errors import VerificationError
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
@@ -50,17 +51,26 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
         VerificationError: A function differs by more than 1e-9, raises, returns another shape, or is missing.
     """
     compiler = find_compiler()
-    models = load_models(folder, compiler)
     left_out = frozenset() if compiler else COMPILED & {path.name for path in folder.iterdir()}
     sets = sample_sets(robot, samples, np.random.default_rng(seed))
     rows: list[Row] = []
     expectations = _Expectations()
-    for model in models:
+    models: list[GeneratedModel] = []
+    for model in _models(folder, compiler):
+        models.append(model)
         _check_interface(robot, folder, model)
         verifier = _Verifier(model, sets, expectations)
         rows += [verifier.row(function) for function in _functions(sets[0].oracle, model)]
-    _check_coverage(folder, models, rows, sets[0].oracle.functions, left_out)
+    _check_coverage(folder, tuple(models), rows, sets[0].oracle.functions, left_out)
     return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
+
+
+def _models(folder: Path, compiler: Command | None) -> Iterator[GeneratedModel]:
+    """All targets; the C compiler works while the others are verified."""
+    with ThreadPoolExecutor(1) as pool:
+        compiled = pool.submit(compile_models, folder, compiler)
+        yield from load_models(folder)
+        yield from compiled.result()
 
 
 class _Expectations:
