@@ -65,7 +65,13 @@ def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, op
     command = [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"]
     try:
         done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=SECONDS
+            command,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=SECONDS,
+            start_new_session=True,  # an interrupt from the terminal is ours to answer
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise TargetError(f"the C compiler {compiler[0]} did not run: {type(error).__name__}: {error}") from error

@@ -102,13 +102,24 @@ def _run(
     task: _Task[R], robots: Sequence[Robot], jobs: int, progress: Progress | None, *, hears: bool
 ) -> list[R | BuildFailure]:
     if jobs <= 1 or len(robots) <= 1:
-        return [_told(task(robot, progress if hears else None), progress) for robot in robots]
+        with _interrupts_noted() as interrupted:
+            return [_one(task, robot, progress, hears, interrupted) for robot in robots]
     results = _in_processes(task, robots, jobs, progress)
     lost = [index for index in range(len(robots)) if index not in results]
     for index in lost:  # a process died: each robot that it may have been gets one of its own
         alone = _in_processes(task, [robots[index]], 1, progress)
         results[index] = alone.get(0) or BuildFailure(robots[index].name, DeriveError("the process that built it died"))
     return [results[index] for index in range(len(robots))]
+
+
+def _one(
+    task: _Task[R], robot: Robot, progress: Progress | None, hears: bool, interrupted: list[int]
+) -> R | BuildFailure:
+    """One robot; an interrupt that somebody on the way has swallowed counts after it."""
+    result = task(robot, progress if hears else None)
+    if interrupted:
+        raise KeyboardInterrupt
+    return _told(result, progress)
 
 
 def _in_processes(
@@ -143,6 +154,26 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
                 process.terminate()
         raise
     pool.shutdown()
+
+
+@contextmanager
+def _interrupts_noted() -> Iterator[list[int]]:
+    """The interrupts that came: one raised inside of a finaliser or a foreign library's call may never arrive."""
+    noted: list[int] = []
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    if ignored or threading.current_thread() is not threading.main_thread():
+        yield noted
+        return
+
+    def note(number: int, _frame: object) -> None:
+        noted.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield noted
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager

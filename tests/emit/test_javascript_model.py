@@ -19,6 +19,8 @@ from tests.emit.javascript_model import JavaScriptModel
 from tests.random_robots import random_robot
 
 TOLERANCE = 1e-12
+FITTED = 1e-10
+"""The oracle finds base parameters by least squares, which has errors of its own."""
 
 
 def check(robot: Robot, samples: int = 6) -> None:
@@ -32,7 +34,8 @@ def check(robot: Robot, samples: int = 6) -> None:
             rows = [model.call(name, *row, params=numbers) for row in zip(*arguments, strict=True)]
             got = np.array(rows, dtype=float) if arguments else np.array(model.call(name, params=numbers), dtype=float)
             assert got.shape == expected.value.shape
-            assert expected.errors(got).max() <= TOLERANCE, name
+            tolerance = FITTED if name == "base_parameters" else TOLERANCE
+            assert expected.errors(got).max() <= tolerance, name
 
 
 @pytest.mark.parametrize("name", catalogue_names())
