@@ -49,7 +49,7 @@ def build_robot(
         progress: Told the stages.
 
     Raises:
-        TargetError: An unknown target, or one that needs a C compiler and there is none.
+        TargetError: An unknown target, or no C compiler for one that needs it.
         OutputError: The folder cannot or may not be written.
         VerificationError: A generated function is wrong; the old folder stays.
     """
@@ -60,9 +60,7 @@ def build_robot(
     heal(out)
     if not force and is_current(target, robot.digest, __version__, chosen, spent):
         tell(robot.name, "unchanged")
-        manifest = read_manifest(target) or {"files": {}}
-        names = (*manifest["files"], MANIFEST, *compiled_files(manifest))
-        return BuildResult(robot.name, target, names, True, {}, None, _since(started))
+        return BuildResult(robot.name, target, _files_in(target), True, {}, None, _since(started))
     libraries = library_names(chosen)
     compiler = require_compiler() if libraries else None
     tell(robot.name, "derive")
@@ -73,16 +71,23 @@ def build_robot(
         if compiler:
             tell(robot.name, "compile")
             compile_libraries(folder, chosen, compiler, None if force else target)
-        if not verified:
-            return None
-        tell(robot.name, "verify")
-        return verify(robot, folder)
+        return _verified(robot, folder, tell) if verified else None
 
     report = publish(rendered.files, target, robot.name, check, libraries)
     tell(robot.name, "built")
-    return BuildResult(
-        robot.name, target, (*rendered.files, *libraries), False, rendered.operations, report, _since(started)
-    )
+    files = (*rendered.files, *libraries)
+    return BuildResult(robot.name, target, files, False, rendered.operations, report, _since(started))
+
+
+def _verified(robot: Robot, folder: Path, tell: Progress) -> Report:
+    tell(robot.name, "verify")
+    return verify(robot, folder)
+
+
+def _files_in(folder: Path) -> tuple[str, ...]:
+    """The files of a folder that is current."""
+    manifest = read_manifest(folder) or {"files": {}}
+    return (*manifest["files"], MANIFEST, *compiled_files(manifest))
 
 
 def check_robot(

@@ -84,7 +84,7 @@ def chain(n: int) -> Robot:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [6, 9, 12, 40])
+@pytest.mark.parametrize("n", [6, 9, 20])
 def test_long_arms_have_a_clean_sheet(n: int, tmp_path: Path) -> None:
     """What is too long is given in named terms or by its number of terms."""
     text = sheet(chain(n))
