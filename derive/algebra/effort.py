@@ -17,7 +17,7 @@ class Effort(StrEnum):
     """Formulations, the free choices in them and shared parts are searched."""
 
     QUICK = "quick"
-    """The formulation that is cheapest as traced is emitted: a tenth of the time, up to a third more operations."""
+    """The formulation that is cheapest as traced is emitted: searched for in no time, up to a third more operations."""
 
 
 def effort_named(name: str | None = None) -> Effort:

@@ -41,10 +41,6 @@ class Coefficients:
         self._products: dict[tuple[Ref, Ref], Ref] = {}
         self._ratios: dict[tuple[Ref, Ref], Ref | None] = {}
 
-    def is_unit(self, ref: Ref) -> bool:
-        """Whether it is 1 or -1."""
-        return ref >> 1 == ONE >> 1
-
     def residues(self) -> list[int]:
         """The values of all coefficients so far."""
         return list(self._known)

@@ -32,7 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--jobs", metavar="N", type=positive, default=1, help="robots built at once (default 1)")
     add("--check", action="store_true", help="write nothing; list what is stale and exit with 1")
     add("--force", action="store_true", help="build even what has not changed")
-    add("--effort", choices=("full", "quick"), help="quick: a tenth of the time, more operations in the generated code")
+    add("--effort", choices=("full", "quick"), help="quick: no search, up to a third more operations")
     add("--quiet", action="store_true", help="no progress and no report")
     add("--json", action="store_true", help="machine-readable report")
 

@@ -19,7 +19,6 @@ from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.composite_inertia import Wrench
-from derive.mechanics.coriolis import turn_matrix
 from derive.mechanics.forward_dynamics import F
 from derive.mechanics.joint_form import JointForm
 from derive.mechanics.joint_motion import (
@@ -29,6 +28,7 @@ from derive.mechanics.joint_motion import (
     to_child,
     to_parent,
     turn_about_z,
+    turn_matrix,
     turn_tensor,
     work,
 )

@@ -28,16 +28,29 @@ from dataclasses import dataclass
 from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.joint_motion import axis, origin, rates, to_child, to_parent, turn_about_z, turn_tensor, work
+from derive.mechanics.joint_motion import (
+    angular_velocities,
+    axis,
+    origin,
+    rates,
+    to_parent,
+    turn_about_z,
+    turn_matrix,
+    turn_tensor,
+    work,
+)
 from derive.mechanics.vectors import (
     Matrix,
     S,
     Symmetric,
     Vector,
     add,
+    add_matrices,
     cross,
+    hat,
     matmul,
     multiply,
+    outer,
     scale,
     subtract,
     transpose,
@@ -91,7 +104,7 @@ def christoffel_matrix(chain: Chain[S], velocities: Sequence[S], half: S) -> lis
         half: The scalar 1/2.
     """
     speed = rates(chain, velocities)
-    omegas = _angular_velocities(chain, speed)
+    omegas = angular_velocities(chain, speed)
     carried = _composites(chain, speed, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
@@ -108,28 +121,19 @@ def christoffel_matrix(chain: Chain[S], velocities: Sequence[S], half: S) -> lis
     return matrix
 
 
-def _angular_velocities(chain: Chain[S], speed: Sequence[S]) -> list[Vector[S]]:
-    """Of the base and of links 1..n, in their joint frames."""
-    omegas: list[Vector[S]] = [(chain.zero, chain.zero, chain.zero)]
-    for joint, rate in zip(chain.joints, speed, strict=True):
-        x, y, z = to_child(joint, omegas[-1])
-        omegas.append((x, y, z + rate if joint.revolute else z))
-    return omegas
-
-
 def _composites(chain: Chain[S], speed: Sequence[S], half: S) -> list[Carried[S]]:
     carried = [_resting(chain, body, half) for body in chain.bodies]
     for i in range(chain.n - 1, 0, -1):
         joint = chain.joints[i]
         moved = _to_parent(chain, joint, carried[i], speed[i])
         own = carried[i - 1]
-        spin = _hat(scale(half * joint.coupling * speed[i], axis(joint)), chain.zero)
+        spin = hat(scale(half * joint.coupling * speed[i], axis(joint)), chain.zero)
         carried[i - 1] = Carried(
             own.mass + moved.mass,
             add(own.first, moved.first),
             own.second + moved.second,
             moved.first_rate,
-            _add_matrices(moved.spread, spin),
+            add_matrices(moved.spread, spin),
         )
     return carried
 
@@ -147,13 +151,13 @@ def _to_parent(chain: Chain[S], joint: ChainJoint[S], carried: Carried[S], rate:
     turned = _turned(joint, carried, rate)
     fixed, p = joint.fixed.rotation, origin(joint)
     first, first_rate = multiply(fixed, turned.first), multiply(fixed, turned.first_rate)
-    spread = _add_matrices(matmul(matmul(fixed, turned.spread), transpose(fixed)), _outer(first_rate, p))
+    spread = add_matrices(matmul(matmul(fixed, turned.spread), transpose(fixed)), outer(first_rate, p))
     second = _shifted(turned.mass, first, turn_tensor(fixed, turned.second), p)
     first = add(first, scale(turned.mass, p))
     if not joint.revolute:
         slide = scale(rate, axis(joint))
         first_rate = add(first_rate, scale(turned.mass, slide))
-        spread = _add_matrices(spread, _outer(slide, first))
+        spread = add_matrices(spread, outer(slide, first))
     return Carried(turned.mass, first, second, first_rate, spread)
 
 
@@ -161,7 +165,7 @@ def _turned(joint: ChainJoint[S], carried: Carried[S], rate: S) -> Carried[S]:
     """Before the joint's turn, which for a revolute joint adds rate z x x to every x'."""
     c, s = joint.cosine, joint.sine
     first, (x, y, z) = _about_z(c, s, carried.first), _about_z(c, s, carried.first_rate)
-    second, spread = turn_about_z(c, s, carried.second), _turned_matrix(c, s, carried.spread)
+    second, spread = turn_about_z(c, s, carried.second), turn_matrix(c, s, carried.spread)
     if joint.revolute:
         x, y = x - rate * first[1], y + rate * first[0]
         xy = rate * second.xy
@@ -234,18 +238,6 @@ def _about_z(c: S, s: S, v: Vector[S]) -> Vector[S]:
     return (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
 
 
-def _turned_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
-    """Rot(z) E Rot(z)^T, using s^2 + c^2 = 1."""
-    w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
-    right = (c * m[0][2] - s * m[1][2], s * m[0][2] + c * m[1][2])
-    below = (c * m[2][0] - s * m[2][1], s * m[2][0] + c * m[2][1])
-    return (
-        (m[0][0] - s * w, c * w - m[1][0], right[0]),
-        (c * w - m[0][1], m[1][1] + s * w, right[1]),
-        (below[0], below[1], m[2][2]),
-    )
-
-
 def _shifted(mass: S, first: Vector[S], second: Symmetric[S], p: Vector[S]) -> Symmetric[S]:
     """Second moments about a point from which the old one is seen at ``p``: P + h p^T + p h^T + m p p^T."""
     moved = add(first, scale(mass, p))
@@ -258,15 +250,3 @@ def _shifted(mass: S, first: Vector[S], second: Symmetric[S], p: Vector[S]) -> S
         second.xz + (moved[0] * p[2] + first[2] * p[0]),
         second.yz + (moved[1] * p[2] + first[2] * p[1]),
     )
-
-
-def _add_matrices(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
-    return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
-
-
-def _outer(a: Vector[S], b: Vector[S]) -> Matrix[S]:
-    return (scale(a[0], b), scale(a[1], b), scale(a[2], b))
-
-
-def _hat(u: Vector[S], zero: S) -> Matrix[S]:
-    return ((zero, -u[2], u[1]), (u[2], zero, -u[0]), (-u[1], u[0], zero))

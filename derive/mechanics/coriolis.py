@@ -25,8 +25,30 @@ from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.composite_inertia import unit_wrench
-from derive.mechanics.joint_motion import axis, body_to_parent, origin, rates, to_child, to_parent, work
-from derive.mechanics.vectors import Matrix, S, Vector, add, cross, matmul, multiply, scale, transpose
+from derive.mechanics.joint_motion import (
+    angular_velocities,
+    axis,
+    body_to_parent,
+    origin,
+    rates,
+    to_parent,
+    turn_matrix,
+    work,
+)
+from derive.mechanics.vectors import (
+    Matrix,
+    S,
+    Vector,
+    add,
+    add_matrices,
+    cross,
+    hat,
+    matmul,
+    multiply,
+    outer,
+    scale,
+    transpose,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +68,7 @@ class MovingBody(Generic[S]):
     def __add__(self, other: MovingBody[S]) -> MovingBody[S]:
         """Both together."""
         return MovingBody(
-            self.body + other.body, add(self.growth, other.growth), _add_matrices(self.spread, other.spread)
+            self.body + other.body, add(self.growth, other.growth), add_matrices(self.spread, other.spread)
         )
 
 
@@ -94,24 +116,15 @@ def coriolis_matrix(chain: Chain[S], velocities: Sequence[S], half: S) -> list[l
     return matrix
 
 
-def angular_velocities(chain: Chain[S], speed: Sequence[S]) -> list[Vector[S]]:
-    """Of the base and of links 1..n, in their joint frames."""
-    omegas: list[Vector[S]] = [(chain.zero, chain.zero, chain.zero)]
-    for joint, rate in zip(chain.joints, speed, strict=True):
-        x, y, z = to_child(joint, omegas[-1])
-        omegas.append((x, y, z + rate if joint.revolute else z))
-    return omegas
-
-
 def moving_composites(chain: Chain[S], speed: Sequence[S], omegas: Sequence[Vector[S]], half: S) -> list[MovingBody[S]]:
     """For each joint, all that it carries and how that moves, in its joint frame; ``omegas`` with that of the base."""
     bodies = [_moving(body, omega, half) for body, omega in zip(chain.bodies, omegas[1:], strict=True)]
     for i in range(chain.n - 1, 0, -1):
         joint = chain.joints[i]
-        spin = _hat(scale(half * joint.coupling * speed[i], axis(joint)), chain.zero)
+        spin = hat(scale(half * joint.coupling * speed[i], axis(joint)), chain.zero)
         carried = _to_parent(joint, bodies[i], _origin_rate(joint, omegas[i], speed[i]))
         inner = bodies[i - 1] + carried
-        bodies[i - 1] = MovingBody(inner.body, inner.growth, _add_matrices(inner.spread, spin))
+        bodies[i - 1] = MovingBody(inner.body, inner.growth, add_matrices(inner.spread, spin))
     return bodies
 
 
@@ -133,20 +146,8 @@ def _to_parent(joint: ChainJoint[S], moving: MovingBody[S], rate: Vector[S]) -> 
         matmul(joint.fixed.rotation, turn_matrix(joint.cosine, joint.sine, moving.spread)),
         transpose(joint.fixed.rotation),
     )
-    spread = _add_matrices(_add_matrices(turned, _outer(growth, p)), _outer(rate, body.first_moment))
+    spread = add_matrices(add_matrices(turned, outer(growth, p)), outer(rate, body.first_moment))
     return MovingBody(body, add(growth, scale(body.mass, rate)), spread)
-
-
-def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
-    """Rot(z) E Rot(z)^T, using s^2 + c^2 = 1."""
-    w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
-    right = (c * m[0][2] - s * m[1][2], s * m[0][2] + c * m[1][2])
-    below = (c * m[2][0] - s * m[2][1], s * m[2][0] + c * m[2][1])
-    return (
-        (m[0][0] - s * w, c * w - m[1][0], right[0]),
-        (c * w - m[0][1], m[1][1] + s * w, right[1]),
-        (below[0], below[1], m[2][2]),
-    )
 
 
 def _origin_rate(joint: ChainJoint[S], omega: Vector[S], rate: S) -> Vector[S]:
@@ -193,15 +194,3 @@ def _entries(joint: ChainJoint[S], column: Column[S], omega: Vector[S]) -> tuple
     if joint.revolute:
         return column.moment[2], column.delta[2] + (y * column.eta[0] - x * column.eta[1])
     return column.force[2], y * column.unit[0] - x * column.unit[1]
-
-
-def _add_matrices(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
-    return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
-
-
-def _outer(a: Vector[S], b: Vector[S]) -> Matrix[S]:
-    return (scale(a[0], b), scale(a[1], b), scale(a[2], b))
-
-
-def _hat(u: Vector[S], zero: S) -> Matrix[S]:
-    return ((zero, -u[2], u[1]), (u[2], zero, -u[0]), (-u[1], u[0], zero))

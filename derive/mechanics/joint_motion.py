@@ -44,6 +44,15 @@ def to_parent(joint: ChainJoint[S], v: Vector[S]) -> Vector[S]:
     return multiply(joint.fixed.rotation, (c * x - s * y, s * x + c * y, z))
 
 
+def angular_velocities(chain: Chain[S], speed: Sequence[S]) -> list[Vector[S]]:
+    """Of the base and of links 1..n, in their joint frames."""
+    omegas: list[Vector[S]] = [(chain.zero, chain.zero, chain.zero)]
+    for joint, rate in zip(chain.joints, speed, strict=True):
+        x, y, z = to_child(joint, omegas[-1])
+        omegas.append((x, y, z + rate if joint.revolute else z))
+    return omegas
+
+
 def axis(joint: ChainJoint[S]) -> Vector[S]:
     """The joint's axis z_i in joint frame i-1; constant."""
     return column(joint.fixed.rotation, 2)
@@ -74,6 +83,18 @@ def turn_about_z(c: S, s: S, tensor: Symmetric[S]) -> Symmetric[S]:
         c * w - tensor.xy,
         c * tensor.xz - s * tensor.yz,
         s * tensor.xz + c * tensor.yz,
+    )
+
+
+def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
+    """Rot(z) E Rot(z)^T, using s^2 + c^2 = 1."""
+    w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
+    right = (c * m[0][2] - s * m[1][2], s * m[0][2] + c * m[1][2])
+    below = (c * m[2][0] - s * m[2][1], s * m[2][0] + c * m[2][1])
+    return (
+        (m[0][0] - s * w, c * w - m[1][0], right[0]),
+        (c * w - m[0][1], m[1][1] + s * w, right[1]),
+        (below[0], below[1], m[2][2]),
     )
 
 

@@ -90,6 +90,21 @@ def matmul(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
     )
 
 
+def add_matrices(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
+    """a + b."""
+    return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
+
+
+def outer(a: Vector[S], b: Vector[S]) -> Matrix[S]:
+    """a b^T."""
+    return (scale(a[0], b), scale(a[1], b), scale(a[2], b))
+
+
+def hat(u: Vector[S], zero: S) -> Matrix[S]:
+    """The matrix of u x."""
+    return ((zero, -u[2], u[1]), (u[2], zero, -u[0]), (-u[1], u[0], zero))
+
+
 @dataclass(frozen=True, slots=True)
 class Symmetric(Generic[S]):
     """A symmetric 3x3 tensor by its six entries."""

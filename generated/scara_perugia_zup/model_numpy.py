@@ -1067,7 +1067,7 @@ class _Elsewhere:
     """
 
     def __init__(self, library, name, values):
-        self.library = library
+        self.namespace = library
         self.name = name
         arrays = [value for value in values if _library(value) is not None]
         self.device = getattr(arrays[0], "device", None)
@@ -1075,7 +1075,7 @@ class _Elsewhere:
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
 
     def _dtype(self, arrays):
-        xp = self.library
+        xp = self.namespace
         for array in arrays:
             if not xp.isdtype(array.dtype, ("bool", "integral", "real floating")):
                 raise TypeError(f"{self.name}: arguments and params must be real numbers; got dtype {array.dtype}")
@@ -1085,14 +1085,14 @@ class _Elsewhere:
     def array(self, value):
         """A value as an array of this library."""
         if _library(value) is not None:
-            return self.library.astype(value, self.dtype)
-        return self.library.asarray(value, dtype=self.dtype, device=self.device)
+            return self.namespace.astype(value, self.dtype)
+        return self.namespace.asarray(value, dtype=self.dtype, device=self.device)
 
     def arranged(self, results, batch, shape):
         """Results, arrays or numbers, as one array (*batch, *shape)."""
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
-        columns = [self.library.broadcast_to(array, batch) for array in arrays]
-        return self.library.reshape(self.library.stack(columns, axis=-1), (*batch, *shape))
+        columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
+        return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -1403,7 +1403,7 @@ class _Function:
         """The kernel on arrays of another library."""
         signature = self.signature
         if out is not None:
-            raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.library.__name__}")
+            raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
         arrays = []
         for label, value in zip(signature.arguments, values):
             arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))

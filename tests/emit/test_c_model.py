@@ -117,7 +117,7 @@ def test_a_batch_writes_no_further_than_its_result(planar_model: CModel) -> None
         q = np.ones((count, 2))
         guarded = np.full((count + 1) * 16, -7.0)
         pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (q, guarded)]
-        planar_model.library.planar_forward_kinematics_batch(ctypes.c_size_t(count), *pointers)
+        planar_model.shared.planar_forward_kinematics_batch(ctypes.c_size_t(count), *pointers)
         assert (guarded[count * 16 :] == -7.0).all()
         assert (guarded[: count * 16] != -7.0).all()
 

@@ -46,7 +46,7 @@ def load_c_model(folder: Path, compiler: Command) -> CModel:
 class CModel:
     """The functions of one configuration and of a batch; shapes and numbers are read in the header."""
 
-    library: ctypes.CDLL
+    shared: ctypes.CDLL
     header: str
     target = "c"
     file = FILE
@@ -69,9 +69,9 @@ class CModel:
         inputs += self._hoisted(name, parameters)
         if batch:
             size = ctypes.c_size_t(int(np.prod(batch)))
-            getattr(self.library, f"{name}_batch")(size, *map(_pointer, inputs), _pointer(result))
+            getattr(self.shared, f"{name}_batch")(size, *map(_pointer, inputs), _pointer(result))
         else:
-            getattr(self.library, name)(*map(_pointer, inputs), _pointer(result))
+            getattr(self.shared, name)(*map(_pointer, inputs), _pointer(result))
         return result
 
     def _hoisted(self, name: str, parameters: Mapping[str, Any]) -> list[Array]:
@@ -81,7 +81,7 @@ class CModel:
             return []
         params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
         constants = np.full(count, np.nan)
-        getattr(self.library, f"{name}_constants")(_pointer(params), _pointer(constants))
+        getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
         return [constants]
 
     @cached_property

@@ -19,7 +19,7 @@ from derive.emit.latex.pieces import Break, Piece, joined
 from derive.emit.latex.printer import LatexPrinter
 from derive.robot.expression import ZERO, Expression
 from derive.robot.names import free_symbols
-from derive.robot.robot import Joint, Link, Matrix, Robot
+from derive.robot.robot import Joint, Link, Robot
 
 TABLE_WIDTH = 470.0
 """Room for a table [pt]."""
@@ -139,11 +139,6 @@ def _row_equations(robot: Robot, index: int, row: list[tuple[Piece, ...]]) -> It
         yield Equation(script(Box(letter, 6.5), italic(str(number))), cell)
     if robot.joints[index - 1].limits is not None:
         yield Equation(Box(f"\\text{{limits {index}}}", 45.0), row[-1])
-
-
-def constant_matrix(data: DataPrinter, matrix: Matrix) -> list[list[tuple[Piece, ...]]]:
-    """The cells of base or tool."""
-    return [[data.value(cell) for cell in row] for row in matrix]
 
 
 def link_equations(data: DataPrinter, link: Link, _: Text) -> Iterator[Equation]:
