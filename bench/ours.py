@@ -11,10 +11,10 @@ from bench.counting.counts import Counts
 from bench.peers.peer import Counted, Peer
 from bench.quantities import QUANTITIES, Quantity
 from bench.robots import Array, Case
-from derive.algebra.program import Function, Program
-from derive.algebra.tape import PARAMETER, evaluate
-from derive.algebra.tape_constant import to_float
-from derive.mechanics.programs import build_program
+from derive.algebra.constants import to_float
+from derive.programs.functions.functions import build_program
+from derive.programs.program import Function, Program
+from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.robot.robot import Robot
 
 ARITHMETIC = {"number": to_float, "sin": np.sin, "cos": np.cos, "sqrt": np.sqrt, "sign": np.sign}

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from bench.robots import Array
-from derive.algebra.program import Function
-from derive.algebra.tape import FUNCTION_NAMES, Layer, Node, Op
-from derive.algebra.tape_constant import to_float
+from derive.algebra.constants import to_float
+from derive.programs.program import Function
+from derive.programs.tape.tape import FUNCTION_NAMES, Layer, Node, Op
 
 _SIGNS = {Op.ADD: "+", Op.SUBTRACT: "-", Op.MULTIPLY: "*", Op.DIVIDE: "/"}
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from derive.check.floats import parameter_values
-from derive.check.oracle import Oracle
+from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 
 Array = npt.NDArray[np.float64]
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from derive.version import __version__
+
 if TYPE_CHECKING:
     from derive.errors import DeriveError
-    from derive.mechanics.model import Model
+    from derive.notebook import Model
     from derive.robot.robot import Robot
-
-__version__ = "0.1.0"
 
 __all__ = ["DeriveError", "Model", "Robot", "__version__"]
 
 _HOMES = {
     "DeriveError": "derive.errors",
-    "Model": "derive.mechanics.model",
+    "Model": "derive.notebook",
     "Robot": "derive.robot.robot",
 }
 
@@ -26,6 +26,4 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'derive' has no attribute {name!r}")
     from importlib import import_module
 
-    if name == "Model":
-        import_module("derive.notebook").install()
     return getattr(import_module(_HOMES[name]), name)

@@ -26,7 +26,7 @@ import casadi
 import numpy as np
 import numpy.typing as npt
 
-from derive.build import build_robot
+from derive.publish.build import build_robot
 from derive.robot.robot import Robot
 
 ROBOT = Path(__file__).with_name("swing-up.yaml")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from derive.algebra.effort import VARIABLE, Effort
+from derive.programs.effort import VARIABLE, Effort
 
 os.environ[VARIABLE] = Effort.QUICK
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores: threads would wait for each other

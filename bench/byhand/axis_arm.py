@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from bench.byhand.symbols import Arithmetic
+from derive.robot.description import IDENTITY, Convention, Joint, Link
 from derive.robot.expression import ZERO, Expression
-from derive.robot.robot import IDENTITY, Convention, Joint, Link, Robot
+from derive.robot.robot import Robot
 
 Vector = tuple[Any, Any, Any]
 Rows = tuple[Vector, Vector, Vector]

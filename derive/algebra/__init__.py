@@ -1,1 +1,1 @@
-"""Exact trigonometric polynomials, the lecture form, and straight-line programs."""
+"""Exact trigonometric polynomials over angles, variables and parameters. Knows no robot mechanics."""

@@ -12,17 +12,7 @@ from fractions import Fraction
 from math import isqrt, lcm
 
 from derive.algebra.angles import ExactAngle, decompose
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    Product,
-    Sum,
-    children,
-)
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
 
 MAX_MULTIPLE = 24
 """Largest multiple of one angle unit that is expanded by the addition theorem."""

@@ -1,4 +1,7 @@
-"""The polynomial ring of one robot, and the way of an exact expression into it."""
+"""The polynomial ring of one robot, and the way of an exact expression into it.
+
+Exact polynomials as expression trees of the cell grammar.
+"""
 
 from __future__ import annotations
 
@@ -6,24 +9,15 @@ from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from functools import cached_property
 
-from derive.algebra.angles import decompose
+from derive.algebra.angles import contracted_groups, decompose
 from derive.algebra.atoms import MAX_MULTIPLE, SPECIAL, Atoms, bundled, canonical, collect, split_pi, square_free
 from derive.algebra.generators import Generator, Kind, robot_angles, robot_values, scaled
-from derive.algebra.groups import contracted_groups
 from derive.algebra.ring import Polynomial, Relation, Ring
 from derive.errors import ExpressionError
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    Product,
-    Sum,
-)
+from derive.robot.description import Joint
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
 from derive.robot.names import acceleration_name, velocity_name
-from derive.robot.robot import Joint, Robot
+from derive.robot.robot import Robot
 from derive.robot.style import Contraction
 
 
@@ -41,7 +35,7 @@ class PolynomialDomain:
         max_terms: A product with more terms raises `TooManyTerms`.
 
     Attributes:
-        groups: Revolute joints with parallel axes, see `derive.algebra.groups`.
+        groups: Revolute joints with parallel axes, see `derive.algebra.angles`.
         directions: For each joint +1, or -1 where its angle is subtracted in the sums of its group.
         angles: For each joint the joints whose variables its generator sums, empty for a prismatic joint.
     """
@@ -326,3 +320,35 @@ def _basis_angles(
 
 def _add_angles(a: tuple[Polynomial, Polynomial], b: tuple[Polynomial, Polynomial]) -> tuple[Polynomial, Polynomial]:
     return a[0] * b[0] - a[1] * b[1], a[1] * b[0] + a[0] * b[1]
+
+
+_CALLS = {
+    Kind.SINE: "sin",
+    Kind.COSINE: "cos",
+    Kind.CONSTANT_SINE: "sin",
+    Kind.CONSTANT_COSINE: "cos",
+    Kind.ROOT: "sqrt",
+    Kind.PRIME_ROOT: "sqrt",
+}
+
+
+def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression:
+    """The polynomial, term by term.
+
+    Args:
+        p: An element of the ring of ``domain``.
+        domain: Says what the generators stand for.
+    """
+    return add(*(_term(exponents, Number(coefficient), domain) for exponents, coefficient in p.terms()))
+
+
+def _term(exponents: tuple[int, ...], coefficient: Expression, domain: PolynomialDomain) -> Expression:
+    factors = (power(_base(g), e) for g, e in zip(domain.generators, exponents, strict=True) if e)
+    return multiply(coefficient, *factors)
+
+
+def _base(generator: Generator) -> Expression:
+    if generator.kind is Kind.INVERSE:
+        return power(generator.argument, -1)
+    call = _CALLS.get(generator.kind)
+    return generator.argument if call is None else Call(call, (generator.argument,))

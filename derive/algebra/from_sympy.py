@@ -7,11 +7,9 @@ from typing import Any
 
 import sympy
 
-from derive.errors import ExpressionError
-from derive.robot.arithmetic import add, multiply, number, power
-from derive.robot.expression import ZERO, Call, Expression, Name, Pi
+from derive.errors import ExpressionError, quoted
+from derive.robot.expression import ZERO, Call, Expression, Name, Pi, add, multiply, number, power
 from derive.robot.limits import CELL_LIMITS
-from derive.robot.wording import quoted
 
 _PLAIN = {"sin", "cos", "tan", "atan2", "sign"}
 _RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}

@@ -20,8 +20,8 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.errors import DeriveError
+from derive.robot.description import Joint
 from derive.robot.expression import Expression, Number
-from derive.robot.robot import Joint
 
 Array = npt.NDArray[np.int64]
 

@@ -4,6 +4,8 @@ Everything that a DH chain yields is a polynomial over the rationals in the sine
 prismatic variables and the parameters. A `Ring` holds the generators and their relations (s^2 = 1 - c^2 for every
 angle, w^2 = x for every square root, u*x = 1 for every inverse); a `Polynomial` is always in normal form, so that
 equality is equality of coefficients.
+
+Determinants of square blocks of polynomials, exactly.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
@@ -278,3 +281,26 @@ def rational(value: int | Fraction) -> fmpq:
 def fraction(value: fmpq) -> Fraction:
     """A FLINT rational as a Python one."""
     return Fraction(int(value.p), int(value.q))
+
+
+def determinant(rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
+    """The determinant by Laplace expansion, every minor computed once.
+
+    With the rows taken from the last one up, a minor is fixed by its columns; a matrix of size n has 2^n of them.
+    """
+    size = len(rows)
+    ring = rows[0][0].ring
+
+    @cache
+    def minor(columns: tuple[int, ...]) -> Polynomial:
+        if not columns:
+            return ring.one
+        row = rows[size - len(columns)]
+        total = ring.zero
+        for place, column in enumerate(columns):
+            if row[column]:
+                rest = row[column] * minor(columns[:place] + columns[place + 1 :])
+                total = total - rest if place % 2 else total + rest
+        return total
+
+    return minor(tuple(range(size)))

@@ -1,1 +1,1 @@
-"""Printed expressions against derived ones, and numeric verification of what was generated."""
+"""Printed formulas against derived ones."""

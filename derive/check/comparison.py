@@ -9,16 +9,17 @@ from typing import Any
 
 import sympy
 
+from derive.algebra.from_sympy import expression_from_sympy
 from derive.check.diagnosis import Question
 from derive.check.findings import FileReport, Finding, Role, undecidable
 from derive.check.latex_formula import read_latex
 from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
 from derive.check.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location
-from derive.mechanics.equality import Verdict, compare, expression_from_sympy, scalar_quantity
-from derive.mechanics.model import Model
-from derive.robot.arithmetic import number
-from derive.robot.notation import read_formula
+from derive.lecture.shorthand import read_formula
+from derive.model.equality import Verdict, compare, scalar_quantity
+from derive.model.model import Model
+from derive.robot.expression import number
 
 __all__ = ["FileReport", "Finding", "Role", "check_expression", "check_file"]
 

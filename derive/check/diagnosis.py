@@ -11,13 +11,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
-from derive.check.changes import changes_text
-from derive.check.edits import Edit, Kind, Vocabulary, edits
+from derive.check.edits import Edit, Kind, Vocabulary, changes_text, edits
 from derive.check.spots import Evaluator, Spot, is_token, spots
 from derive.errors import DeriveError
-from derive.mechanics.equality import compare
-from derive.robot.arithmetic import multiply, negate, substitute
-from derive.robot.expression import Call, Expression, Name, Product, Sum, children, names
+from derive.model.equality import compare
+from derive.robot.expression import Call, Expression, Name, Product, Sum, children, multiply, names, negate, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 

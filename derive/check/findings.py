@@ -9,7 +9,7 @@ from typing import Any
 from derive.check.diagnosis import Question, Repair
 from derive.check.printed import NO_DOCUMENT, NO_REMARK, Document, Remark
 from derive.errors import Location, UnknownNameError
-from derive.mechanics.equality import Verdict
+from derive.model.equality import Verdict
 
 Expr = Any
 

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from derive.errors import CheckError
+from derive.lecture.shorthand import resolve_tokens
 from derive.robot.expression import Call, Expression, Name, Pi
 from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
-from derive.robot.notation import resolve_tokens
 from derive.robot.robot import Robot
 
 FLAT = {"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon"}

@@ -1,25 +1,111 @@
-"""Files of printed Newton-Euler equations, in base coordinates or link by link, and the loop around them."""
+"""Files of printed Newton-Euler equations, in base coordinates or link by link, and the loop around them.
+
+What the names of printed Newton-Euler equations stand for, on some arms.
+
+Every link of arms with revolute and prismatic joints, odd twists and full inertia tensors is a case: an equation is
+right when it gives, from what the recursion knows at that step, what the recursion computes there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import random
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 
-from derive.check import tree
+from derive.check import reading
 from derive.check.diagnosis import Repair
 from derive.check.edits import Kind
 from derive.check.findings import FileReport, Finding, Role
-from derive.check.recursion_values import RESULTS, SETS, Case, cases
-from derive.check.remarks import printed_in, remark
-from derive.check.vector_diagnosis import diagnose_vector
-from derive.check.vector_formula import Vector, nodes, read_vector, value_of
-from derive.errors import CheckError
-from derive.mechanics.equality import Verdict
+from derive.check.reading import printed_in, remark
+from derive.check.vector_formula import Vector, diagnose_vector, nodes, read_vector, value_of
+from derive.errors import CheckError, listed, near_miss, quoted
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.printed_newton_euler import LinkStep, Recursion, newton_euler_base, newton_euler_link
+from derive.model.equality import Verdict
 from derive.robot import document
-from derive.robot.document import Node, Scalar
+from derive.robot.document import Node, YamlScalar
 from derive.robot.expression import Name
-from derive.robot.wording import listed, near_miss, quoted
+from derive.robot.robot import Robot
+
+Array = Any
+
+SETS: Mapping[str, Callable[..., Recursion[float]]] = {
+    "newton_euler_base": newton_euler_base,
+    "newton_euler_link": newton_euler_link,
+}
+RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")
+"""What an equation may compute."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One link in motion.
+
+    Attributes:
+        joint: ``revolute`` or ``prismatic``.
+        values: What each name stands for.
+    """
+
+    joint: str
+    values: Mapping[str, Array]
+
+
+@cache
+def cases(name: str) -> tuple[Case, ...]:
+    """All links of the arms for one set of equations."""
+    found = []
+    for types, seed in (("rpr", 1), ("rrp", 2), ("prrpr", 3)):
+        robot = _arm(types, seed)
+        rng = random.Random(robot.name)
+        q, qd, qdd = ([rng.uniform(-1.5, 1.5) for _ in range(robot.n)] for _ in range(3))
+        links = SETS[name](robot, FloatDomain(robot, q), qd, qdd).links
+        found += [_case(links, i) for i in range(robot.n)]
+    return tuple(found)
+
+
+def _case(links: tuple[LinkStep[float], ...], i: int) -> Case:
+    step = links[i]
+    data, before, now = step.data, step.previous, step.motion
+    after = np.array(links[i + 1].data.before).T if i + 1 < len(links) else np.eye(3)
+    values: dict[str, Any] = {"w": now.w, "wd": now.wd, "v": now.v, "vd": now.vd, "a": step.a, "F": step.F, "N": step.N}
+    values |= {"f": step.wrench.f, "n": step.wrench.n, "tau": step.tau}
+    values |= {"w_prev": before.w, "wd_prev": before.wd, "v_prev": before.v, "vd_prev": before.vd}
+    values |= {"p": data.p, "s": data.s, "m": data.mass, "I": data.inertia, "b": data.viscous}
+    values |= {"qd": data.qd, "qdd": data.qdd, "f_next": step.following.f, "n_next": step.following.n}
+    arrays = {name: np.array(value) for name, value in values.items()}
+    return Case("revolute" if data.revolute else "prismatic", {**arrays, **_frames(step, after, arrays["p"])})
+
+
+def _frames(step: LinkStep[float], after: Array, p: Array) -> dict[str, Array]:
+    """Rotations between neighbouring frames and the axes; z_prev in base coordinates in both sets."""
+    rotation, before = np.array(step.data.rotation), np.array(step.data.before)
+    z0 = np.array([0.0, 0.0, 1.0])
+    turns = {"Rp": before, "Rn": after, "R0": rotation.T}
+    return {**turns, "z0": z0, "z_prev": rotation @ before @ z0, "p_in_next": after.T @ p}
+
+
+def _arm(types: str, seed: int) -> Robot:
+    rng = random.Random(seed)
+
+    def cell(scale: float = 1.0) -> float:
+        return round(rng.uniform(0.2, 1.2) * scale, 3)
+
+    lines = [f"name: arm-{types}", "convention: standard", "joints:"]
+    for letter in types:
+        own, kind = {"r": ("d", "revolute"), "p": ("theta", "prismatic")}[letter]
+        lines.append(f"  - {{type: {kind}, {own}: {cell()}, a: {cell()}, alpha: {cell()}}}")
+    lines += ["gravity: [0, 0, -9.81]", "links:"]
+    for _ in types:
+        moments = ", ".join(f"{axes}: {2 + cell()}" for axes in ("xx", "yy", "zz"))
+        tensor = moments + "".join(f", {axes}: {cell(0.1)}" for axes in ("xy", "xz", "yz"))
+        body = f"mass: {cell()}, com: [{cell()}, {cell()}, {cell()}], inertia: {{{tensor}}}"
+        lines.append(f"  - {{{body}, friction: {{viscous: {cell()}}}}}")
+    return Robot.from_text("\n".join(lines) + "\n")
+
 
 UNREAD = ("initial_conditions", "textual", "lagrange")
 _KEYS = ("source", "algorithm", *SETS, *UNREAD)
@@ -29,7 +115,7 @@ _TOLERANCE = 1e-10
 _SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": "Newton-Euler, link frame"}
 
 
-def check_methods(root: document.Mapping, source: str) -> FileReport:
+def check_methods(root: document.YamlMapping, source: str) -> FileReport:
     """Compare every printed equation with what the recursion computes.
 
     Args:
@@ -39,40 +125,40 @@ def check_methods(root: document.Mapping, source: str) -> FileReport:
     Raises:
         CheckError: An equation, or the structure around it, cannot be read.
     """
-    top = tree.mapping(root, "the file", (), _KEYS)
+    top = reading.mapping(root, "the file", (), _KEYS)
     findings: list[Finding] = []
     for name in SETS:
-        for node in tree.items(tree.child(top, name), name):
+        for node in reading.items(reading.child(top, name), name):
             findings += _equation(name, node)
-    loop = tree.child(top, "algorithm")
+    loop = reading.child(top, "algorithm")
     if loop is not None:
-        block = tree.mapping(loop, "algorithm", (), ("steps", "errata"))
-        for node in tree.items(tree.child(block, "errata"), "errata"):
+        block = reading.mapping(loop, "algorithm", (), ("steps", "errata"))
+        for node in reading.items(reading.child(block, "errata"), "errata"):
             findings += _loop(node)
     unread = tuple(name for name in UNREAD if name in top.entries)
     return FileReport(source, "Newton-Euler recursion", tuple(findings), unread, printed_in(top))
 
 
 def _equation(name: str, node: Node) -> Iterator[Finding]:
-    item = tree.mapping(node, "an equation", ("id", "joint", "result", "printed", "status"), _EQUATION)
-    joint = tree.word(item, "joint", ("any", "revolute", "prismatic"), "any")
-    result = tree.word(item, "result", RESULTS, "")
+    item = reading.mapping(node, "an equation", ("id", "joint", "result", "printed", "status"), _EQUATION)
+    joint = reading.word(item, "joint", ("any", "revolute", "prismatic"), "any")
+    result = reading.word(item, "result", RESULTS, "")
     known = [case for case in cases(name) if joint in ("any", case.joint)]
-    erratum = tree.word(item, "status", ("ok", "erratum"), "ok") == "erratum"
-    shown = f"{_SHOWN[name]}: {tree.scalar(item.entries['id'][1], 'id').text} ({joint} joint)"
-    right = tree.child(item, "correct")
+    erratum = reading.word(item, "status", ("ok", "erratum"), "ok") == "erratum"
+    shown = f"{_SHOWN[name]}: {reading.scalar(item.entries['id'][1], 'id').text} ({joint} joint)"
+    right = reading.child(item, "correct")
     for key, role in (("printed", Role.EQUATION), ("correct", Role.CORRECTION)):
-        text = tree.child(item, key)
-        if isinstance(text, Scalar):
+        text = reading.child(item, key)
+        if isinstance(text, YamlScalar):
             wrong = erratum and role is Role.EQUATION
-            reference = right.text if isinstance(right, Scalar) else text.text
+            reference = right.text if isinstance(right, YamlScalar) else text.text
             yield _finding(item, shown, text, result, known, role, wrong, reference)
 
 
 def _finding(
-    item: document.Mapping,
+    item: document.YamlMapping,
     name: str,
-    text: Scalar,
+    text: YamlScalar,
     result: str,
     known: list[Case],
     role: Role,
@@ -103,7 +189,7 @@ def _holds(e: Vector, case: Case, result: str) -> bool:
     return np.shape(value) == np.shape(expected) and bool(np.max(np.abs(value - expected)) < _TOLERANCE)
 
 
-def _require_names(e: Vector, case: Case, text: Scalar) -> None:
+def _require_names(e: Vector, case: Case, text: YamlScalar) -> None:
     for node, _ in nodes(e):
         if node.operation == "name" and node.text not in case.values:
             raise CheckError(
@@ -116,8 +202,8 @@ def _require_names(e: Vector, case: Case, text: Scalar) -> None:
 
 def _loop(node: Node) -> Iterator[Finding]:
     """The backward recursion starts at joint n; it must go on to joint 1 for every joint to get its torque."""
-    item = tree.mapping(node, "an entry of errata", _LOOP, ("status", "kind", "note"))
-    name, printed, correct = (tree.scalar(item.entries[key][1], key) for key in _LOOP)
+    item = reading.mapping(node, "an entry of errata", _LOOP, ("status", "kind", "note"))
+    name, printed, correct = (reading.scalar(item.entries[key][1], key) for key in _LOOP)
     said = remark(item)
     for text, role in ((printed, Role.EQUATION), (correct, Role.CORRECTION)):
         shown = f"stop at i = {text.text}"

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from derive.check.findings import FileReport, Finding, Role
-from derive.check.shorthand import notation_text
 from derive.check.verdicts import Judgement, Outcome, judge
-from derive.mechanics.points import CounterExample
+from derive.lecture.shorthand import notation_text
+from derive.model.equality import CounterExample
 
 Printer = Callable[[Any], str]
 """Writes a derived formula in the notation of the file's robot."""

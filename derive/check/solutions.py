@@ -1,4 +1,7 @@
-"""Printed inverse kinematics: a formula in the entries of T must give back the joint variables."""
+"""Printed inverse kinematics: a formula in the entries of T must give back the joint variables.
+
+The block ``inverse_kinematics:`` of corpus files.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +9,72 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from derive.algebra.to_sympy import expression_to_sympy
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.check import reading
 from derive.check.diagnosis import Question
 from derive.check.findings import Finding, Role, undecidable
 from derive.check.printed import Printed, Solution
-from derive.check.solution_reader import POSE_NAMES
+from derive.check.reading import NO_NAMES, Vocabulary, read_printed, remark
 from derive.errors import DeriveError
-from derive.mechanics.equality import Verdict, compare, expression_from_sympy
-from derive.mechanics.model import Model
-from derive.mechanics.points import evaluate
-from derive.robot.arithmetic import add, multiply, negate, number, substitute
-from derive.robot.expression import ZERO, Call, Expression, names
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.model.equality import Verdict, compare, evaluate
+from derive.model.model import Model
+from derive.robot import document
+from derive.robot.document import Node
+from derive.robot.expression import ZERO, Call, Expression, Name, add, multiply, names, negate, number, substitute
+from derive.robot.names import robot_symbols
+from derive.robot.robot import Robot
+
+POSE_NAMES = ("ox", "oy", "oz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "sgn")
+"""Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics."""
+
+
+class SolutionReader:
+    """Reads formulas whose names are entries of T.
+
+    Args:
+        robot: A name of its own hides the pose's.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+        self.pose = Vocabulary({name: Name(name) for name in POSE_NAMES if name not in own})
+
+    def solutions(self, node: Node | None) -> tuple[Solution, ...]:
+        """The formulas of the block.
+
+        Raises:
+            CheckError: A formula, or the structure around it, cannot be read.
+        """
+        if node is None:
+            return ()
+        block = reading.mapping(node, "inverse_kinematics", ("formulas",), ("given", "notation", "note"))
+        return tuple(self._solution(item) for item in reading.items(block.entries["formulas"][1], "formulas"))
+
+    def _solution(self, node: Node) -> Solution:
+        needed = ("unknown", "value", "printed")
+        item = reading.mapping(node, "a formula", needed, ("angle", "status", "correct", "kind", "printed_as", "note"))
+        correct = reading.child(item, "correct")
+        value = self._printed(item, "value", NO_NAMES)
+        return Solution(
+            unknown=reading.scalar(item.entries["unknown"][1], "unknown").text,
+            value=value.formula,
+            printed=_lacking(self._printed(item, "printed", self.pose), value),
+            is_angle=reading.flag(item, "angle"),
+            correction=_lacking(self._printed(item, "correct", self.pose), value) if correct else None,
+            status=reading.word(item, "status", ("ok", "erratum"), "ok"),
+            remark=remark(item),
+        )
+
+    def _printed(self, item: document.YamlMapping, key: str, further: Vocabulary) -> Printed:
+        return read_printed(reading.scalar(item.entries[key][1], key), self.robot, further)
+
+
+def _lacking(printed: Printed, value: Printed) -> Printed:
+    """A formula about whose value nothing is known cannot be decided either."""
+    return replace(printed, unknown=printed.unknown or value.unknown)
+
 
 HALF = number("1/2")
 

@@ -11,9 +11,21 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from derive.check.floats import FUNCTIONS as REAL_FUNCTIONS
-from derive.robot.arithmetic import add, multiply, power
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
+from derive.robot.evaluate import FUNCTIONS as REAL_FUNCTIONS
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Power,
+    Product,
+    Sum,
+    add,
+    children,
+    multiply,
+    power,
+)
 
 T = TypeVar("T")
 

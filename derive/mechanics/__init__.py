@@ -1,1 +1,1 @@
-"""Frames, Jacobians, energies, B, C, g and Newton-Euler over any scalar type; knows no output."""
+"""The physics over any scalar type: chain of joint frames, one recursion per quantity."""

@@ -31,8 +31,9 @@ from derive.mechanics.vectors import (
     steiner,
     transpose,
 )
+from derive.robot.description import Convention, Joint, Link, Motor
 from derive.robot.expression import Expression
-from derive.robot.robot import Convention, Joint, Link, Motor, Robot
+from derive.robot.robot import Robot
 
 S_co = TypeVar("S_co", covariant=True)
 

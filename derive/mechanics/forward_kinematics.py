@@ -1,10 +1,38 @@
-"""Poses of the frames, from the base outwards."""
+"""Poses of the frames, from the base outwards.
+
+The geometric Jacobian at the end effector, in the world frame.
+
+Column i is (z_i x (p_e - o_i), z_i) for a revolute joint and (z_i, 0) for a prismatic one, times the sign of the
+joint's variable; the linear rows come first (Siciliano et al., Robotics, section 3.1).
+
+The rate of change of the geometric Jacobian, in the world frame.
+
+With z the axis of a revolute joint, r the lever from it to the end effector and omega the angular velocity of the link
+before the joint, dz/dt = omega x z and d(z x r)/dt = zdot x r + z x rdot, where rdot is the velocity of the end
+effector less that of the joint's origin. A prismatic joint's column is its axis (Siciliano et al., Robotics, section
+3.1; Lynch and Park, Modern Robotics, section 8.1, for spatial velocities).
+
+Analytic Jacobians: velocity of the end effector and rates of its orientation angles.
+
+Both kinds of angles begin with a turn about the world's z axis, and the direction u = (x, y, z) that their second turn
+tilts, column 1 of R for roll, pitch, yaw and column 3 for Euler ZYZ, says it all: with omega the angular velocity,
+
+    about = (x omega_x + y omega_y) / (x^2 + y^2),    across = (x omega_y - y omega_x) / sqrt(x^2 + y^2),
+
+the rates are (roll, pitch, yaw) = (about, across, omega_z - z about) and (phi, theta, psi) = (omega_z - z about,
+across, about). Where x = y = 0 the angles are singular and their rates infinite or not a number (Siciliano et al.,
+Robotics, section 3.6).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any, Protocol, Self, TypeVar
+
 from derive.mechanics.chain import Chain
-from derive.mechanics.joint_motion import advance
-from derive.mechanics.vectors import Frame, S
+from derive.mechanics.forward_dynamics import Field
+from derive.mechanics.joint_motion import advance, rates
+from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, scale, subtract
 
 
 def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
@@ -31,3 +59,101 @@ def rows(frame: Frame[S], zero: S, one: S) -> list[list[S]]:
     """The 4x4 matrix of a frame."""
     top = [[*frame.rotation[k], frame.position[k]] for k in range(3)]
     return [*top, [zero, zero, zero, one]]
+
+
+def jacobian(chain: Chain[S]) -> list[list[S]]:
+    """J(q), 6xn, rows first: (v, omega) = J qd for the origin of the end effector, tool included."""
+    poses = joint_poses(chain)
+    end = (poses[-1] @ chain.tool).position
+    columns: list[list[S]] = []
+    for joint, pose in zip(chain.joints, poses, strict=True):
+        z = column(pose.rotation, 2)
+        none = (chain.zero, chain.zero, chain.zero)
+        entries = [*cross(z, subtract(end, pose.position)), *z] if joint.revolute else [*z, *none]
+        columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
+    return [[entries[row] for entries in columns] for row in range(6)]
+
+
+def jacobian_rate(chain: Chain[S], velocities: Sequence[S]) -> list[list[S]]:
+    """dJ/dt(q, qd), 6xn, rows first: the acceleration of the end effector is J qdd + dJ/dt qd.
+
+    Args:
+        chain: The arm.
+        velocities: qd, n entries.
+    """
+    speed = rates(chain, velocities)
+    axes, levers = _axes_and_levers(chain)
+    drift = _velocities_beyond(chain, speed, axes, levers)
+    none = (chain.zero, chain.zero, chain.zero)
+    omega = none
+    columns: list[list[S]] = []
+    for joint, rate, z, r, beyond in zip(chain.joints, speed, axes, levers, drift, strict=True):
+        turning = cross(omega, z)
+        if joint.revolute:
+            # omega x (z x r) is the turn of the whole column; beyond is what the joints from this one on add to r
+            linear = add(cross(omega, cross(z, r)), cross(z, beyond))
+            entries = [*linear, *turning]
+            omega = add(omega, scale(rate, z))
+        else:
+            entries = [*turning, *none]
+        columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
+    return [[entries[row] for entries in columns] for row in range(6)]
+
+
+def _axes_and_levers(chain: Chain[S]) -> tuple[list[Vector[S]], list[Vector[S]]]:
+    """Joint axes, and the end effector seen from the joints' origins, in the world."""
+    poses = joint_poses(chain)
+    end = (poses[-1] @ chain.tool).position
+    return [column(pose.rotation, 2) for pose in poses], [subtract(end, pose.position) for pose in poses]
+
+
+def _velocities_beyond(
+    chain: Chain[S], speed: Sequence[S], axes: Sequence[Vector[S]], levers: Sequence[Vector[S]]
+) -> list[Vector[S]]:
+    """For each joint, the velocity of the end effector that it and the joints after it make."""
+    total = (chain.zero, chain.zero, chain.zero)
+    found: list[Vector[S]] = []
+    for joint, rate, z, r in zip(
+        reversed(chain.joints), reversed(speed), reversed(axes), reversed(levers), strict=True
+    ):
+        total = add(total, scale(rate, cross(z, r) if joint.revolute else z))
+        found.append(total)
+    return found[::-1]
+
+
+class RootField(Field, Protocol):
+    """A scalar that can divide and has square roots."""
+
+    def __rtruediv__(self, other: Any, /) -> Self:
+        """Other over self."""
+
+    def sqrt(self) -> Self:
+        """The square root."""
+
+
+R = TypeVar("R", bound=RootField)
+
+RPY, ZYZ = "rpy", "zyz"
+TILTED = {RPY: 0, ZYZ: 2}
+"""Column of R that the second turn tilts."""
+
+
+def analytic_jacobian(kind: str, tilted: Vector[R], jacobian: Sequence[Sequence[R]]) -> list[list[R]]:
+    """J_A(q), 6xn: rows of velocity, then of the rates of the angles, roll, pitch, yaw or phi, theta, psi.
+
+    Args:
+        kind: `RPY` or `ZYZ`.
+        tilted: Column ``TILTED[kind]`` of the end effector's rotation; its first two entries are not both zero.
+        jacobian: The geometric Jacobian, 6xn, world frame.
+    """
+    x, y, z = tilted
+    square = x * x + y * y
+    inverse, inverse_root = 1 / square, 1 / square.sqrt()
+    along, aside = (inverse * x, inverse * y), (inverse_root * x, inverse_root * y)
+    rates: list[list[R]] = []
+    for wx, wy, wz in zip(*jacobian[3:], strict=True):
+        about = along[0] * wx + along[1] * wy
+        across = aside[0] * wy - aside[1] * wx
+        turn = wz - z * about
+        rates.append([about, across, turn] if kind == RPY else [turn, across, about])
+    return [*(list(row) for row in jacobian[:3]), *(list(row) for row in zip(*rates, strict=True))]

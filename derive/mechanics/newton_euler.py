@@ -12,9 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.joint_form import PLAIN, JointForm
 from derive.mechanics.joint_motion import axis, origin, rates, to_parent, work
-from derive.mechanics.link_motion import LinkMotion, link_motions
+from derive.mechanics.link_motion import PLAIN, JointForm, LinkMotion, link_motions
 from derive.mechanics.vectors import S, Symmetric, Vector, add, cross, dot, multiply, scale
 
 __all__ = ["LinkMotion", "body_wrench", "inverse_dynamics", "link_motions", "rotor_moment", "rotor_torque"]

@@ -17,10 +17,10 @@ from typing import Generic
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import axis, rates
-from derive.mechanics.newton_euler import LinkMotion, link_motions
+from derive.mechanics.link_motion import LinkMotion, link_motions
 from derive.mechanics.screws import Screw, link_screws, rotor_place
 from derive.mechanics.vectors import Frame, Matrix, S, Vector, add, cross, dot, multiply, scale, transpose
-from derive.robot.inertial import Parameter
+from derive.robot.inertial_parameters import Parameter
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 

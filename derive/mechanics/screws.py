@@ -12,8 +12,9 @@ from typing import Generic
 from derive.mechanics.chain import Chain, ChainJoint
 from derive.mechanics.joint_motion import origin, to_child
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, multiply, transpose
+from derive.robot.description import Link, Motor
 from derive.robot.expression import ONE
-from derive.robot.robot import Link, Motor, Robot
+from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)

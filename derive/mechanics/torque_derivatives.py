@@ -28,12 +28,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.christoffel_recursion import christoffel_matrix
-from derive.mechanics.composite_inertia import Wrench, unit_wrench, wrench_to_parent
-from derive.mechanics.coriolis import Column, MovingBody, column_to_parent, moving_composites
-from derive.mechanics.joint_form import PLAIN, JointForm
+from derive.mechanics.coriolis import ClosedColumn, MovingBody, christoffel_matrix, column_to_parent, moving_composites
+from derive.mechanics.inertia_matrix import Wrench, unit_wrench, wrench_to_parent
 from derive.mechanics.joint_motion import axis, rates, work
-from derive.mechanics.link_motion import LinkMotion, link_motions
+from derive.mechanics.link_motion import PLAIN, JointForm, LinkMotion, link_motions
 from derive.mechanics.newton_euler import body_wrench, rotor_moment
 from derive.mechanics.vectors import S, Symmetric, Vector, add, cross, dot, multiply, scale
 
@@ -128,7 +126,7 @@ def _spin(motion: LinkMotion[S], zero: S) -> Vector[S]:
     return (y, -x, zero)
 
 
-def _column(chain: Chain[S], joint: ChainJoint[S], moving: MovingBody[S], motion: LinkMotion[S]) -> Column[S]:
+def _column(chain: Chain[S], joint: ChainJoint[S], moving: MovingBody[S], motion: LinkMotion[S]) -> ClosedColumn[S]:
     """How the wrench on all that joint j carries answers its variable, in frame j, and what its own torque answers."""
     h, hdot, e, body = moving.body.first_moment, moving.growth, moving.spread, moving.body
     unit, eta = unit_wrench(chain, joint, body)
@@ -136,7 +134,7 @@ def _column(chain: Chain[S], joint: ChainJoint[S], moving: MovingBody[S], motion
     curve: Vector[S] = (bend[0], bend[1], bend[2])
     if not joint.revolute:
         delta = (hdot[1], -hdot[0], chain.zero)
-        return Column(scale(body.mass, curve), cross(h, curve), unit, eta, delta)
+        return ClosedColumn(scale(body.mass, curve), cross(h, curve), unit, eta, delta)
     turn = _spin(motion, chain.zero)
     twice = add(turn, turn)
     a = motion.acceleration
@@ -149,10 +147,10 @@ def _column(chain: Chain[S], joint: ChainJoint[S], moving: MovingBody[S], motion
         -(e[2][0] * x + e[2][1] * y),
     )
     moment = add(add(cross(h, shift), multiply(body.inertia.matrix, curve)), spread)
-    return Column(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
+    return ClosedColumn(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
 
 
-def _with_carried_wrench(joint: ChainJoint[S], column: Column[S], wrench: Wrench[S]) -> Column[S]:
+def _with_carried_wrench(joint: ChainJoint[S], column: ClosedColumn[S], wrench: Wrench[S]) -> ClosedColumn[S]:
     """Seen from the links before, the wrench turns with a revolute joint and is shifted by a prismatic one."""
     (fx, fy, fz), (nx, ny, nz) = wrench
     zero = fz - fz
@@ -162,7 +160,7 @@ def _with_carried_wrench(joint: ChainJoint[S], column: Column[S], wrench: Wrench
     return replace(column, force=add(column.force, lever), moment=add(column.moment, (-ny, nx, nz - nz)))
 
 
-def _with_rotor(column: Column[S], joint: ChainJoint[S], omega: Vector[S], half: S) -> Column[S]:
+def _with_rotor(column: ClosedColumn[S], joint: ChainJoint[S], omega: Vector[S], half: S) -> ClosedColumn[S]:
     """What the rotor of joint j, on link j-1, asks of the joint when that link moves otherwise."""
     u = axis(joint)
     eta = add(column.eta, scale(joint.coupling, u))
@@ -170,7 +168,7 @@ def _with_rotor(column: Column[S], joint: ChainJoint[S], omega: Vector[S], half:
     return replace(column, eta=eta, delta=delta)
 
 
-def _answer(joint: ChainJoint[S], column: Column[S], motion: LinkMotion[S]) -> S:
+def _answer(joint: ChainJoint[S], column: ClosedColumn[S], motion: LinkMotion[S]) -> S:
     """d tau_j / d q_i in rates, for joint i < j with link i in this motion."""
     curve = (motion.spread[0][2], motion.spread[1][2], motion.spread[2][2])
     if not joint.revolute:

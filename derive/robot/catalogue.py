@@ -8,8 +8,7 @@ from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from derive.errors import UnknownRobotError
-from derive.robot.wording import near_miss, quoted
+from derive.errors import UnknownRobotError, near_miss, quoted
 
 _SUFFIX = ".yaml"
 _TITLE = re.compile(r'^title: "(.*)"$', re.MULTILINE)

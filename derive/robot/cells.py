@@ -1,15 +1,106 @@
-"""Reads cells of a document as exact expressions in SI units and radians."""
+"""Reads cells of a document as exact expressions in SI units and radians.
+
+Which texts may be a symbol.
+
+Degrees and millimetres to radians and metres, exactly.
+
+A *plain number* is an additive term of a cell in which no name occurs: in ``q1 + 90`` it is 90, in ``2*a1 - 20`` it is
+20. A number that multiplies a name is a factor without a unit, and names themselves are always in SI units and radians.
+Arguments of sin, cos and tan are angles too, in every cell; where pi occurs in an argument, it is in radians already.
+"""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
+from fractions import Fraction
 
-from derive.errors import ExpressionError, Location
-from derive.robot.document import Document, Path, Scalar
-from derive.robot.expression import ZERO, Expression, names
-from derive.robot.parser import parse_expression
-from derive.robot.units import MixedUnitsError, Units, angle_in_radians, length_in_metres, plain_number
-from derive.robot.wording import path_text
+from derive.errors import ExpressionError, Location, path_text, quoted
+from derive.robot.document import Document, KeyPath, YamlScalar
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Pi,
+    Power,
+    Product,
+    Sum,
+    add,
+    contains_pi,
+    is_constant,
+    linear_terms,
+    multiply,
+    names,
+    number,
+    power,
+)
+from derive.robot.limits import FILE_LIMITS
+from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
+
+_DEGREE = multiply(number(Fraction(1, 180)), Pi())
+_MILLIMETRE = number(Fraction(1, 1000))
+_ANGULAR = frozenset({"sin", "cos", "tan"})
+
+
+class MixedUnitsError(ValueError):
+    """pi stands in an angle cell whose plain numbers are degrees."""
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """Units of plain numbers in a file."""
+
+    degrees: bool = False
+    millimetres: bool = False
+
+
+def angle_in_radians(expression: Expression, units: Units) -> Expression:
+    """An angle cell in radians.
+
+    Raises:
+        MixedUnitsError: pi outside the arguments of functions while angles are degrees.
+    """
+    if not units.degrees:
+        return expression
+    if contains_pi(expression):
+        raise MixedUnitsError
+    return _scaled(_arguments_in_radians(expression), _DEGREE)
+
+
+def length_in_metres(expression: Expression, units: Units) -> Expression:
+    """A length cell in metres."""
+    converted = plain_number(expression, units)
+    return _scaled(converted, _MILLIMETRE) if units.millimetres else converted
+
+
+def plain_number(expression: Expression, units: Units) -> Expression:
+    """A cell that is neither angle nor length: only arguments of functions change."""
+    return _arguments_in_radians(expression) if units.degrees else expression
+
+
+def _scaled(expression: Expression, unit: Expression) -> Expression:
+    """The expression with every plain number multiplied by ``unit``."""
+    pairs = linear_terms(expression)
+    if not any(is_constant(term) for _, term in pairs):
+        return expression
+    return add(*(multiply(number(c), term, unit if is_constant(term) else number(1)) for c, term in pairs))
+
+
+def _arguments_in_radians(expression: Expression) -> Expression:
+    match expression:
+        case Call(function, arguments):
+            converted = tuple(_arguments_in_radians(argument) for argument in arguments)
+            if function in _ANGULAR:
+                converted = tuple(a if contains_pi(a) else _scaled(a, _DEGREE) for a in converted)
+            return Call(function, converted)
+        case Sum(parts):
+            return add(*(_arguments_in_radians(part) for part in parts))
+        case Product(parts):
+            return multiply(*(_arguments_in_radians(part) for part in parts))
+        case Power(base, exponent):
+            return power(_arguments_in_radians(base), exponent)
+        case _:
+            return expression
 
 
 @dataclass(slots=True)
@@ -26,19 +117,19 @@ class Cells:
     units: Units
     first_use: dict[str, Location] = field(default_factory=dict)
 
-    def angle(self, path: Path, default: Expression = ZERO) -> Expression:
+    def angle(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """An angle [rad]."""
         return self.to_radians(path, self.raw(path, default))
 
-    def length(self, path: Path, default: Expression = ZERO) -> Expression:
+    def length(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """A length [m]."""
         return self.to_metres(self.raw(path, default))
 
-    def plain(self, path: Path, default: Expression = ZERO) -> Expression:
+    def plain(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """A quantity that is always in SI units, such as a mass."""
         return plain_number(self.raw(path, default), self.units)
 
-    def to_radians(self, path: Path, expression: Expression) -> Expression:
+    def to_radians(self, path: KeyPath, expression: Expression) -> Expression:
         """The expression of an angle cell in radians.
 
         Raises:
@@ -58,7 +149,7 @@ class Cells:
         """The expression of a length cell in metres."""
         return length_in_metres(expression, self.units)
 
-    def raw(self, path: Path, default: Expression = ZERO) -> Expression:
+    def raw(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """The expression as written, before units.
 
         Raises:
@@ -72,7 +163,7 @@ class Cells:
             self.first_use.setdefault(name, scalar.location)
         return expression
 
-    def _parsed(self, path: Path, scalar: Scalar) -> Expression:
+    def _parsed(self, path: KeyPath, scalar: YamlScalar) -> Expression:
         try:
             return parse_expression(scalar.text, scalar.inner)
         except ExpressionError as error:
@@ -82,3 +173,22 @@ class Cells:
                 remedy=error.remedy,
                 location=error.location if scalar.verbatim else scalar.location,
             ) from None
+
+
+_SYMBOL = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}")
+
+
+def check_symbol(document: Document, path: KeyPath, name: str) -> None:
+    """Refuse a name that is not ``[A-Za-z][A-Za-z0-9_]*``, too long, or means something else.
+
+    Raises:
+        RobotFileError: At the place of the name.
+    """
+    if name in RESERVED_NAMES or name.casefold() in NOT_SYMBOLS:
+        raise document.error(path, f"'{name}' cannot be a symbol", "it has a meaning of its own", "use another name")
+    if _SYMBOL.fullmatch(name) is None:
+        raise document.error(
+            path,
+            f"{quoted(name)} is not a name",
+            f"allowed: a letter A-Z or a-z, then letters, digits and _, at most {FILE_LIMITS.name_length} characters",
+        )

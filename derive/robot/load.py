@@ -1,30 +1,168 @@
-"""From a path, a catalogue name or a text to a validated `Robot`."""
+"""From a path, a catalogue name or a text to a validated `Description`.
+
+Inertial parameters, motors, friction and gravity.
+
+Name and title of a robot.
+"""
 
 from __future__ import annotations
 
+import keyword
+import re
+import unicodedata
 from pathlib import Path
 
-from derive.errors import Location, RobotFileError, UnknownRobotError
-from derive.robot.cells import Cells
-from derive.robot.document import Document, Mapping
-from derive.robot.expression import Expression, names
-from derive.robot.frames import read_frame
-from derive.robot.heading import read_name, read_title
-from derive.robot.joints import read_joints
+from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss, quoted
+from derive.robot.catalogue import catalogue_names, catalogue_text
+from derive.robot.cells import Cells, Units, check_symbol
+from derive.robot.description import Convention, Description, Inertia, Link, Motor, Vector
+from derive.robot.document import Document, KeyPath, YamlMapping, read_document
+from derive.robot.expression import ZERO, Expression, Name, names, negate
 from derive.robot.limits import FILE_LIMITS
-from derive.robot.links import read_gravity, read_links
 from derive.robot.presentation import read_figure, read_handout
-from derive.robot.robot import Convention, Robot
-from derive.robot.source import read_document
-from derive.robot.structure import check_structure
+from derive.robot.schema import check_structure
 from derive.robot.style import Contraction, Style
-from derive.robot.symbols import check_symbol
-from derive.robot.units import Units
+from derive.robot.table import read_frame, read_joints
 from derive.robot.validate import validate
-from derive.robot.wording import near_miss, quoted
+
+DEFAULT_GRAVITY_SYMBOL = "g"
 
 
-def load_robot(path_or_name: str | Path) -> Robot:
+def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...]:
+    """One link per joint, or none when the file has no dynamics.
+
+    Raises:
+        RobotFileError: Another number of links than joints.
+    """
+    node = document.find(("links",))
+    if node is None:
+        return ()
+    rows = document.length(("links",))
+    if rows != joints:
+        raise document.error(
+            ("links",),
+            f"{rows} {'row' if rows == 1 else 'rows'} for {joints} joints",
+            f"allowed: exactly {joints}",
+            "write one row per joint; a massless link is {mass: 0}",
+        )
+    return tuple(_link(document, cells, ("links", row)) for row in range(rows))
+
+
+def _link(document: Document, cells: Cells, path: KeyPath) -> Link:
+    return Link(
+        mass=cells.plain((*path, "mass")),
+        com=_lengths(cells, (*path, "com")),
+        inertia=_inertia(cells, (*path, "inertia")),
+        motor=_motor(document, cells, (*path, "motor")),
+        armature=cells.plain((*path, "armature")),
+        viscous=cells.plain((*path, "friction", "viscous")),
+        coulomb=cells.plain((*path, "friction", "coulomb")),
+    )
+
+
+def _lengths(cells: Cells, path: KeyPath) -> Vector:
+    x, y, z = (cells.length((*path, index)) for index in range(3))
+    return x, y, z
+
+
+def _inertia(cells: Cells, path: KeyPath) -> Inertia:
+    return Inertia(**{key: cells.plain((*path, key)) for key in ("xx", "yy", "zz", "xy", "xz", "yz")})
+
+
+def _motor(document: Document, cells: Cells, path: KeyPath) -> Motor | None:
+    if document.find(path) is None:
+        return None
+    return Motor(**{key: cells.plain((*path, key)) for key in ("mass", "inertia", "ratio")})
+
+
+def read_gravity(document: Document, cells: Cells) -> Vector | None:
+    """Acceleration of gravity in the world frame [m/s^2].
+
+    A file with links and without ``gravity`` means ``[0, 0, -g]``: z points up, and ``g`` is a symbol like any other.
+    Read it after everything else, because that default is refused where ``g`` means something else.
+
+    Raises:
+        RobotFileError: No gravity although there are links, while ``g`` is used otherwise.
+    """
+    if document.find(("gravity",)) is not None:
+        x, y, z = (cells.plain(("gravity", index)) for index in range(3))
+        return x, y, z
+    if document.find(("links",)) is None:
+        return None
+    if DEFAULT_GRAVITY_SYMBOL in cells.first_use:
+        raise document.error(
+            ("links",),
+            "links without gravity, and the name 'g' is used for something else",
+            "allowed: gravity: [gx, gy, gz]",
+            "write the vector, for instance gravity: [0, 0, -9.81]",
+        )
+    cells.first_use[DEFAULT_GRAVITY_SYMBOL] = document.location(("links",))
+    return ZERO, ZERO, negate(Name(DEFAULT_GRAVITY_SYMBOL))
+
+
+_NAME = re.compile(rf"[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}")
+_DEVICES = {"con", "prn", "aux", "nul"} | {f"{port}{k}" for port in ("com", "lpt") for k in range(10)}
+_IMPORTED_BY_GENERATED_CODE = {"numpy", "casadi", "math", "derive"}
+_FORBIDDEN_CATEGORIES = {"Cc", "Cs"}
+
+
+def is_robot_name(name: str) -> bool:
+    """Whether ``name`` has the right letters and makes an importable folder on every system."""
+    taken = _DEVICES | _IMPORTED_BY_GENERATED_CODE
+    return _NAME.fullmatch(name) is not None and not keyword.iskeyword(name) and name not in taken
+
+
+def read_name(document: Document) -> str:
+    """The robot's name, which becomes the name of an importable folder.
+
+    Raises:
+        RobotFileError: Not ``[a-z0-9][a-z0-9-]*``, or a name that cannot be a folder or a Python package.
+    """
+    scalar = document.scalar(("name",))
+    name = scalar.text if scalar else ""
+    if _NAME.fullmatch(name) is None:
+        raise document.error(
+            ("name",),
+            f"{quoted(name)} is not a robot name",
+            f"allowed: a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
+            f"write for instance {_suggestion(name)}; the title may be any text",
+        )
+    if not is_robot_name(name):
+        raise document.error(
+            ("name",), f"'{name}' cannot be the name of a Python package", remedy=f"write for instance {name}-robot"
+        )
+    return name
+
+
+def _suggestion(name: str) -> str:
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode("ascii").lower()
+    words = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[: FILE_LIMITS.name_length - 6]
+    return words if _NAME.fullmatch(words) else f"robot-{words}".strip("-")
+
+
+def read_title(document: Document) -> str:
+    """The title, an inert text; empty when there is none.
+
+    Raises:
+        RobotFileError: Too long, or with control characters other than line breaks and tabs.
+    """
+    scalar = document.scalar(("title",))
+    if scalar is None:
+        return ""
+    title = scalar.text
+    if len(title) > FILE_LIMITS.title_length:
+        raise document.error(
+            ("title",), f"{len(title)} characters", f"allowed: at most {FILE_LIMITS.title_length}", "shorten it"
+        )
+    for character in title:
+        if character not in "\n\t" and unicodedata.category(character) in _FORBIDDEN_CATEGORIES:
+            raise document.error(
+                ("title",), f"control character U+{ord(character):04X}", "allowed: text, line breaks and tabs"
+            )
+    return title
+
+
+def load_description(path_or_name: str | Path) -> Description:
     """Load a robot file, or a robot of the catalogue.
 
     A text that is exactly a catalogue name means the catalogue; write ``./name`` for a file of that name.
@@ -37,11 +175,9 @@ def load_robot(path_or_name: str | Path) -> Robot:
         ExpressionError: A cell is outside the grammar.
         UnknownRobotError: Neither a file nor a catalogue name.
     """
-    from derive.robot.catalogue import catalogue_names, catalogue_text
-
     text = str(path_or_name)
     if text in catalogue_names():
-        return robot_from_text(catalogue_text(text), text)
+        return description_from_bytes(catalogue_text(text).encode(), text)
     path = Path(text)
     if "\0" in text or not _exists(path):
         raise UnknownRobotError(
@@ -49,24 +185,10 @@ def load_robot(path_or_name: str | Path) -> Robot:
             allowed="allowed: a path to a robot file, or a name from derive list",
             remedy=near_miss(path.stem, catalogue_names()),
         )
-    return robot_from_bytes(file_bytes(path), text)
+    return description_from_bytes(file_bytes(path), text)
 
 
-def robot_from_text(text: str, source: str = "<text>") -> Robot:
-    """Load a robot from YAML text.
-
-    Args:
-        text: Contents of a robot file.
-        source: Name for messages.
-
-    Raises:
-        RobotFileError: The text does not describe a robot.
-        ExpressionError: A cell is outside the grammar.
-    """
-    return robot_from_bytes(text.encode("utf-8", "surrogatepass"), source)
-
-
-def robot_from_bytes(data: bytes, source: str) -> Robot:
+def description_from_bytes(data: bytes, source: str) -> Description:
     """Load a robot from the bytes of a file.
 
     Raises:
@@ -81,14 +203,14 @@ def robot_from_bytes(data: bytes, source: str) -> Robot:
     return robot
 
 
-def _read(document: Document, cells: Cells) -> Robot:
+def _read(document: Document, cells: Cells) -> Description:
     joints = read_joints(document, cells)
     base, tool = read_frame(document, cells, "base"), read_frame(document, cells, "tool")
     links = read_links(document, cells, len(joints))
     gravity = read_gravity(document, cells)
     name = read_name(document)
     parameters = _parameters(document)
-    return Robot(
+    return Description(
         name=name,
         title=read_title(document) or name,
         convention=Convention(_text(document, "convention")),
@@ -122,7 +244,7 @@ def _units(document: Document) -> Units:
 
 def _parameters(document: Document) -> tuple[tuple[str, Expression], ...]:
     node = document.find(("parameters",))
-    if not isinstance(node, Mapping):
+    if not isinstance(node, YamlMapping):
         return ()
     si_cells = Cells(document, Units())
     return tuple((name, _constant(document, si_cells, name)) for name in node.entries)

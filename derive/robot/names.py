@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from derive.robot.description import Description, Joint, Link, Matrix
 from derive.robot.expression import Expression, names
-from derive.robot.robot import Joint, Link, Matrix, Robot
 
 _STEM_AND_DIGITS = re.compile(r"(.*?)([0-9]*)")
 
@@ -26,7 +26,7 @@ def joint_label(variable: str) -> str:
     return _split(variable)[1]
 
 
-def robot_symbols(robot: Robot) -> tuple[str, ...]:
+def robot_symbols(robot: Description) -> tuple[str, ...]:
     """Parameters of kinematics and dynamics, in order of first appearance.
 
     The order is base, joint rows (theta, d, a, alpha), tool, gravity, links. Joint variables are not parameters, and
@@ -37,24 +37,24 @@ def robot_symbols(robot: Robot) -> tuple[str, ...]:
     return tuple(name for name in found if name not in variables)
 
 
-def limit_symbols(robot: Robot) -> tuple[str, ...]:
+def limit_symbols(robot: Description) -> tuple[str, ...]:
     """Symbols in the limits of joints, in order of first appearance."""
     limits = [limit for joint in robot.joints for limit in joint.limits or ()]
     return tuple(dict.fromkeys(name for limit in limits for name in names(limit)))
 
 
-def number_of(robot: Robot) -> dict[str, Expression]:
+def number_of(robot: Description) -> dict[str, Expression]:
     """The exact numbers that the file gives to symbols."""
     return dict(robot.parameters)
 
 
-def free_symbols(robot: Robot) -> tuple[str, ...]:
+def free_symbols(robot: Description) -> tuple[str, ...]:
     """Symbols that stay arguments of generated code: without a number, or named in ``runtime``."""
     baked = number_of(robot).keys() - set(robot.runtime)
     return tuple(name for name in robot_symbols(robot) if name not in baked)
 
 
-def expressions(robot: Robot) -> Iterator[Expression]:
+def expressions(robot: Description) -> Iterator[Expression]:
     """Every expression that enters a quantity, in the order of `robot_symbols`."""
     yield from _entries(robot.base)
     for joint in robot.joints:

@@ -7,8 +7,10 @@ from collections.abc import Callable
 from enum import StrEnum
 from typing import TypeVar
 
-from derive.robot.cells import Cells
-from derive.robot.document import Document, Mapping, Path
+from derive.errors import listed, near_miss, quoted
+from derive.robot.cells import Cells, check_symbol
+from derive.robot.description import Joint
+from derive.robot.document import Document, KeyPath, YamlMapping
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
 from derive.robot.handout import (
@@ -22,14 +24,11 @@ from derive.robot.handout import (
     NotationOptions,
     SliderLetter,
 )
-from derive.robot.robot import Joint
-from derive.robot.symbols import check_symbol
-from derive.robot.wording import listed, near_miss, quoted
 
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 """How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated."""
 
-_Q: Path = ("figure", "q")
+_Q: KeyPath = ("figure", "q")
 _NUMBERS = "allowed: numbers and constant expressions such as pi/6"
 
 Choice = TypeVar("Choice", bound=StrEnum)
@@ -51,7 +50,7 @@ def read_handout(document: Document) -> HandoutOptions:
 
 
 def _notation(document: Document) -> NotationOptions:
-    block: Path = ("handout", "notation")
+    block: KeyPath = ("handout", "notation")
     return NotationOptions(
         angle=_choice(document, (*block, "angle"), AngleLetter.NAME),
         prismatic=_choice(document, (*block, "prismatic"), SliderLetter.NAME),
@@ -61,13 +60,13 @@ def _notation(document: Document) -> NotationOptions:
     )
 
 
-def _choice(document: Document, path: Path, default: Choice) -> Choice:
+def _choice(document: Document, path: KeyPath, default: Choice) -> Choice:
     scalar = document.scalar(path)
     return type(default)(scalar.text) if scalar else default
 
 
 def _language(document: Document, default: str) -> str:
-    path: Path = ("handout", "language")
+    path: KeyPath = ("handout", "language")
     scalar = document.scalar(path)
     if scalar is None:
         return default
@@ -83,7 +82,7 @@ def _language(document: Document, default: str) -> str:
 
 def _parts(document: Document) -> tuple[str, ...]:
     """The chosen parts in the order in which they are printed."""
-    path: Path = ("handout", "parts")
+    path: KeyPath = ("handout", "parts")
     if document.find(path) is None:
         return PARTS
     scalars = [document.scalar((*path, index)) for index in range(document.length(path))]
@@ -143,7 +142,7 @@ def _values(
     document: Document, cells: Cells, joints: tuple[Joint, ...], symbols: set[str], numbered: set[str]
 ) -> tuple[tuple[str, Expression], ...]:
     node = document.find(("figure", "values"))
-    if not isinstance(node, Mapping):
+    if not isinstance(node, YamlMapping):
         return ()
     for name in node.entries:
         _check_open(document, name, joints, symbols, numbered)
@@ -154,7 +153,7 @@ def _check_open(
     document: Document, name: str, joints: tuple[Joint, ...], symbols: set[str], numbered: set[str]
 ) -> None:
     """Refuse what needs no value for the figure: joint variables, symbols with a number, names that nothing uses."""
-    path: Path = ("figure", "values", name)
+    path: KeyPath = ("figure", "values", name)
     allowed = "allowed: symbols of the robot without a number"
     check_symbol(document, path, name)
     if any(name == joint.variable for joint in joints):
@@ -165,7 +164,7 @@ def _check_open(
         raise document.error(path, "no cell uses this symbol", allowed, near_miss(name, symbols - numbered))
 
 
-def _number(document: Document, path: Path, read: Callable[[Path], Expression]) -> Expression:
+def _number(document: Document, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:
     value = read(path)
     if others := list(names(value)):
         raise document.error(path, f"name '{others[0]}' in a number", _NUMBERS, "write its number")

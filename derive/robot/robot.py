@@ -2,175 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from enum import StrEnum
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from html import escape
 from pathlib import Path
 
-from derive.robot.expression import ONE, ZERO, Expression
-from derive.robot.handout import FigureOptions, HandoutOptions
-from derive.robot.style import Contraction, Style
-
-Vector = tuple[Expression, Expression, Expression]
-Matrix = tuple[tuple[Expression, ...], ...]
-
-IDENTITY: Matrix = tuple(tuple(ONE if i == j else ZERO for j in range(4)) for i in range(4))
-
-
-class Convention(StrEnum):
-    """Which Denavit-Hartenberg table it is."""
-
-    STANDARD = "standard"
-    MODIFIED = "modified"
-
-
-class JointType(StrEnum):
-    """What the joint's variable is."""
-
-    REVOLUTE = "revolute"
-    PRISMATIC = "prismatic"
+from derive.robot.description import Convention, Description, Joint
+from derive.robot.expression import ZERO, Expression
+from derive.robot.load import description_from_bytes, load_description
+from derive.robot.printer import to_text
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
-    """One row of the table.
-
-    For a revolute joint the angle is ``sign*q + theta`` and ``d`` is constant; for a prismatic joint the offset is
-    ``sign*q + d`` and ``theta`` is constant. No other cell contains a joint variable. In the modified convention
-    ``a`` and ``alpha`` are a_{i-1} and alpha_{i-1}.
-
-    Attributes:
-        type: Revolute or prismatic.
-        variable: Name of the joint variable, for instance ``q1``.
-        sign: +1 or -1, the factor of the variable in its cell.
-        theta: Constant part of the angle [rad].
-        d: Constant part of the offset along z [m].
-        a: Link length [m].
-        alpha: Link twist [rad].
-        limits: Lower and upper limit of the variable [rad or m], or None.
-    """
-
-    type: JointType
-    variable: str
-    sign: int
-    theta: Expression
-    d: Expression
-    a: Expression
-    alpha: Expression
-    limits: tuple[Expression, Expression] | None = None
-
-    @property
-    def is_revolute(self) -> bool:
-        """Whether the variable is an angle."""
-        return self.type is JointType.REVOLUTE
-
-
-@dataclass(frozen=True, slots=True)
-class Motor:
-    """A rotor on the axis of joint i, carried by link i-1, spinning at ``ratio * qd_i``.
-
-    It sits at o_{i-1} and spins about z_{i-1} (standard), or sits at o_i and spins about z_i (modified; for a
-    prismatic joint at its place for q_i = 0).
-
-    Attributes:
-        mass: Rotor mass [kg].
-        inertia: Moment of inertia about the spin axis [kg m^2].
-        ratio: Gear ratio k_r.
-    """
-
-    mass: Expression = ZERO
-    inertia: Expression = ZERO
-    ratio: Expression = ZERO
-
-
-@dataclass(frozen=True, slots=True)
-class Inertia:
-    """Inertia tensor about the centre of mass, axes of link frame i [kg m^2]."""
-
-    xx: Expression = ZERO
-    yy: Expression = ZERO
-    zz: Expression = ZERO
-    xy: Expression = ZERO
-    xz: Expression = ZERO
-    yz: Expression = ZERO
-
-
-@dataclass(frozen=True, slots=True)
-class Link:
-    """Inertial parameters of one link, in its own DH frame i.
-
-    Attributes:
-        mass: Mass [kg].
-        com: Centre of mass in frame i [m].
-        inertia: Tensor about the centre of mass, axes of frame i [kg m^2].
-        motor: Rotor that drives joint i, or None.
-        armature: Reflected rotor inertia, added to B[i,i] only [kg m^2 or kg].
-        viscous: Joint-side viscous coefficient b of ``b*qd``.
-        coulomb: Joint-side Coulomb coefficient f of ``f*sign(qd)``.
-    """
-
-    mass: Expression = ZERO
-    com: Vector = (ZERO, ZERO, ZERO)
-    inertia: Inertia = field(default_factory=Inertia)
-    motor: Motor | None = None
-    armature: Expression = ZERO
-    viscous: Expression = ZERO
-    coulomb: Expression = ZERO
-
-
-@dataclass(frozen=True, slots=True)
-class Robot:
+class Robot(Description):
     """A serial arm: the DH table, the frames around it and, if given, its dynamics.
 
-    Attributes:
-        name: ``[a-z0-9-]+``.
-        title: Free text; inert in every output.
-        convention: Standard or modified.
-        joints: One row per joint.
-        base: Constant 4x4 transform from the world frame to frame 0.
-        tool: Constant 4x4 transform from frame n to the end effector.
-        gravity: Acceleration of gravity in the world frame [m/s^2]; None where the file gives none.
-        links: One per joint, or empty when the file has no dynamics.
-        parameters: Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
-        runtime: Names that stay free in generated code though they have a number.
-        style: How expressions are grouped in print, see `derive.robot.style`.
-        contraction: Which sums of angles are contracted in print.
-        handout: What the handout shows and how, see `derive.robot.handout`.
-        figure: Which configuration is drawn.
-        digest: SHA-256 of the robot file's bytes, hexadecimal.
-        source: File name or catalogue name, for messages only; never written to an output.
+    Its attributes are those of `Description`; `load` and `from_text` make it.
     """
-
-    name: str
-    title: str
-    convention: Convention
-    joints: tuple[Joint, ...]
-    base: Matrix = IDENTITY
-    tool: Matrix = IDENTITY
-    gravity: Vector | None = None
-    links: tuple[Link, ...] = ()
-    parameters: tuple[tuple[str, Expression], ...] = ()
-    runtime: tuple[str, ...] = ()
-    style: Style = Style.COMPACT
-    contraction: Contraction = Contraction.ALIGNED
-    handout: HandoutOptions = field(default_factory=HandoutOptions)
-    figure: FigureOptions = field(default_factory=FigureOptions)
-    digest: str = ""
-    source: str = ""
-
-    @property
-    def n(self) -> int:
-        """Number of joints."""
-        return len(self.joints)
-
-    @property
-    def has_dynamics(self) -> bool:
-        """Whether the file gives link parameters."""
-        return bool(self.links)
 
     def _repr_html_(self) -> str:
         """The DH table, for notebooks."""
-        from derive.robot.html_table import html_table
-
         return html_table(self)
 
     @classmethod
@@ -180,13 +31,14 @@ class Robot:
         Args:
             path_or_name: Path of a YAML file, or a name that ``derive list`` shows.
 
+        Returns:
+            The validated robot.
+
         Raises:
             RobotFileError: The file cannot be read or does not describe a robot.
             UnknownRobotError: Neither a file nor a catalogue name.
         """
-        from derive.robot.load import load_robot
-
-        return load_robot(path_or_name)
+        return cls._of(load_description(path_or_name))
 
     @classmethod
     def from_text(cls, text: str, source: str = "<text>") -> Robot:
@@ -196,9 +48,64 @@ class Robot:
             text: Contents of a robot file.
             source: Name to use in messages.
 
+        Returns:
+            The validated robot.
+
         Raises:
             RobotFileError: The text does not describe a robot.
         """
-        from derive.robot.load import robot_from_text
+        return cls.from_bytes(text.encode("utf-8", "surrogatepass"), source)
 
-        return robot_from_text(text, source)
+    @classmethod
+    def from_bytes(cls, data: bytes, source: str) -> Robot:
+        """Load a robot from the bytes of a file.
+
+        Args:
+            data: Contents of a robot file, UTF-8.
+            source: Name to use in messages.
+
+        Returns:
+            The validated robot.
+
+        Raises:
+            RobotFileError: The bytes do not describe a robot.
+        """
+        return cls._of(description_from_bytes(data, source))
+
+    @classmethod
+    def _of(cls, description: Description) -> Robot:
+        return cls(**{field.name: getattr(description, field.name) for field in fields(description)})
+
+
+def html_table(robot: Robot) -> str:
+    """The DH table with joint types and limits, in radians and metres; every text of the user's escaped."""
+    standard = robot.convention is Convention.STANDARD
+    names = ("&theta;", "d", "a", "&alpha;")
+    if not standard:
+        names = ("&alpha;<sub>i&minus;1</sub>", "a<sub>i&minus;1</sub>", "&theta;", "d")
+    head = "".join(f"<th>{name}</th>" for name in ("i", "joint", *names, "limits"))
+    body = "".join(_row(i, joint, standard) for i, joint in enumerate(robot.joints, 1))
+    caption = f"{escape(robot.title)} ({robot.convention.value} Denavit-Hartenberg convention)"
+    return f"<table><caption>{caption}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _row(index: int, joint: Joint, standard: bool) -> str:
+    theta = _moving(joint, joint.theta) if joint.is_revolute else to_text(joint.theta)
+    d = to_text(joint.d) if joint.is_revolute else _moving(joint, joint.d)
+    a, alpha = to_text(joint.a), to_text(joint.alpha)
+    limits = "" if joint.limits is None else " to ".join(map(to_text, joint.limits))
+    cells = (theta, d, a, alpha) if standard else (alpha, a, theta, d)
+    return "<tr>" + "".join(_cells(str(index), joint.type.value, *cells, limits)) + "</tr>"
+
+
+def _cells(*texts: str) -> Iterator[str]:
+    return (f"<td>{escape(text)}</td>" for text in texts)
+
+
+def _moving(joint: Joint, constant: Expression) -> str:
+    """``sign*q + constant``."""
+    variable = joint.variable if joint.sign > 0 else f"-{joint.variable}"
+    if constant == ZERO:
+        return variable
+    rest = to_text(constant)
+    return f"{variable} - {rest[1:]}" if rest.startswith("-") else f"{variable} + {rest}"

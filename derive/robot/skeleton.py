@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from derive.errors import RobotFileError
-from derive.robot.heading import is_robot_name
+from derive.errors import RobotFileError, quoted
 from derive.robot.limits import FILE_LIMITS
-from derive.robot.wording import quoted
+from derive.robot.load import is_robot_name
 
 _HEAD = """\
 # Robot file. Check it:  derive show {name}.yaml T      Build it:  derive build {name}.yaml

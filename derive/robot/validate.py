@@ -5,15 +5,14 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Mapping
 
-from derive.errors import RobotFileError
+from derive.errors import RobotFileError, near_miss
 from derive.robot.cells import Cells
-from derive.robot.document import Document, Path
+from derive.robot.description import Description, Joint, Link
+from derive.robot.document import Document, KeyPath
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
-from derive.robot.frames import check_rotation
 from derive.robot.names import acceleration_name, velocity_name
-from derive.robot.robot import Joint, Link, Robot
-from derive.robot.wording import near_miss
+from derive.robot.table import check_rotation
 
 _SEED = 560
 """Any fixed seed: the same file must be accepted or refused everywhere alike."""
@@ -33,7 +32,7 @@ _ROUNDING = 1e-12
 """A configuration at a limit is within it, whatever a float makes of pi/2."""
 
 
-def validate(document: Document, cells: Cells, robot: Robot) -> None:
+def validate(document: Document, cells: Cells, robot: Description) -> None:
     """Refuse a robot whose parts contradict each other.
 
     Raises:
@@ -56,12 +55,12 @@ def validate(document: Document, cells: Cells, robot: Robot) -> None:
         check_rotation(document, key, matrix, _trials(robot, cells, values))
 
 
-def located_expressions(robot: Robot) -> Iterator[tuple[Path, Expression]]:
+def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expression]]:
     """Every expression of the robot with its path in the file."""
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
         yield from (((key, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
     for index, joint in enumerate(robot.joints):
-        row: Path = ("joints", index)
+        row: KeyPath = ("joints", index)
         cells = (("theta", joint.theta), ("d", joint.d), ("a", joint.a), ("alpha", joint.alpha))
         yield from (((*row, key), expression) for key, expression in cells)
         yield from (((*row, "limits", k), limit) for k, limit in enumerate(joint.limits or ()))
@@ -70,7 +69,7 @@ def located_expressions(robot: Robot) -> Iterator[tuple[Path, Expression]]:
         yield from _located_link(("links", index), link)
 
 
-def _located_link(row: Path, link: Link) -> Iterator[tuple[Path, Expression]]:
+def _located_link(row: KeyPath, link: Link) -> Iterator[tuple[KeyPath, Expression]]:
     yield (*row, "mass"), link.mass
     yield from (((*row, "com", k), entry) for k, entry in enumerate(link.com))
     for key in ("xx", "yy", "zz", "xy", "xz", "yz"):
@@ -83,7 +82,7 @@ def _located_link(row: Path, link: Link) -> Iterator[tuple[Path, Expression]]:
     yield (*row, "friction", "coulomb"), link.coulomb
 
 
-def _check_derived_names(document: Document, cells: Cells, robot: Robot) -> None:
+def _check_derived_names(document: Document, cells: Cells, robot: Description) -> None:
     """Velocities and accelerations get names of their own; nothing else may have them."""
     taken: dict[str, str] = {joint.variable: "joint variable" for joint in robot.joints}
     taken |= {name: "symbol" for name in cells.first_use if name not in taken}
@@ -101,7 +100,7 @@ def _check_derived_names(document: Document, cells: Cells, robot: Robot) -> None
             taken[derived] = f"{kind}"
 
 
-def _check_constants(document: Document, cells: Cells, robot: Robot) -> None:
+def _check_constants(document: Document, cells: Cells, robot: Description) -> None:
     """Joint variables belong to the table's moving cells and nowhere else."""
     variables = {joint.variable for joint in robot.joints}
     for path, expression in located_expressions(robot):
@@ -112,7 +111,7 @@ def _check_constants(document: Document, cells: Cells, robot: Robot) -> None:
                 )
 
 
-def _check_parameters_used(document: Document, cells: Cells, robot: Robot) -> None:
+def _check_parameters_used(document: Document, cells: Cells, robot: Description) -> None:
     variables = {joint.variable for joint in robot.joints}
     for name, _ in robot.parameters:
         path = ("parameters", name)
@@ -128,7 +127,7 @@ def _check_parameters_used(document: Document, cells: Cells, robot: Robot) -> No
             )
 
 
-def _check_runtime(document: Document, cells: Cells, robot: Robot) -> None:
+def _check_runtime(document: Document, cells: Cells, robot: Description) -> None:
     variables = {joint.variable for joint in robot.joints}
     for index, name in enumerate(robot.runtime):
         path = ("runtime", index)
@@ -145,13 +144,13 @@ def _check_runtime(document: Document, cells: Cells, robot: Robot) -> None:
             )
 
 
-def _numbers(document: Document, robot: Robot) -> dict[str, float]:
+def _numbers(document: Document, robot: Description) -> dict[str, float]:
     for name, value in robot.parameters:
         _check_finite(document, ("parameters", name), value, {})
     return {name: evaluate(value, {}) for name, value in robot.parameters}
 
 
-def _trials(robot: Robot, cells: Cells, values: Mapping[str, float]) -> Iterator[dict[str, float]]:
+def _trials(robot: Description, cells: Cells, values: Mapping[str, float]) -> Iterator[dict[str, float]]:
     """Sets of numbers for all symbols, random for those without a number and those that may change at run time."""
     source = random.Random(_SEED)
     open_names = sorted(name for name in cells.first_use if name not in values or name in robot.runtime)
@@ -166,14 +165,14 @@ def _value(expression: Expression, values: Mapping[str, float]) -> float | None:
     return evaluate(expression, values)
 
 
-def _check_finite(document: Document, path: Path, expression: Expression, values: Mapping[str, float]) -> None:
+def _check_finite(document: Document, path: KeyPath, expression: Expression, values: Mapping[str, float]) -> None:
     try:
         _value(expression, values)
     except ArithmeticError as error:
         raise document.error(path, str(error), "allowed: expressions with a finite real value") from None
 
 
-def _check_possible(document: Document, path: Path, expression: Expression, values: Mapping[str, float]) -> None:
+def _check_possible(document: Document, path: KeyPath, expression: Expression, values: Mapping[str, float]) -> None:
     """Refuse a cell that has no value whatever its names stand for, such as 1/(a - a)."""
     open_names = sorted({name for name in names(expression) if name not in values})
     if not open_names:
@@ -194,7 +193,7 @@ def _check_possible(document: Document, path: Path, expression: Expression, valu
     )
 
 
-def _check_limits(document: Document, path: Path, joint: Joint, values: Mapping[str, float]) -> None:
+def _check_limits(document: Document, path: KeyPath, joint: Joint, values: Mapping[str, float]) -> None:
     if joint.limits is None:
         return
     lower, upper = (_value(limit, values) for limit in joint.limits)
@@ -204,7 +203,7 @@ def _check_limits(document: Document, path: Path, joint: Joint, values: Mapping[
         )
 
 
-def _check_drawn(document: Document, row: int, robot: Robot, values: Mapping[str, float]) -> None:
+def _check_drawn(document: Document, row: int, robot: Description, values: Mapping[str, float]) -> None:
     """The configuration that is drawn must be one that the joint can take."""
     limits = robot.joints[row].limits
     if robot.figure.q is None or limits is None:
@@ -218,8 +217,8 @@ def _check_drawn(document: Document, row: int, robot: Robot, values: Mapping[str
         )
 
 
-def _check_masses(document: Document, path: Path, link: Link, values: Mapping[str, float]) -> None:
-    masses: list[tuple[Path, Expression]] = [((*path, "mass"), link.mass)]
+def _check_masses(document: Document, path: KeyPath, link: Link, values: Mapping[str, float]) -> None:
+    masses: list[tuple[KeyPath, Expression]] = [((*path, "mass"), link.mass)]
     if link.motor is not None:
         masses.append(((*path, "motor", "mass"), link.motor.mass))
     for place, mass in masses:

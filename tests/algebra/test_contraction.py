@@ -9,11 +9,11 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from derive.algebra.angles import aligned_groups
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.groups import aligned_groups
-from derive.algebra.lecture_form import LectureForm
 from derive.algebra.ring import Polynomial
 from derive.errors import Location
+from derive.lecture.form import LectureForm
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from tests.evaluate import evaluate
@@ -81,7 +81,7 @@ def test_contraction_never_changes_the_value(seed: int, sums: bool) -> None:
 
 
 def _product(domain: PolynomialDomain, exponents: tuple[int, ...], values: dict[str, float]) -> float:
-    from derive.algebra.to_sympy import expression_to_sympy
+    from derive.lecture.to_sympy import expression_to_sympy
 
     result = 1.0
     for generator, e in zip(domain.generators, exponents, strict=True):

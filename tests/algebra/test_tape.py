@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive.algebra import tape_constant as constants
-from derive.algebra.tape import LEAVES, PARAMETER, Layer, Op, Operations, evaluate
-from derive.algebra.tape_build import bake, cost, cut, reachable
-from derive.algebra.tape_graph import ONE, ZERO, Graph
-from derive.algebra.tape_improve import improve
-from derive.algebra.tape_value import Value
+from derive.algebra import constants
 from derive.errors import QuantityError
+from derive.programs.optimise.improve import improve
+from derive.programs.tape.build import bake, cost, cut, reachable
+from derive.programs.tape.graph import ONE, ZERO, Graph
+from derive.programs.tape.tape import LEAVES, PARAMETER, Layer, Op, Operations, evaluate
+from derive.programs.tape.value import Value
 from tests.algebra.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs
 
 points = st.lists(fractions(), min_size=INPUTS + PARAMETERS, max_size=INPUTS + PARAMETERS)

@@ -7,9 +7,9 @@ from itertools import product
 
 import pytest
 
-from derive.algebra.tape_build import cost
-from derive.algebra.tape_choice import choose
-from derive.algebra.tape_graph import Graph, Ref
+from derive.programs.optimise.choice import choose
+from derive.programs.tape.build import cost
+from derive.programs.tape.graph import Graph, Ref
 
 Groups = list[list[list[Ref]]]
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.algebra import tape_constant as constants
+from derive.algebra import constants
 from derive.errors import QuantityError
 
 rationals = st.builds(Fraction, st.integers(-(10**9), 10**9), st.integers(1, 10**6))

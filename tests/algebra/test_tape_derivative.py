@@ -10,11 +10,11 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive.algebra.tape import PARAMETER, evaluate
-from derive.algebra.tape_build import cut
-from derive.algebra.tape_derivative import derivative, gradient_columns, improved
-from derive.algebra.tape_graph import Graph
-from derive.algebra.tape_value import Value
+from derive.programs.functions.derivatives import derivative, gradient_columns, improved
+from derive.programs.tape.build import cut
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.tape.value import Value
 from tests.algebra.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs
 
 STEP = 1e-40

@@ -6,14 +6,14 @@ from fractions import Fraction
 
 import pytest
 
-from derive.algebra.tape import PARAMETER, Layer, Operations, evaluate
-from derive.algebra.tape_build import cut
-from derive.algebra.tape_constant import to_float
-from derive.algebra.tape_domain import TapeDomain
-from derive.algebra.tape_finish import Finisher
-from derive.algebra.tape_graph import ONE, ZERO, Graph
+from derive.algebra.constants import to_float
 from derive.errors import QuantityError
-from derive.mechanics.programs import build_program
+from derive.programs.functions.functions import build_program
+from derive.programs.tape.build import cut
+from derive.programs.tape.finish import Finisher
+from derive.programs.tape.graph import ONE, ZERO, Graph
+from derive.programs.tape.scalars import TapeDomain
+from derive.programs.tape.tape import PARAMETER, Layer, Operations, evaluate
 from derive.robot.robot import Robot
 
 pytestmark = pytest.mark.usefixtures("full_effort")

@@ -6,17 +6,16 @@ from fractions import Fraction
 
 from hypothesis import given, settings
 
-from derive.algebra.tape import PARAMETER, Operations, evaluate
-from derive.algebra.tape_build import cost, cut
-from derive.algebra.tape_convert import network_of
-from derive.algebra.tape_graph import Graph
-from derive.algebra.tape_improve import improve
-from derive.algebra.tape_network import Network
-from derive.algebra.tape_resubstitute import Resubstitution
-from derive.algebra.tape_schedule import live, schedule
-from derive.algebra.tape_search import Search
-from derive.algebra.tape_value import Value
-from derive.algebra.tape_write import graph_of
+from derive.programs.optimise.convert import graph_of, network_of
+from derive.programs.optimise.improve import improve
+from derive.programs.optimise.network import Network
+from derive.programs.optimise.resubstitute import Resubstitution
+from derive.programs.optimise.search import Search
+from derive.programs.tape.build import cost, cut
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.schedule import live, schedule
+from derive.programs.tape.tape import PARAMETER, Operations, evaluate
+from derive.programs.tape.value import Value
 from tests.algebra.tape_programs import INPUTS, RATIONAL, RandomProgram, programs
 from tests.algebra.test_tape import points, rational_functions
 

@@ -7,9 +7,9 @@ import random
 import pytest
 
 from derive.algebra.domain import PolynomialDomain
+from derive.algebra.factors import Factoring
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
-from derive.algebra.trigonometric_factors import Factoring
 from derive.robot.robot import Robot
 
 DOMAIN = PolynomialDomain(Robot.load("puma560-corke"), rates=False)

@@ -14,7 +14,7 @@ from bench.operations import _row
 from bench.ours import OURS, program_of, tape_counts
 from bench.quantities import QUANTITIES
 from bench.robots import load
-from derive.emit.numpy_target import render_numpy
+from derive.targets.numpy import render_numpy
 from tests.emit.generated_models import source_of
 
 pytestmark = pytest.mark.usefixtures("full_effort")

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from derive.build import exchange, publish
+from derive.publish import publish, staging
 
 VERSIONS = {
     name: {
@@ -114,7 +114,7 @@ def forever(target: Path) -> None:
 
 def builds(target: Path) -> list[str]:
     """The state after each of 25 kills of a whole build that would change a folder."""
-    from derive.build import build_robot
+    from derive.publish.build import build_robot
     from derive.robot.robot import Robot
 
     def robot(title: str) -> Robot:
@@ -145,7 +145,7 @@ def main() -> None:
     mode, target, swap = sys.argv[1], Path(sys.argv[2]), sys.argv[3] == "swap"
     if not swap:
         publish.exchange = lambda one, other: False  # type: ignore[assignment]
-    assert exchange.exchange is not None
+    assert staging.exchange is not None
     print(json.dumps({"steps": steps, "moments": moments, "builds": builds}[mode](target)))
 
 

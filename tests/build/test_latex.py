@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from derive.build.latex import compile_latex
-from derive.build.latex_log import LatexLog
 from derive.errors import LatexError
+from derive.publish.pdf import LatexLog, compile_latex
 from tests.emit.latex_runner import require_latex
 
 DOCUMENT = r"""\documentclass{{article}}

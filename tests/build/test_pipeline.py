@@ -14,12 +14,14 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.build import build_many, build_robot, check_many, check_robot, folder_of, pipeline
-from derive.build.results import BuildFailure, BuildResult, CheckResult
-from derive.compiler import find_compiler
-from derive.emit.registry import targets_named
 from derive.errors import OutputError, TargetError, VerificationError
+from derive.publish import build
+from derive.publish.build import build_robot, check_robot, folder_of
+from derive.publish.many import build_many, check_many
+from derive.publish.results import BuildFailure, BuildResult, CheckResult
+from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
+from derive.targets.compiler import find_compiler
 
 ROOT = Path(__file__).parents[2]
 ALL_FILES = {name for target in targets_named() for name in target.files} | {"MANIFEST.json", "__init__.py"}
@@ -135,7 +137,7 @@ def test_a_failed_verification_keeps_the_old_folder(
         assert (folder / "model_numpy.py").is_file()
         raise VerificationError("wrong by 1e-3")
 
-    monkeypatch.setattr(pipeline, "verify", wrong)
+    monkeypatch.setattr(build, "verify", wrong)
     with pytest.raises(VerificationError):
         build_robot(replace(arm, title="Another title"), tmp_path, force=True)
     assert contents(tmp_path / "two_bars") == before
@@ -183,7 +185,7 @@ def test_two_robots_of_one_name_are_refused(arm: Robot, tmp_path: Path) -> None:
 def build_in_subprocess(robot: str, out: Path, hash_seed: str) -> dict[str, bytes]:
     """A build by a fresh interpreter."""
     program = (
-        "import sys; from pathlib import Path; from derive.build import build_robot; "
+        "import sys; from pathlib import Path; from derive.publish.build import build_robot; "
         "from derive.robot.robot import Robot; "
         "build_robot(Robot.load(sys.argv[1]), Path(sys.argv[2]), verified=False)"
     )

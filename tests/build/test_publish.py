@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from derive.build import publish as publishing
-from derive.build.locks import exclusively, hold, release
-from derive.build.publish import heal, publish
 from derive.errors import DeriveError, OutputError
+from derive.publish import publish as publishing
+from derive.publish.publish import heal, publish
+from derive.publish.staging import exclusively, hold, release
 
 
 def files(mark: str, *extra: str) -> dict[str, bytes]:
@@ -109,9 +109,7 @@ def test_the_check_sees_the_finished_folder_and_may_stop_the_build(target: Path)
 
 @pytest.mark.parametrize("error", [errno.ENOSPC, errno.EIO, errno.EDQUOT])
 @pytest.mark.parametrize("nth", range(6))
-def test_a_full_disk_leaves_the_old_folder(
-    target: Path, monkeypatch: pytest.MonkeyPatch, error: int, nth: int
-) -> None:
+def test_a_full_disk_leaves_the_old_folder(target: Path, monkeypatch: pytest.MonkeyPatch, error: int, nth: int) -> None:
     """Whichever flush to the disk fails; with the last ones the new folder is in place already."""
     put(target, "1")
     real, count = os.fsync, iter(range(1000))

@@ -6,8 +6,20 @@ import random
 import re
 from collections.abc import Callable, Iterator
 
-from derive.robot.arithmetic import add, multiply, negate, power
-from derive.robot.expression import Call, Expression, Name, Number, Power, Product, Sum, children
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    add,
+    children,
+    multiply,
+    negate,
+    power,
+)
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 

@@ -7,17 +7,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from derive.check.oracle import FUNCTIONS
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import FUNCTIONS
 
 HEAD = """
 from functools import cache
 
 import numpy as np
-from derive.check.oracle import Oracle
-from derive.mechanics.base_parameters import base_set
-from derive.robot.inertial import has_regressor
+from derive.verify.oracle.oracle import Oracle
+from derive.model.identification.base_parameters import base_set
+from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
 
 ROBOT = Robot.from_text({text!r})

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from derive.errors import CheckError, DeriveError
-from derive.mechanics.equality import verdict
-from derive.mechanics.model import Model
-from derive.robot.notation import read_formula
+from derive.lecture.shorthand import read_formula
+from derive.model.equality import verdict
+from derive.model.model import Model
 from derive.robot.robot import Robot
 
 SCARA = Model(Robot.load("scara-perugia"))

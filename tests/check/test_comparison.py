@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import pytest
 
-from derive.check.comparison import Finding, Role, check_expression, check_file
-from derive.check.corpus_file import corpus_from_bytes
+from derive.check.comparison import check_expression, check_file
+from derive.check.files import corpus_from_bytes
+from derive.check.findings import Finding, Role
 from derive.check.printed import CorpusFile, Printed
 from derive.errors import CheckError, QuantityError
-from derive.mechanics.model import Model
-from derive.robot.notation import read_formula
+from derive.lecture.shorthand import read_formula
+from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.check.test_corpus_file import ARM
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from derive.check.corpus_file import corpus_from_bytes
+from derive.check.files import corpus_from_bytes
 from derive.check.printed import CorpusFile
 from derive.errors import DeriveError, Location
 

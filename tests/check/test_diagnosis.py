@@ -7,14 +7,14 @@ from functools import cache
 
 import pytest
 
+from derive.algebra.from_sympy import expression_from_sympy
 from derive.check.diagnosis import Question, diagnose
 from derive.check.edits import Kind, ordinal
-from derive.check.floats import to_float
-from derive.check.shorthand import notation_text
-from derive.mechanics.equality import compare, expression_from_sympy, scalar_quantity
-from derive.mechanics.model import Model
+from derive.lecture.shorthand import notation_text, read_formula
+from derive.model.equality import compare, scalar_quantity
+from derive.model.model import Model
+from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, Name, Number, names
-from derive.robot.notation import read_formula
 from derive.robot.robot import Robot
 from tests.check.mutations import MUTATORS, Mutator, mutant
 from tests.lectures.results import ROBOT_FILES

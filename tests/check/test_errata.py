@@ -27,9 +27,7 @@ def test_every_erratum_is_found_and_nothing_else() -> None:
 
 
 def test_at_least_20_are_explained_by_single_changes() -> None:
-    changes = {
-        item.findings[0].entry: [judge(finding).repair for finding in item.findings] for item in errors()
-    }
+    changes = {item.findings[0].entry: [judge(finding).repair for finding in item.findings] for item in errors()}
     single = [name for name, repairs in changes.items() if all(r is not None and len(r.kinds) == 1 for r in repairs)]
     double = [name for name, repairs in changes.items() if all(r is not None and len(r.kinds) == 2 for r in repairs)]
     assert len(single) == 24, single

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 from derive.check.latex_formula import read_latex
-from derive.check.same_form import same_form
+from derive.check.verdicts import same_form
 from derive.errors import CheckError, UnknownNameError
+from derive.lecture.shorthand import read_formula
 from derive.robot.expression import Expression
 from derive.robot.names import robot_symbols
-from derive.robot.notation import read_formula
 from derive.robot.robot import Robot
 from tests.lectures.results import ROBOT_FILES, document
 from tests.lectures.robot_results import corpus_file
@@ -98,9 +98,7 @@ def test_an_unknown_name_is_told_from_what_cannot_be_read() -> None:
 
 
 def test_names_are_matched_loosely_only_where_that_is_clear() -> None:
-    robot = Robot.from_text(
-        "name: x\nconvention: standard\njoints: [{type: revolute, a: L_1, d: l_1, alpha: Izz1}]\n"
-    )
+    robot = Robot.from_text("name: x\nconvention: standard\njoints: [{type: revolute, a: L_1, d: l_1, alpha: Izz1}]\n")
     assert read_latex("L_1 + l_1 + I_{1zz}", robot) == read_formula("L_1 + l_1 + Izz1", robot)
     clear = Robot.from_text("name: x\nconvention: standard\njoints: [{type: revolute, a: L_1}]\n")
     assert read_latex("l_1", clear) == read_formula("L_1", clear)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from derive.algebra.from_sympy import expression_from_sympy
 from derive.check.latex_formula import read_latex
-from derive.emit.latex.notation import Notation
-from derive.emit.latex.printer import LatexPrinter
-from derive.mechanics.equality import compare, expression_from_sympy
-from derive.mechanics.model import Model
+from derive.handout.notation.notation import Notation
+from derive.handout.notation.printer import LatexPrinter
+from derive.model.equality import compare
+from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 

@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.check.oracle import FUNCTIONS
-from derive.check.verify import verify
-from derive.check.verify.generated import GeneratedModel, load_models
-from derive.check.verify.samples import SampleSet, sample_sets
-from derive.emit.casadi_target import render_casadi
-from derive.emit.numpy_target import render_numpy
-from derive.emit.source import Source
 from derive.errors import VerificationError
-from derive.mechanics.programs import build_program
+from derive.programs.functions.functions import build_program
 from derive.robot.robot import Robot
+from derive.targets.casadi import render_casadi
+from derive.targets.numpy import render_numpy
+from derive.targets.target import Source
+from derive.verify.generated import GeneratedModel, load_models
+from derive.verify.oracle.oracle import FUNCTIONS
+from derive.verify.samples import SampleSet, sample_sets
+from derive.verify.verify import verify
 from tests.random_robots import random_robot
 
 STEP = re.compile(r"^\s+t\d+ = \S.*? ([+*-]) ", re.MULTILINE)
@@ -34,7 +34,7 @@ Render = Callable[[Source], dict[str, str]]
 def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, render: Render) -> None:
     rng = random.Random(11)
     robot = Robot.from_text(random_robot(rng, 4).text)
-    (file, text), *_ = render(Source(robot, build_program(robot), {}, "0.0.0")).items()
+    (file, text), *_ = render(Source(robot, build_program(robot), "0.0.0")).items()
     (tmp_path / file).write_text(text, encoding="utf-8")
     (right,) = load_models(tmp_path)
     verify(robot, tmp_path, samples=6)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from derive.check.comparison import FileReport, check_file
-from derive.check.corpus_file import corpus_from_bytes
-from derive.check.findings import Finding
+from derive.check.comparison import check_file
+from derive.check.files import corpus_from_bytes
+from derive.check.findings import FileReport, Finding
 from derive.check.verdicts import Outcome, judge
 from derive.errors import Location
 from tests.check.test_corpus_file import ARM

@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.check.verify import TOLERANCE, verify
 from derive.errors import VerificationError
 from derive.robot.robot import Robot
+from derive.verify.report import TOLERANCE
+from derive.verify.verify import verify
 from tests.check.stand_in import write_stand_in
 from tests.random_robots import random_robot
 
@@ -188,7 +189,7 @@ def test_a_robot_whose_inertia_matrix_is_singular_is_verified_but_for_its_accele
 
 
 def test_random_parameters_keep_tensors_positive_and_cells_finite(tmp_path: Path) -> None:
-    from derive.check.verify.samples import sample_sets
+    from derive.verify.samples import sample_sets
 
     text = ARM.replace("{zz: 0.1}", "{xx: Ixx, yy: Iyy, zz: Izz, xy: Ixy, xz: Ixz}").replace("a1: 0.5", "b: 1")
     text = text.replace("a: a1", "a: sqrt(a1 - 2*b)").replace("parameters: {b: 1}", "parameters: {b: 1}\nruntime: [b]")
@@ -198,7 +199,7 @@ def test_random_parameters_keep_tensors_positive_and_cells_finite(tmp_path: Path
 
 
 def test_configurations_lie_within_the_limits(tmp_path: Path) -> None:
-    from derive.check.verify.samples import sample_sets
+    from derive.verify.samples import sample_sets
 
     for sample_set in sample_sets(Robot.from_text(ARM), 30, np.random.default_rng(1)):
         second = sample_set.arguments["q"][:, 1]

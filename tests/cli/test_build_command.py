@@ -147,7 +147,6 @@ def test_report_on_a_full_disk_is_an_error_of_one_line(tmp_path: Path) -> None:
         pytest.skip("this system has no /dev/full")
     command = f"{sys.executable} -m derive schema > /dev/full"
 
-
     done = subprocess.run(
         ["bash", "-c", command], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=60
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.cli import main
+from derive.cli.main import main
 from tests.check.test_corpus_file import ARM
 from tests.cli.command import derive, is_one_message
 

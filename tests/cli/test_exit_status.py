@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from derive.cli import main
-from derive.commands import schema_command
+from derive.cli import schema
+from derive.cli.main import main
 from derive.errors import VerificationError
 from tests.cli.command import PENDULUM, ROOT, derive, is_one_message
 
@@ -140,6 +140,6 @@ def test_every_error_ends_in_one_line_and_its_status(
     def fail(arguments: object) -> int:
         raise error
 
-    monkeypatch.setattr(schema_command, "run", fail)
+    monkeypatch.setattr(schema, "run", fail)
     assert main(["schema"]) == status
     assert is_one_message(capsys.readouterr().err)

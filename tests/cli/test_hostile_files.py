@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.cli import main
+from derive.cli.main import main
 from tests.cli.command import derive, is_one_message
 from tests.robot.hostile import HOSTILE
 

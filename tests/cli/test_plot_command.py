@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.build.poses import RobotPoses
-from derive.build.workspace import sample_workspace
-from derive.cli import main
-from derive.emit.figure.workspace_plot import outline
+from derive.cli.main import main
+from derive.handout.figure.poses import RobotPoses
+from derive.handout.figure.workspace import outline, sample_workspace
 from derive.robot.robot import Robot
 from tests.cli.command import PENDULUM, derive, is_one_message
 

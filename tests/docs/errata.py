@@ -6,7 +6,7 @@ from pathlib import Path
 
 from derive.check.errata import Printout, errata_report
 from derive.check.files import check_path
-from derive.emit.text_printer import TextPrinter
+from derive.handout.notation.text import TextPrinter
 from tests.lectures.results import CORPUS
 
 PAGE = Path(__file__).parents[2] / "docs" / "errata.md"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.mechanics.quantities import REGISTRY
+from derive.model.quantities import REGISTRY
 from tests.docs.console import ROOT, agrees, blocks, commands, environment, run
 
 pytestmark = pytest.mark.usefixtures("full_effort")

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from derive.algebra.program import Program
-from derive.check.verify.c_model import CModel, load_c_model
-from derive.compiler import find_compiler
-from derive.emit.c_target import render_c
+from derive.programs.program import Program
 from derive.robot.robot import Robot
+from derive.targets.c.target import render_c
+from derive.targets.compiler import find_compiler
+from derive.verify.compiled import CModel, load_c_model
 from tests.emit.generated_models import source_of
 
 REQUIRED = os.environ.get("DERIVE_REQUIRE_COMPILER") == "1"

@@ -8,15 +8,15 @@ from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-from derive.algebra.program import Function, Program
-from derive.algebra.tape_build import cut
-from derive.algebra.tape_graph import Graph
-from derive.algebra.tape_value import Value
-from derive.emit.casadi_target import render_casadi
-from derive.emit.numpy_target import render_numpy
-from derive.emit.source import Source
-from derive.mechanics.programs import build_program
+from derive.programs.functions.functions import build_program
+from derive.programs.program import Function, Program
+from derive.programs.tape.build import cut
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
+from derive.targets.casadi import render_casadi
+from derive.targets.numpy import render_numpy
+from derive.targets.target import Source
 
 PLANAR = """
 name: planar
@@ -36,7 +36,7 @@ PARAMETERS = {"m1": 2.0, "m2": 1.5}
 
 def source_of(robot: Robot, program: Program | None = None) -> Source:
     """What targets are rendered from."""
-    return Source(robot, program or build_program(robot), {}, "0.0.0")
+    return Source(robot, program or build_program(robot), "0.0.0")
 
 
 def load(text: str, name: str = "generated") -> ModuleType:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derive.algebra.program import Program
-from derive.emit.javascript_target import camel_case, render_javascript
+from derive.programs.program import Program
 from derive.robot.robot import Robot
+from derive.targets.javascript import camel_case, render_javascript
 from tests.emit.generated_models import source_of
 
 py_mini_racer = pytest.importorskip("py_mini_racer")

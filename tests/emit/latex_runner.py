@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.build.latex_log import LatexLog
+from derive.publish.pdf import LatexLog
 
 
 def require_latex() -> None:

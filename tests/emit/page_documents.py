@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from derive.emit.figure.drawing import Drawing, Label, Path
-from derive.emit.handout.document import (
+from derive.handout.document import (
     Blank,
     Block,
     Document,
@@ -16,6 +15,7 @@ from derive.emit.handout.document import (
     Steps,
     Table,
 )
+from derive.handout.figure.drawing import Drawing, Label, Path
 
 TITLE = '<script>alert("$1$")</script> & "robot" </title>'
 

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.algebra.tape_graph import Graph
-from derive.algebra.tape_value import Value
-from derive.check.verify.c_model import CModel
-from derive.compiler import compile_shared, find_compiler
-from derive.emit.c_target import render_c
-from derive.emit.escape import c_prefix
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
+from derive.targets.c.target import render_c
+from derive.targets.compiler import compile_shared, find_compiler
+from derive.targets.escape import c_prefix
+from derive.verify.compiled import CModel
 from tests.emit.c_models import c_model, needs_compiler, write_c_model
 from tests.emit.generated_models import PARAMETERS, numpy_model, planar, small_program, source_of
 from tests.emit.test_numpy_model import TITLES

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from derive.build import build_robot
-from derive.emit.casadi_c_target import render_casadi_c
+from derive.publish.build import build_robot
+from derive.targets.casadi import render_casadi_c
 from tests.emit.c_models import needs_compiler
 from tests.emit.generated_models import planar, source_of
 from tests.emit.test_numpy_model import TITLES

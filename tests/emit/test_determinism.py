@@ -11,17 +11,17 @@ import derive
 
 SCRIPT = """
 import hashlib
-from derive.emit.casadi_target import render_casadi
-from derive.emit.numpy_target import render_numpy
-from derive.emit.source import Source
-from derive.mechanics.programs import build_program
+from derive.targets.casadi import render_casadi
+from derive.targets.numpy import render_numpy
+from derive.targets.target import Source
+from derive.programs.functions.functions import build_program
 from derive.robot.robot import Robot
 from tests.random_robots import random_robot
 import random
 digest = hashlib.sha256()
 for seed in range(6):
     robot = Robot.from_text(random_robot(random.Random(seed)).text)
-    source = Source(robot, build_program(robot), {}, "0")
+    source = Source(robot, build_program(robot), "0")
     for text in (*render_numpy(source).values(), *render_casadi(source).values()):
         digest.update(text.encode())
 print(digest.hexdigest())

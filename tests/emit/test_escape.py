@@ -11,7 +11,7 @@ import string
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.emit import escape
+from derive.targets import escape
 
 texts = st.text(max_size=60) | st.text(
     alphabet="\\\"'`{}*/#%$&_^~<>[]|!?-+=.:@\n\r\t \u2028\u202e\u0416\u00e9x1", max_size=40

@@ -8,18 +8,18 @@ import random
 import numpy as np
 import pytest
 
-from derive.build.poses import RobotPoses
-from derive.check.oracle.arm import numeric_arm
-from derive.check.oracle.frames import chain_frames, forward_kinematics
-from derive.emit.figure.annotations import AXIS_COLORS
-from derive.emit.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
-from derive.emit.figure.drawing import Drawing, Label, Path
-from derive.emit.figure.scene import arm_scene
-from derive.emit.handout.tables import DataPrinter
-from derive.emit.latex.notation import Notation
+from derive.handout.figure.annotations import AXIS_COLORS
+from derive.handout.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
+from derive.handout.figure.drawing import Drawing, Label, Path
+from derive.handout.figure.poses import RobotPoses
+from derive.handout.figure.scene import arm_scene
+from derive.handout.notation.notation import Notation
+from derive.handout.tables import DataPrinter
 from derive.robot.catalogue import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.verify.oracle.arm import numeric_arm
+from derive.verify.oracle.frames import chain_frames, forward_kinematics
 from tests.random_robots import robot_text
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from derive.build.poses import RobotPoses
-from derive.build.quantities import ModelQuantities
-from derive.emit.handout.context import Context
-from derive.emit.handout.document import Figure, Paragraph
-from derive.emit.handout.parts.figure import section
-from derive.emit.handout.text import Text
+from derive.handout.context import Context
+from derive.handout.document import Figure, Paragraph
+from derive.handout.figure.poses import RobotPoses
+from derive.handout.language import Text
+from derive.handout.parts.figure import figure_section
+from derive.handout.quantities import ModelQuantities
 from derive.robot.expression import Number
 from derive.robot.handout import FigureOptions
 from derive.robot.robot import Robot
@@ -22,11 +22,11 @@ def _context(robot: Robot, drawn: bool = True) -> Context:
 
 
 def test_nothing_is_drawn_without_poses() -> None:
-    assert section(_context(Robot.load("scara-perugia"), drawn=False)) is None
+    assert figure_section(_context(Robot.load("scara-perugia"), drawn=False)) is None
 
 
 def test_zero_configuration_and_assumed_lengths_are_stated() -> None:
-    made = section(_context(Robot.load("scara-perugia")))
+    made = figure_section(_context(Robot.load("scara-perugia")))
     assert made is not None
     figures = [block for block in made.blocks if isinstance(block, Figure)]
     texts = [block.text for block in made.blocks if isinstance(block, Paragraph)]
@@ -38,7 +38,7 @@ def test_zero_configuration_and_assumed_lengths_are_stated() -> None:
 def test_configuration_of_the_figure_is_drawn_with_its_values() -> None:
     q = (Number(Fraction(1, 2)), Number(Fraction(1)), Number(Fraction(3, 10)), Number(Fraction(0)))
     robot = replace(Robot.load("scara-perugia"), figure=FigureOptions(q=q))
-    made = section(_context(robot))
+    made = figure_section(_context(robot))
     assert made is not None
     figures = [block for block in made.blocks if isinstance(block, Figure)]
     assert len(figures) == 2
@@ -47,6 +47,6 @@ def test_configuration_of_the_figure_is_drawn_with_its_values() -> None:
 
 
 def test_a_robot_with_all_numbers_assumes_nothing() -> None:
-    made = section(_context(Robot.load("puma560-corke")))
+    made = figure_section(_context(Robot.load("puma560-corke")))
     assert made is not None
     assert not any("assumed" in block.text for block in made.blocks if isinstance(block, Paragraph))

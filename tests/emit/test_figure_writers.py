@@ -7,17 +7,18 @@ from xml.etree import ElementTree
 
 import pytest
 
-from derive.build.poses import RobotPoses
-from derive.emit.figure.arm import WIDTH, arm_drawing
-from derive.emit.figure.convention import convention_drawing
-from derive.emit.figure.drawing import Drawing, Label, Path
-from derive.emit.figure.label_text import Run, label_width, runs
-from derive.emit.figure.latex_writer import PREAMBLE, latex_drawing
-from derive.emit.figure.matplotlib_writer import SUFFIXES, drawing_bytes
-from derive.emit.figure.svg_writer import svg_drawing
-from derive.emit.handout.tables import DataPrinter
-from derive.emit.latex.notation import Notation
-from derive.robot.robot import Convention, Robot
+from derive.handout.figure.arm import WIDTH, arm_drawing
+from derive.handout.figure.convention import convention_drawing
+from derive.handout.figure.drawing import Drawing, Label, Path
+from derive.handout.figure.label_text import Run, label_width, runs
+from derive.handout.figure.latex_writer import PREAMBLE, latex_drawing
+from derive.handout.figure.matplotlib_writer import SUFFIXES, drawing_bytes
+from derive.handout.figure.poses import RobotPoses
+from derive.handout.figure.svg_writer import svg_drawing
+from derive.handout.notation.notation import Notation
+from derive.handout.tables import DataPrinter
+from derive.robot.description import Convention
+from derive.robot.robot import Robot
 from tests.emit.latex_runner import run_latex
 
 NAMES = ("scara-perugia", "puma560-corke", "human-body", "spherical-arm")

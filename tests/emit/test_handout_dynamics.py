@@ -15,30 +15,21 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.build.quantities import ModelQuantities
-from derive.check.oracle import Oracle
-from derive.check.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
-from derive.emit.handout.bodies import bodies
-from derive.emit.handout.context import Context
-from derive.emit.handout.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
-from derive.emit.handout.latex_writer import latex
-from derive.emit.handout.parts import (
-    christoffel,
-    coriolis,
-    energies,
-    gravity,
-    inertia,
-    link_jacobians,
-    motion,
-    newton_euler,
-    skew,
-)
-from derive.emit.handout.text import Text
+from derive.handout.bodies import bodies
+from derive.handout.context import Context
+from derive.handout.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handout.language import Text
+from derive.handout.latex_writer import latex
+from derive.handout.parts import energies, inertia, motion, newton_euler
+from derive.handout.quantities import ModelQuantities
 from derive.robot.catalogue import catalogue_names
+from derive.robot.description import Motor
 from derive.robot.expression import ZERO
 from derive.robot.handout import Derivation, HandoutOptions, InertiaLetter, NotationOptions
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
-from derive.robot.robot import Motor, Robot
+from derive.robot.robot import Robot
+from derive.verify.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
+from derive.verify.oracle.oracle import Oracle
 from tests.emit.latex_runner import run_latex
 from tests.evaluate import evaluate
 from tests.random_robots import robot_text
@@ -46,15 +37,15 @@ from tests.random_robots import robot_text
 Array = npt.NDArray[np.float64]
 
 PARTS = (
-    link_jacobians,
-    energies,
-    inertia,
-    christoffel,
-    coriolis,
-    skew,
-    gravity,
-    motion,
-    newton_euler,
+    inertia.link_jacobians_section,
+    energies.section,
+    inertia.inertia_section,
+    motion.christoffel_section,
+    motion.coriolis_section,
+    motion.skew_section,
+    motion.gravity_section,
+    motion.motion_section,
+    newton_euler.section,
 )
 WITH_LINKS = [name for name in catalogue_names() if Robot.load(name).has_dynamics]
 SHORT = [name for name in WITH_LINKS if Robot.load(name).n <= 7]
@@ -71,7 +62,7 @@ def context_of(robot: Robot, steps: bool = True, letter: InertiaLetter = Inertia
 
 
 def sections_of(context: Context) -> list[Section]:
-    found = (part.section(context) for part in PARTS)
+    found = (part(context) for part in PARTS)
     return [section for section in found if section is not None]
 
 
@@ -120,7 +111,7 @@ class Numbers:
 
 
 def _numbers(robot: Robot) -> dict[str, float]:
-    from derive.algebra.to_sympy import expression_to_sympy
+    from derive.lecture.to_sympy import expression_to_sympy
 
     return {name: float(evaluate(expression_to_sympy(value), {})) for name, value in number_of(robot).items()}
 
@@ -153,7 +144,7 @@ def named(symbol: Any, matrix: Array) -> dict[str, float]:
 @EVERY
 def test_entries_of_the_inertia_matrix_are_those_of_the_oracle(key: str | int) -> None:
     context, numbers = prepared(key)
-    section = inertia.section(replace(context, options=HandoutOptions()))
+    section = inertia.inertia_section(replace(context, options=HandoutOptions()))
     matrix = numbers.oracle.evaluate("inertia_matrix", numbers.q)
     expected = named(lambda i, j: context.dynamics.inertia_entry(i, j).tex, matrix)
     assert_entries(numbers, entries_of(section), expected)
@@ -180,7 +171,7 @@ def test_jacobians_of_links_and_rotors_are_those_of_the_oracle(key: str | int) -
             for i, matrix in enumerate(half, 1):
                 symbol = f"\\mathbf{{J}}_{{{index}}}^{{{letter}_{{{i}}}}}"
                 expected |= named(lambda r, c, symbol=symbol: f"({symbol})_{{{r}{c}}}", matrix)
-    assert_entries(numbers, entries_of(link_jacobians.section(context)), expected)
+    assert_entries(numbers, entries_of(inertia.link_jacobians_section(context)), expected)
 
 
 @EVERY
@@ -202,8 +193,8 @@ def test_coriolis_matrix_and_its_check_agree_with_the_oracle(key: str | int) -> 
     result = replace(context, options=HandoutOptions())
     matrix = numbers.oracle.evaluate("coriolis_matrix", numbers.q, numbers.qd)
     expected = named(lambda i, j: context.symbols.entry("C", i, j).tex, matrix)
-    assert_entries(numbers, entries_of(coriolis.section(result)), expected)
-    skewed = entries_of(skew.section(result))
+    assert_entries(numbers, entries_of(motion.coriolis_section(result)), expected)
+    skewed = entries_of(motion.skew_section(result))
     for name, python in skewed.items():
         row, column = _place(name)
         opposite = skewed.get(context.symbols.entry("N", column, row).tex)
@@ -222,16 +213,16 @@ def test_gravity_and_torques_are_those_of_the_oracle(key: str | int) -> None:
     result = replace(context, options=HandoutOptions())
     forces = numbers.oracle.evaluate("gravity_vector", numbers.q)
     expected = {context.symbols.component("g", i).tex: float(x) for i, x in enumerate(forces, 1)}
-    assert_entries(numbers, entries_of(gravity.section(result)), expected)
+    assert_entries(numbers, entries_of(motion.gravity_section(result)), expected)
     torques = numbers.oracle.evaluate("inverse_dynamics", numbers.q, numbers.qd, numbers.qdd)
     expected = {context.symbols.torque(i).tex: float(x) for i, x in enumerate(torques, 1)}
-    assert_entries(numbers, entries_of(motion.section(result)), expected)
+    assert_entries(numbers, entries_of(motion.motion_section(result)), expected)
 
 
 def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
     """The sentence stands where the entries cancel, and only there."""
     context = prepared("planar-2r-perugia")[0]
-    section = skew.section(context)
+    section = motion.skew_section(context)
     assert section is not None
     assert any("cancel" in block.text for block in section.blocks if isinstance(block, Paragraph))
 
@@ -348,7 +339,7 @@ def test_every_joint_has_its_own_equations_in_the_steps(name: str) -> None:
 def test_every_entry_that_is_not_zero_is_printed_or_counted(key: str | int) -> None:
     context, _ = prepared(key)
     n = context.robot.n
-    section = inertia.section(replace(context, options=HandoutOptions()))
+    section = inertia.inertia_section(replace(context, options=HandoutOptions()))
     assert section is not None
     names = {*entries_of(section)}
     left_out = omitted_of(section)
@@ -357,7 +348,7 @@ def test_every_entry_that_is_not_zero_is_printed_or_counted(key: str | int) -> N
             name = context.dynamics.inertia_entry(i, j).tex
             if context.quantities["B"].terms(i, j):
                 assert name in names or name in left_out
-    symbols = christoffel.section(replace(context, options=HandoutOptions()))
+    symbols = motion.christoffel_section(replace(context, options=HandoutOptions()))
     assert symbols is not None
     names, left_out = {*entries_of(symbols)}, omitted_of(symbols)
     for triple in context.dynamics.triples:

@@ -12,29 +12,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.build.example import Example
-from derive.build.quantities import ModelQuantities
-from derive.check.oracle import Oracle
-from derive.emit.handout.configuration import ANGLES, configuration, numbers_of
-from derive.emit.handout.context import Context
-from derive.emit.handout.document import Document, Formula, Paragraph, Rows, Section, blocks_of
-from derive.emit.handout.latex_writer import latex
-from derive.emit.handout.parts import example, jacobian, kinematics, orientation, transforms
-from derive.emit.handout.text import Text
-from derive.emit.latex.policy import POLICY, SheetPolicy
-from derive.mechanics.model import Model
+from derive.handout.context import Context
+from derive.handout.document import Document, Formula, Paragraph, Rows, Section, blocks_of
+from derive.handout.example import Example
+from derive.handout.language import Text
+from derive.handout.latex_writer import latex
+from derive.handout.layout.policy import POLICY, SheetPolicy
+from derive.handout.parts import example, jacobian, kinematics, orientation
+from derive.handout.parts.example import ANGLES, configuration, numbers_of
+from derive.handout.quantities import ModelQuantities
+from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.expression import Number, Pi, Product
 from derive.robot.handout import Derivation, FrameIndices, HandoutOptions, NotationOptions
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 from tests.emit.latex_runner import run_latex
 from tests.evaluate import evaluate
 from tests.random_robots import random_robot, robot_text
 
 TENTH = Fraction(1, 10)
 
-PARTS = (transforms, kinematics, orientation, jacobian, example)
+PARTS = (
+    kinematics.transforms_section,
+    kinematics.kinematics_section,
+    orientation.section,
+    jacobian.section,
+    example.section,
+)
 
 ARM = """
 name: arm
@@ -89,7 +95,7 @@ def numbered_value(k: int) -> Number:
 def assert_compiles(robot: Robot, folder: Path, **options: object) -> None:
     """The sections as a document: no error, no overfull box."""
     context = context_of(robot, **options)  # type: ignore[arg-type]
-    found = [part.section(context) for part in PARTS]
+    found = [part(context) for part in PARTS]
     sections = tuple(section for section in found if section is not None)
     document = Document("Arm", "", robot.name, "en", "0" * 64, "0.0.0", "", sections)
     log = run_latex(latex(document, context.text), folder)
@@ -141,14 +147,14 @@ def test_the_steps_have_every_transform_and_every_column(name: str) -> None:
         assert f"{axis} = " in columns or f"({axis})_{{" in columns
         assert f"\\mathbf{{J}}_{{{i}}} = " in columns
         assert f"\\mathbf{{J}}_{{{i}}} = " not in mathematics(jacobian.section(result))
-    assert "\\mathbf{T}_{1}^{0} = \\mathbf{A}_{1}^{0}" not in mathematics(kinematics.section(result))
+    assert "\\mathbf{T}_{1}^{0} = \\mathbf{A}_{1}^{0}" not in mathematics(kinematics.kinematics_section(result))
 
 
 def test_frames_can_stand_on_the_left() -> None:
     """As the notation says."""
     context = context_of(Robot.load("scara-perugia"), steps=True, frames=FrameIndices.LEFT)
     assert "{}^{0}\\mathbf{T}_{2} = {}^{0}\\mathbf{T}_{1}{}^{1}\\mathbf{A}_{2}" in mathematics(
-        kinematics.section(context)
+        kinematics.kinematics_section(context)
     )
 
 
@@ -157,7 +163,7 @@ def test_without_room_the_steps_are_products(tmp_path: Path) -> None:
     robot = Robot.load("puma560-corke")
     policy = SheetPolicy(matrix_terms=0, flat_terms=3)
     assert_compiles(robot, tmp_path, steps=True, policy=policy)
-    section = kinematics.section(context_of(robot, steps=True, policy=policy))
+    section = kinematics.kinematics_section(context_of(robot, steps=True, policy=policy))
     assert "too long for a step" in words(section)
     for i in range(2, 7):
         assert f"\\mathbf{{T}}_{{{i}}}^{{0}} = \\mathbf{{T}}_{{{i - 1}}}^{{0}}" in mathematics(section)

@@ -6,11 +6,11 @@ import random
 
 import pytest
 
-from derive.build.quantities import ModelQuantities
-from derive.emit.handout.context import Context
-from derive.emit.handout.document import Formula, Paragraph, Section, Steps, blocks_of
-from derive.emit.handout.parts.singularities import section
-from derive.emit.handout.text import Text
+from derive.handout.context import Context
+from derive.handout.document import Formula, Paragraph, Section, Steps, blocks_of
+from derive.handout.language import Text
+from derive.handout.parts.singularities import section
+from derive.handout.quantities import ModelQuantities
 from derive.robot.catalogue import catalogue_names
 from derive.robot.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot

@@ -7,13 +7,13 @@ import random
 import numpy as np
 import pytest
 
-from derive.check.oracle import FUNCTIONS
-from derive.check.verify.expectation import expectation
-from derive.check.verify.samples import sample_sets
-from derive.emit.escape import javascript_comment, javascript_string
-from derive.emit.javascript_target import camel_case, render_javascript
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
+from derive.targets.escape import javascript_comment, javascript_string
+from derive.targets.javascript import camel_case, render_javascript
+from derive.verify.expectation import expectation
+from derive.verify.oracle.oracle import FUNCTIONS
+from derive.verify.samples import sample_sets
 from tests.emit.generated_models import planar, source_of
 from tests.emit.javascript_model import JavaScriptModel
 from tests.random_robots import random_robot

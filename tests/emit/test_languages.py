@@ -13,9 +13,8 @@ import pytest
 from babel.messages.catalog import Catalog
 from babel.messages.pofile import read_po
 
-from derive.emit.handout.languages import languages, text_for
-from derive.emit.handout.text import Text
 from derive.errors import TargetError
+from derive.handout.language import Text, languages, text_for
 from tests.docs import messages
 from tests.docs.console import ROOT
 
@@ -152,9 +151,7 @@ def test_a_broken_catalogue_is_named(tmp_path: Path) -> None:
 
 def test_english_does_not_load_babel() -> None:
     """A build without the extra packages needs none of them."""
-    code = (
-        "import sys; from derive.emit.handout.languages import text_for; text_for('en'); print('babel' in sys.modules)"
-    )
+    code = "import sys; from derive.handout.language import text_for; text_for('en'); print('babel' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, check=True, text=True)
     assert done.stdout == "False\n"
 

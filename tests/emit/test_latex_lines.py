@@ -5,10 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.emit.latex.layout import Equation, equation_lines, matrix, pack
-from derive.emit.latex.lines import break_lines
-from derive.emit.latex.metrics import Box, italic
-from derive.emit.latex.pieces import Break, Piece
+from derive.handout.layout.lines import Equation, break_lines, equation_lines, matrix, pack
+from derive.handout.notation.pieces import Box, Break, Piece, italic
 
 HEAD = Box("b = ", 30.0)
 

@@ -14,11 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Rational, Symbol, atan2, cos, pi, sign, sin, sqrt, symbols
 
-from derive.emit.latex.names import distinct, natural
-from derive.emit.latex.notation import Notation
-from derive.emit.latex.pieces import joined
-from derive.emit.latex.printer import LatexPrinter
 from derive.errors import TargetError
+from derive.handout.notation.names import distinct, natural
+from derive.handout.notation.notation import Notation
+from derive.handout.notation.pieces import joined
+from derive.handout.notation.printer import LatexPrinter
 from derive.robot.robot import Robot
 from tests.emit.latex_runner import run_latex
 

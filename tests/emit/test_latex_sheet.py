@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from derive.build.quantities import ModelQuantities
-from derive.build.render import source_of
-from derive.emit.handout.assemble import context_of, document
-from derive.emit.handout.latex_writer import latex
-from derive.emit.latex.policy import POLICY, SheetPolicy
+from derive.handout.assemble import context_of, document
+from derive.handout.latex_writer import latex
+from derive.handout.layout.policy import POLICY, SheetPolicy
+from derive.handout.quantities import ModelQuantities
+from derive.publish.render import source_of
 from derive.robot.robot import Robot
 from tests.emit.latex_runner import run_latex
 
@@ -110,9 +110,9 @@ def test_no_entry_is_left_out_in_silence() -> None:
                 assert not wanted or (letter, str(i), str(j)) in listed, (name, i, j)
     triples = [(i, j, k) for i in range(1, 5) for j in range(1, 5) for k in range(j, 5)]
     for i, j, k in triples:
-        assert bool(quantities[f"christoffel[{i},{j},{k}]"].terms(1, 1)) == (f"c_{{{i},{j}{k}}} \\colon" in text or (
-            f"c_{{{i},{j}{k}}} = " in text
-        ))
+        assert bool(quantities[f"christoffel[{i},{j},{k}]"].terms(1, 1)) == (
+            f"c_{{{i},{j}{k}}} \\colon" in text or (f"c_{{{i},{j}{k}}} = " in text)
+        )
 
 
 def test_the_whole_matrix_is_printed_where_it_fits() -> None:

@@ -14,12 +14,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from derive.build import build_robot, check_robot
-from derive.build.libraries import library_names
-from derive.compiler import compile_shared, find_compiler
-from derive.emit.registry import targets_named
 from derive.errors import TargetError
+from derive.publish.build import build_robot, check_robot, library_names
+from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
+from derive.targets.compiler import compile_shared, find_compiler
 from tests.emit.c_models import needs_compiler
 from tests.emit.generated_models import FUNCTIONS, PARAMETERS, planar
 from tests.random_robots import random_robot
@@ -40,7 +39,7 @@ class Models(NamedTuple):
 
 def built(robot: Robot, out: Path) -> Models:
     """A robot, built and imported."""
-    from derive.check.verify.generated import load_models
+    from derive.verify.generated import load_models
 
     folder = build_robot(robot, out, TARGETS, verified=False).folder
     modules = {model.target: model.module for model in load_models(folder)}
@@ -267,8 +266,8 @@ def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:
 
 
 def test_a_library_that_does_not_belong_to_the_module_is_refused(models: Models, tmp_path: Path) -> None:
-    from derive.check.verify.generated import load_models
     from derive.errors import VerificationError
+    from derive.verify.generated import load_models
 
     built = build_robot(Robot.from_text(ONE_JOINT), tmp_path, ["native"], verified=False).folder
     foreign, spoilt, empty = (Path(shutil.copytree(built, tmp_path / name)) for name in ("a", "b", "c"))

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from derive.build import build_robot
-from derive.check.verify import verify
-from derive.cli import main
-from derive.compiler import find_compiler
+from derive.cli.main import main
 from derive.errors import TargetError
+from derive.publish.build import build_robot
 from derive.robot.robot import Robot
+from derive.targets.compiler import find_compiler
+from derive.verify.verify import verify
 
 ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
 

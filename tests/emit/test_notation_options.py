@@ -12,12 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Rational, Symbol, cos, sin, symbols
 
-from derive.emit.latex.layout import Equation, equation_lines
-from derive.emit.latex.metrics import italic
-from derive.emit.latex.notation import Notation
-from derive.emit.latex.pieces import joined
-from derive.emit.latex.printer import LatexPrinter
-from derive.emit.latex.symbols import EntryNamer, Symbols
+from derive.handout.layout.lines import Equation, equation_lines
+from derive.handout.notation.notation import Notation
+from derive.handout.notation.pieces import italic, joined
+from derive.handout.notation.printer import LatexPrinter
+from derive.handout.notation.symbols import EntryNamer, Symbols
 from derive.robot.catalogue import catalogue_names
 from derive.robot.handout import AngleLetter, FrameIndices, Functions, InertiaLetter, NotationOptions, SliderLetter
 from derive.robot.robot import Robot

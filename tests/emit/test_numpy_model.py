@@ -13,13 +13,13 @@ from itertools import product
 import numpy as np
 import pytest
 
-from derive.algebra.program import Function, Program
-from derive.algebra.tape import PARAMETER
-from derive.algebra.tape_build import cut
-from derive.algebra.tape_graph import Graph
-from derive.algebra.tape_value import Value
-from derive.emit.numpy_target import render_numpy
+from derive.programs.program import Function, Program
+from derive.programs.tape.build import cut
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.tape import PARAMETER
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
+from derive.targets.numpy import render_numpy
 from tests.emit.generated_models import (
     FUNCTIONS,
     IDENTIFICATION,

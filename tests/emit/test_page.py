@@ -9,18 +9,17 @@ from importlib.util import find_spec
 
 import pytest
 
-from derive.emit.handout.document import Document, Entry, Formula, Paragraph, Rows, Section, blocks_of
-from derive.emit.handout.text import Text
-from derive.emit.page import katex
-from derive.emit.page.compact import compact
-from derive.emit.page.formulas import size
-from derive.emit.page.katex import Mathematics, render
-from derive.emit.page.names import plain
-from derive.emit.page.stylesheet import known_classes, names, stylesheet, write
-from derive.emit.page.tree import elements, parse
-from derive.emit.page.viewer import Viewer
-from derive.emit.page.writer import page, safe_script
 from derive.errors import TargetError
+from derive.handout.document import Document, Entry, Formula, Paragraph, Rows, Section, blocks_of
+from derive.handout.language import Text
+from derive.handout.page import katex
+from derive.handout.page.blocks import plain
+from derive.handout.page.compact import compact, elements, parse
+from derive.handout.page.formulas import size
+from derive.handout.page.katex import Mathematics, render
+from derive.handout.page.stylesheet import known_classes, names, stylesheet, write
+from derive.handout.page.viewer import Viewer
+from derive.handout.page.writer import page, safe_script
 from tests.emit.page_documents import ENTRIES, LONG, MATRIX, TITLE, document
 
 pytestmark = pytest.mark.skipif(find_spec("py_mini_racer") is None, reason="mini-racer is not installed")

@@ -9,12 +9,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from derive.algebra import tape_constant as constants
-from derive.algebra.program import Program
-from derive.algebra.tape_graph import Graph
-from derive.algebra.tape_value import Value
-from derive.compiler import find_compiler
+from derive.algebra import constants
+from derive.programs.program import Program
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
+from derive.targets.compiler import find_compiler
 from tests.emit.c_models import c_model, needs_compiler
 from tests.emit.generated_models import casadi_model, numpy_model, small_program
 

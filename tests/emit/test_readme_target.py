@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from derive.build import build_robot
-from derive.build.render import render_robot
-from derive.emit.registry import targets_named
+from derive.publish.build import build_robot
+from derive.publish.render import render_robot
+from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 
 

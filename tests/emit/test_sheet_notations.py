@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from derive.build.render import source_of
-from derive.emit.handout.assemble import context_of, document
-from derive.emit.handout.languages import languages
-from derive.emit.handout.latex_writer import latex
+from derive.handout.assemble import context_of, document
+from derive.handout.language import languages
+from derive.handout.latex_writer import latex
+from derive.publish.render import source_of
 from derive.robot.catalogue import catalogue_names
 from derive.robot.handout import (
     AngleLetter,

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from jinja2 import nodes
 
-from derive.emit.registry import TARGETS, targets_named
-from derive.emit.templating import environment, template_folder
 from derive.errors import TargetError
+from derive.publish.targets import TARGETS, targets_named
+from derive.targets.templating import environment, template_folder
 
 FOLDER = Path(str(template_folder()))
 TEMPLATES = sorted(path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*") if path.is_file())

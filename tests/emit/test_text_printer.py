@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Rational, cos, sin, sqrt, symbols
 
-from derive.emit.text_printer import TextPrinter
+from derive.handout.notation.text import TextPrinter
 from derive.robot.robot import Robot
 
 ROBOT = Robot.load("scara-perugia")

@@ -11,8 +11,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from derive.check.oracle import Oracle
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "mpc_casadi.py"
 

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from derive.build import check_robot, folder_of
-from derive.build.render import render_robot
-from derive.emit.registry import targets_named
+from derive.publish.build import check_robot
+from derive.publish.build import folder_of
+from derive.publish.render import render_robot
+from derive.publish.targets import targets_named
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 

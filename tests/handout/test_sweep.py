@@ -8,12 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from derive.build.render import source_of
-from derive.emit.handout.assemble import context_of, document
-from derive.emit.handout.exercise import exercise, solutions
-from derive.emit.handout.languages import languages
-from derive.emit.handout.latex_writer import latex
-from derive.emit.source import Source
+from derive.handout.assemble import context_of, document, exercise, solutions
+from derive.handout.language import languages
+from derive.handout.latex_writer import latex
+from derive.publish.render import source_of
 from derive.robot.catalogue import catalogue_names
 from derive.robot.handout import (
     AngleLetter,
@@ -26,6 +24,7 @@ from derive.robot.handout import (
     SliderLetter,
 )
 from derive.robot.robot import Robot
+from derive.targets.target import Source
 from tests.emit.latex_runner import run_latex
 from tests.random_robots import robot_text
 

@@ -9,12 +9,14 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.to_sympy import expression_to_sympy
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.check.frames_file import compose, point, rotation, translation
 from derive.errors import Location
-from derive.mechanics.elementary import compose, point, rotation, translation
-from derive.mechanics.equality import compare, expression_from_sympy
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.model.equality import compare
+from derive.robot.description import Convention
 from derive.robot.parser import parse_expression
-from derive.robot.robot import Convention, Robot
+from derive.robot.robot import Robot
 from tests.lectures.results import Result, document, is_counted
 
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())

@@ -8,19 +8,18 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.to_sympy import expression_to_sympy
-from derive.mechanics.equality import compare, expression_from_sympy
-from derive.mechanics.model import Model
-from derive.robot.robot import Motor
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.model.equality import compare
+from derive.model.model import Model
+from derive.robot.description import Motor
 
 Matrix = Any
 
 
 def same(model: Model, ours: Matrix, theirs: Matrix) -> bool:
     pairs = zip(sympy.Matrix(ours), sympy.Matrix(theirs), strict=True)
-    return all(
-        compare(model.robot, expression_from_sympy(a), expression_from_sympy(b)).equal for a, b in pairs
-    )
+    return all(compare(model.robot, expression_from_sympy(a), expression_from_sympy(b)).equal for a, b in pairs)
 
 
 def frame(model: Model, i: int) -> tuple[Matrix, Matrix, Matrix]:
@@ -74,10 +73,7 @@ def inertia(model: Model) -> bool:
 def christoffel(model: Model) -> bool:
     """c_ijk = (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i)/2 = c_ikj, C_ij = sum_k c_ijk qd_k."""
     n, b, q = range(model.n), model.B, model.q
-    c = {
-        (i, j, k): (b[i, j].diff(q[k]) + b[i, k].diff(q[j]) - b[j, k].diff(q[i])) / 2
-        for i, j, k in product(n, n, n)
-    }
+    c = {(i, j, k): (b[i, j].diff(q[k]) + b[i, k].diff(q[j]) - b[j, k].diff(q[i])) / 2 for i, j, k in product(n, n, n)}
     symbols = [model.christoffel(i + 1, j + 1, k + 1) for i, j, k in c]
     coriolis = sympy.Matrix(model.n, model.n, lambda i, j: sum(c[i, j, k] * model.qd[k] for k in n))
     mirrored = [c[i, k, j] for i, j, k in c]

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from derive.check.float_domain import FloatDomain
-from derive.mechanics.lecture_newton_euler import LinkStep, Recursion, newton_euler_base, newton_euler_link
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.printed_newton_euler import LinkStep, Recursion, newton_euler_base, newton_euler_link
 from derive.robot.robot import Robot
 from tests.lectures.results import Result, document, is_counted
 from tests.lectures.vector_formula import vector_value

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cache
 
-from derive.check.comparison import FileReport, Finding, Role, check_file
-from derive.check.corpus_file import read_corpus_file
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.check.comparison import check_file
+from derive.check.files import read_corpus_file
+from derive.check.findings import FileReport, Finding, Role
 from derive.check.printed import CorpusFile, PrintedQuantity
 from derive.errors import Location
-from derive.mechanics.equality import compare, expression_from_sympy
-from derive.mechanics.model import Model
-from derive.robot.arithmetic import add, multiply, negate, number, substitute
-from derive.robot.expression import ZERO, Call, Expression
-from derive.robot.notation import read_formula
+from derive.lecture.shorthand import read_formula
+from derive.model.equality import compare
+from derive.model.model import Model
+from derive.robot.expression import ZERO, Call, Expression, add, multiply, negate, number, substitute
 from derive.robot.robot import Robot
 from tests.lectures.results import CORPUS, Result, document
 

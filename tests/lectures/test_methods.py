@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from derive.algebra.domain import PolynomialDomain
-from derive.mechanics.equality import expression_from_sympy
-from derive.mechanics.model import Model
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.lectures.lagrange_formulas import FORMULAS
 from tests.lectures.method_results import METHODS, SETS, arms, method_results, recursion_of, variants

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 import sympy
 
-from derive.check.comparison import Role
-from derive.mechanics.model import Model
+from derive.check.findings import Role
+from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from tests.lectures.results import ROBOT_FILES, document

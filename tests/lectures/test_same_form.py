@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 
+from derive.algebra.from_sympy import expression_from_sympy
 from derive.check.comparison import _derived
-from derive.check.corpus_file import read_corpus_file
-from derive.check.same_form import same_form
-from derive.mechanics.equality import expression_from_sympy
-from derive.mechanics.model import Model
+from derive.check.files import read_corpus_file
+from derive.check.verdicts import same_form
+from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
 
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("0*.yaml"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.mechanics.model import Model
+from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.lectures.frame_results import FRAMES, frame_results
 from tests.lectures.lagrange_formulas import FORMULAS

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from derive.algebra.program import Program
-from derive.algebra.tape import PARAMETER, evaluate
-from derive.algebra.tape_constant import to_float
+from derive.algebra.constants import to_float
+from derive.programs.program import Program
+from derive.programs.tape.tape import PARAMETER, evaluate
 
 ARITHMETIC = {
     "number": to_float,

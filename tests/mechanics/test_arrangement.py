@@ -9,18 +9,16 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.algebra.tape import PARAMETER, evaluate
-from derive.algebra.tape_build import bake, cut
-from derive.algebra.tape_finish import Finisher
-from derive.algebra.tape_value import Value
-from derive.mechanics.arrangement import holdable, places
-from derive.mechanics.christoffel_recursion import christoffel_matrix
-from derive.mechanics.composite_inertia import inertia_matrix
-from derive.mechanics.form_search import ALL_CHOICES, Forms, FormSearch, starting_forms
-from derive.mechanics.gravity import gravity_vector
-from derive.mechanics.joint_form import PLAIN, JointForm
+from derive.mechanics.coriolis import christoffel_matrix
+from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
+from derive.mechanics.link_motion import PLAIN, JointForm
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.mechanics.trace import Trace, flat
+from derive.programs.frame_choice import ALL_CHOICES, Forms, FormSearch, holdable, places, starting_forms
+from derive.programs.tape.build import bake, cut
+from derive.programs.tape.finish import Finisher
+from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.tape.value import Value
+from derive.programs.trace import Trace, flat
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from tests.mechanics.recursion_values import ARITHMETIC

@@ -13,24 +13,23 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.algebra.domain import PolynomialDomain
+from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.ring import Polynomial
-from derive.algebra.to_expression import polynomial_expression
-from derive.check.float_domain import FloatDomain
-from derive.check.floats import to_float
-from derive.check.oracle import Oracle
-from derive.mechanics.base_parameters import BaseSet, base_set
 from derive.mechanics.chain import build_chain
-from derive.mechanics.column_relations import Coefficient
-from derive.mechanics.grouped_values import base_values, grouped_values, standard_values
+from derive.mechanics.floats import FloatDomain
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor
 from derive.mechanics.screws import with_unit_rotors
-from derive.robot.arithmetic import multiply, power, substitute
+from derive.model.identification.base_parameters import BaseSet, base_set
+from derive.model.identification.column_relations import Coefficient
+from derive.model.identification.parameter_values import base_values, grouped_values, standard_values
 from derive.robot.catalogue import catalogue_names
-from derive.robot.expression import Expression
-from derive.robot.inertial import Parameter, standard_parameters
-from derive.robot.robot import Inertia, Joint, Link, Motor, Robot
+from derive.robot.description import Inertia, Joint, Link, Motor
+from derive.robot.evaluate import to_float
+from derive.robot.expression import Expression, multiply, power, substitute
+from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 from tests.random_robots import RandomRobot, random_robot, robot_text
 
 BENCH = Path(__file__).parents[2] / "bench" / "robots"

@@ -7,13 +7,11 @@ import random
 import numpy as np
 import pytest
 
-from derive.algebra.tape import Operations
-from derive.mechanics.cheapest_kinematics import cheapest_jacobian, cheapest_pose
-from derive.mechanics.cheapest_links import cheapest_links
-from derive.mechanics.forward_kinematics import forward_kinematics, link_transforms, rows
-from derive.mechanics.jacobian import jacobian
-from derive.mechanics.programs import build_program
-from derive.mechanics.trace import Trace, flat
+from derive.mechanics.forward_kinematics import forward_kinematics, jacobian, link_transforms, rows
+from derive.programs.cheapest_kinematics import cheapest_jacobian, cheapest_links, cheapest_pose
+from derive.programs.functions.functions import build_program
+from derive.programs.tape.tape import Operations
+from derive.programs.trace import Trace, flat
 from derive.robot.robot import Robot
 from tests.mechanics.parallel_arms import numbers, parallel_arm
 from tests.random_robots import random_robot

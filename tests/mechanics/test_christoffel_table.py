@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 from derive.errors import QuantityError
-from derive.mechanics.model import Model
+from derive.model.model import Model
 from derive.robot.robot import Robot
 
 

@@ -7,15 +7,14 @@ import random
 import numpy as np
 import pytest
 
-from derive.algebra.tape_domain import QD, QDD
-from derive.algebra.tape_value import Value
-from derive.mechanics.closed_form import ClosedForm
-from derive.mechanics.composite_inertia import inertia_matrix
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.gravity import gravity_vector
+from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.mechanics.programs import build_program
-from derive.mechanics.trace import Trace, flat
+from derive.programs.closed_form import ClosedForm
+from derive.programs.functions.functions import build_program
+from derive.programs.tape.scalars import QD, QDD
+from derive.programs.tape.value import Value
+from derive.programs.trace import Trace, flat
 from derive.robot.robot import Robot
 from tests.mechanics.parallel_arms import numbers
 from tests.random_robots import random_robot
@@ -47,7 +46,7 @@ def recursions(trace: Trace) -> list[list[Value]]:
 @pytest.mark.parametrize("sums", [False, True], ids=["angles", "sums"])
 @pytest.mark.parametrize("seed", range(8))
 def test_closed_forms_are_the_recursions(seed: int, sums: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("derive.mechanics.closed_form._MOST_TERMS", 4000)
+    monkeypatch.setattr("derive.programs.closed_form._MOST_TERMS", 4000)
     robot = random_robot(random.Random(seed), 1 + seed % 2)
     trace = Trace(Robot.from_text(robot.text))
     form = ClosedForm(trace.robot, trace.domain, sums=sums)

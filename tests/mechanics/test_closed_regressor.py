@@ -8,19 +8,19 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.algebra.program import Function, Program
-from derive.algebra.tape_finish import Finisher
-from derive.check.floats import parameter_values, to_float
-from derive.check.oracle import Oracle
 from derive.errors import Location
-from derive.mechanics.identification_functions import identification_functions
-from derive.mechanics.model import Model
-from derive.mechanics.trace import Trace
+from derive.model.model import Model
+from derive.programs.functions.identification import identification_functions
+from derive.programs.program import Function, Program
+from derive.programs.tape.finish import Finisher
+from derive.programs.trace import Trace
 from derive.robot.catalogue import catalogue_names
-from derive.robot.inertial import MAX_JOINTS, has_regressor, standard_parameters
+from derive.robot.evaluate import parameter_values, to_float
+from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard_parameters
 from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 from tests.evaluate import evaluate
 from tests.mechanics.recursion_values import random_state, value
 from tests.random_robots import random_robot, robot_text

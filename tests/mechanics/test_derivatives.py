@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.algebra.program import Program
-from derive.algebra.tape import Operations, evaluate
-from derive.algebra.tape_finish import Finisher
-from derive.check.floats import parameter_values
-from derive.check.oracle import Oracle
-from derive.mechanics.articulated_body import articulated_accelerations
-from derive.mechanics.model import Model
-from derive.mechanics.programs import build_program
-from derive.mechanics.trace import Trace
+from derive.mechanics.forward_dynamics import articulated_accelerations
+from derive.model.model import Model
+from derive.programs.functions.functions import build_program
+from derive.programs.program import Program
+from derive.programs.tape.finish import Finisher
+from derive.programs.tape.tape import Operations, evaluate
+from derive.programs.trace import Trace
+from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 from tests.mechanics.recursion_values import ARITHMETIC, STEP, State, derivative, inputs_of, value
 from tests.mechanics.test_recursions import Case, assert_close, case_of, units
 

@@ -8,9 +8,9 @@ from fractions import Fraction
 import pytest
 import sympy
 
+from derive.check.frames_file import compose, point, rotation, translation
 from derive.errors import ExpressionError
-from derive.mechanics.elementary import compose, point, rotation, translation
-from derive.mechanics.model import Model
+from derive.model.model import Model
 from derive.robot.robot import Robot
 
 ALPHA, BETA, X, Y, Z = sympy.symbols("alpha beta x y z")

@@ -10,19 +10,12 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from derive.algebra.from_sympy import expression_from_sympy
 from derive.errors import CheckError, ExpressionError, QuantityError
-from derive.mechanics.equality import (
-    Verdict,
-    compare,
-    difference,
-    equal,
-    expression_from_sympy,
-    scalar_quantity,
-    verdict,
-)
-from derive.mechanics.model import Model
+from derive.lecture.shorthand import read_formula
+from derive.model.equality import Verdict, compare, difference, equal, scalar_quantity, verdict
+from derive.model.model import Model
 from derive.robot.expression import Call, Name, Number, Pi, Power, Product, Sum
-from derive.robot.notation import read_formula
 from derive.robot.robot import Robot
 
 SCARA = Model(Robot.load("scara-perugia"))

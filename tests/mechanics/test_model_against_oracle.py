@@ -11,12 +11,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from derive.check.oracle import Oracle
-from derive.check.oracle.lagrange import com_jacobians, rotor_jacobians
-from derive.mechanics.model import Model
+from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
+from derive.verify.oracle.lagrange import com_jacobians, rotor_jacobians
+from derive.verify.oracle.oracle import Oracle
 from tests.evaluate import evaluate
 from tests.random_robots import robot_text
 
@@ -46,7 +46,7 @@ class Numbers:
 
 
 def _sympy(value: Any) -> Any:
-    from derive.algebra.to_sympy import expression_to_sympy
+    from derive.lecture.to_sympy import expression_to_sympy
 
     return expression_to_sympy(value)
 

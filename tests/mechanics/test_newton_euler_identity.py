@@ -9,16 +9,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from derive.algebra.domain import PolynomialDomain
+from derive.algebra.from_sympy import expression_from_sympy
 from derive.mechanics.chain import build_chain
-from derive.mechanics.equality import expression_from_sympy
-from derive.mechanics.lecture_newton_euler import newton_euler_base, newton_euler_link, without_rotors
-from derive.mechanics.model import Model
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.robot.arithmetic import multiply
+from derive.mechanics.printed_newton_euler import newton_euler_base, newton_euler_link, without_rotors
+from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
-from derive.robot.expression import Expression, Name
+from derive.robot.description import Convention
+from derive.robot.expression import Expression, Name, multiply
 from derive.robot.names import velocity_name
-from derive.robot.robot import Convention, Robot
+from derive.robot.robot import Robot
 from tests.random_robots import robot_text
 
 MAX_JOINTS = 4

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import pytest
 
-from derive.algebra.program import Program
-from derive.mechanics.programs import build_program
+from derive.programs.functions.functions import build_program
+from derive.programs.program import Program
 from derive.robot.robot import Robot
 
 pytestmark = pytest.mark.usefixtures("full_effort")

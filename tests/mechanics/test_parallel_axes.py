@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from derive.algebra.tape import Operations
-from derive.algebra.tape_finish import Finisher
-from derive.algebra.tape_value import Value
 from derive.mechanics.forward_kinematics import joint_poses
-from derive.mechanics.trace import Trace
 from derive.mechanics.vectors import Frame, Vector, add, column, identity, multiply
+from derive.programs.tape.finish import Finisher
+from derive.programs.tape.tape import Operations
+from derive.programs.tape.value import Value
+from derive.programs.trace import Trace
 from derive.robot.robot import Robot
 from tests.mechanics.parallel_arms import numbers, parallel_arm
 

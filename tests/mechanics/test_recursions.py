@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.algebra.program import Program
-from derive.algebra.tape import Op, Operations
 from derive.errors import QuantityError, RobotFileError
-from derive.mechanics.programs import build_program
+from derive.programs.functions.functions import build_program
+from derive.programs.program import Program
+from derive.programs.tape.tape import Op, Operations
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 from tests.mechanics.recursion_values import State, derivative, random_state, value

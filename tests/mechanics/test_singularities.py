@@ -13,14 +13,14 @@ import sympy
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from derive.algebra.to_sympy import expression_to_sympy
-from derive.check.oracle import Oracle
-from derive.mechanics.kinematic_model import KinematicModel
-from derive.mechanics.singular_conditions import Posture
-from derive.mechanics.singularities import Block, Outcome, Singularities
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.model.kinematic_model import KinematicModel
+from derive.model.singularities.conditions import Posture
+from derive.model.singularities.singularities import Block, Outcome, Singularities
 from derive.robot.catalogue import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 from tests.evaluate import evaluate
 from tests.random_robots import random_robot
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from derive.check.oracle import ANGLES, FUNCTIONS, Oracle
-from derive.check.oracle.rates import distance_from_singularity
 from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import ANGLES, FUNCTIONS, Oracle
+from derive.verify.oracle.rates import distance_from_singularity
 from tests.oracle.pinocchio_reference import Array, Reference, reference
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
 

@@ -63,13 +63,11 @@ def test_wheel_brings_the_command_and_the_licence(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         (entry_points,) = (archive.read(name) for name in archive.namelist() if name.endswith("/entry_points.txt"))
         (licence,) = (archive.read(name) for name in archive.namelist() if name.endswith("/licenses/LICENSE"))
-    assert b"derive = derive.cli:main" in entry_points
+    assert b"derive = derive.cli.main:main" in entry_points
     assert b"MIT License" in licence
 
 
-def test_wheel_from_the_source_archive_is_the_wheel_from_the_checkout(
-    wheel: Path, sdist: Path, tmp_path: Path
-) -> None:
+def test_wheel_from_the_source_archive_is_the_wheel_from_the_checkout(wheel: Path, sdist: Path, tmp_path: Path) -> None:
     with tarfile.open(sdist) as archive:
         archive.extractall(tmp_path, filter="data")
     (unpacked,) = tmp_path.iterdir()

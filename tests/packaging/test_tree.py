@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted((ROOT / "derive").rglob("*.py"))
-MAX_FILE = 400
+MAX_FILE = 450
 MAX_FUNCTION = 50
 
 # Put together here, so that this file does not hold what it forbids.
@@ -27,7 +27,7 @@ FORBIDDEN = [
     ".".join(("deb", "debian", "org")),
 ]
 # KaTeX runs in a JavaScript engine of its own; formulas reach it as JSON.
-ALLOWED = {"derive/emit/page/katex.py": {"eval"}}
+ALLOWED = {"derive/handout/page/katex.py": {"eval"}}
 EVALUATORS = {"eval", "exec", "compile", "sympify", "parse_expr", "S", "simplify", "trigsimp", "__import__"}
 FULL_LOADERS = {"load", "load_all", "full_load", "unsafe_load", "Loader", "FullLoader", "UnsafeLoader"}
 

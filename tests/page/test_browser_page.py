@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from derive.emit.handout.text import Text
-from derive.emit.page.compact import compact
-from derive.emit.page.katex import Mathematics, asset, render
-from derive.emit.page.stylesheet import known_classes, names, stylesheet, write
-from derive.emit.page.tree import parse
-from derive.emit.page.writer import page
+from derive.handout.language import Text
+from derive.handout.page.compact import compact, parse
+from derive.handout.page.katex import Mathematics, asset, render
+from derive.handout.page.stylesheet import known_classes, names, stylesheet, write
+from derive.handout.page.writer import page
 from tests.emit.page_documents import ENTRIES, LONG, MATRIX, document
 
 if TYPE_CHECKING:

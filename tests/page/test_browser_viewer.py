@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derive.emit.page.travel import symbol_values, travels
+from derive.handout.page.viewer import symbol_values, travels
 from derive.robot.robot import Robot
 from tests.emit.generated_models import numpy_model
 from tests.page.viewer_page import assumed, viewer_page

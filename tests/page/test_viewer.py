@@ -8,12 +8,10 @@ import re
 
 import pytest
 
-from derive.build.poses import RobotPoses
-from derive.emit.handout.text import Text
-from derive.emit.page.html_symbol import html_symbol
-from derive.emit.page.travel import symbol_values, travels, upwards
-from derive.emit.page.viewer import Viewer, three, viewer
-from derive.mechanics.programs import build_program
+from derive.handout.figure.poses import RobotPoses
+from derive.handout.language import Text
+from derive.handout.page.viewer import Viewer, html_symbol, symbol_values, three, travels, upwards, viewer
+from derive.programs.functions.functions import build_program
 from derive.robot.robot import Robot
 from tests.page.viewer_page import assumed
 from tests.random_robots import random_robot

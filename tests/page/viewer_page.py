@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.build.poses import RobotPoses
-from derive.emit.handout.text import Text
-from derive.emit.page.viewer import viewer
-from derive.mechanics.programs import build_program
+from derive.handout.figure.poses import RobotPoses
+from derive.handout.language import Text
+from derive.handout.page.viewer import viewer
+from derive.programs.functions.functions import build_program
 from derive.robot.robot import Robot
 
 FRAME = """<!DOCTYPE html>

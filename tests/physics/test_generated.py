@@ -11,16 +11,17 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from derive.check.oracle import FUNCTIONS, Oracle
-from derive.check.verify import TOLERANCE, verify
-from derive.check.verify.generated import GeneratedModel, load_models
-from derive.emit.casadi_target import render_casadi
-from derive.emit.numpy_target import render_numpy
-from derive.emit.source import Source
-from derive.mechanics.base_parameters import base_set
-from derive.mechanics.programs import build_program
+from derive.model.identification.base_parameters import base_set
+from derive.programs.functions.functions import build_program
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
+from derive.targets.casadi import render_casadi
+from derive.targets.numpy import render_numpy
+from derive.targets.target import Source
+from derive.verify.generated import GeneratedModel, load_models
+from derive.verify.oracle.oracle import FUNCTIONS, Oracle
+from derive.verify.report import TOLERANCE
+from derive.verify.verify import verify
 from tests.oracle.pinocchio_reference import Array, reference
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
 
@@ -30,7 +31,7 @@ FIXTURE_IS_A_FACTORY = [HealthCheck.function_scoped_fixture]
 
 def generate(robot: Robot, folder: Path) -> tuple[GeneratedModel, ...]:
     """Write both modules into ``folder`` and load them."""
-    source = Source(robot, build_program(robot), {}, "0.0.0")
+    source = Source(robot, build_program(robot), "0.0.0")
     for name, text in {**render_numpy(source), **render_casadi(source)}.items():
         (folder / name).write_text(text, encoding="utf-8")
     return load_models(folder)

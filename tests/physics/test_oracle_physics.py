@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from derive.check.oracle import Oracle
-from derive.check.oracle.lagrange import (
+from derive.robot.robot import Robot
+from derive.verify.oracle.lagrange import (
     com_jacobians,
     inertia_derivatives,
     kinetic_energy,
     potential_energy,
     rotor_jacobians,
 )
-from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
 from tests.random_robots import Array, RandomRobot, configurations, robots
 
 STEP = 1e-6

@@ -6,8 +6,7 @@ from fractions import Fraction
 
 from hypothesis import strategies as st
 
-from derive.robot.arithmetic import add, multiply, power
-from derive.robot.expression import Call, Expression, Name, Number, Pi
+from derive.robot.expression import Call, Expression, Name, Number, Pi, add, multiply, power
 
 NAMES = ("q1", "a2", "alpha1", "I", "E", "S", "N", "Q", "lambda", "beta", "gamma", "x_1", "no", "def", "e1")
 

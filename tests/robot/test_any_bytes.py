@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from derive.errors import DeriveError
 from derive.robot.catalogue import catalogue_names, catalogue_text
-from derive.robot.load import robot_from_bytes
 from derive.robot.robot import Robot
 
 TEXTS = [catalogue_text(name) for name in catalogue_names()]
@@ -20,7 +19,7 @@ CELLS = ["q1", "pi", "**", "1/0", "sqrt(-1)", "type: prismatic", "theta: 0"]
 def answer(data: bytes) -> Robot | str:
     """The robot, or the refusal's message."""
     try:
-        return robot_from_bytes(data, "x.yaml")
+        return Robot.from_bytes(data, "x.yaml")
     except DeriveError as refusal:
         return str(refusal)
 

@@ -10,7 +10,6 @@ import jsonschema
 import pytest
 import yaml
 
-from derive import Robot
 from derive.errors import DeriveError
 from derive.robot.evaluate import evaluate
 from derive.robot.handout import (
@@ -25,6 +24,7 @@ from derive.robot.handout import (
     NotationOptions,
     SliderLetter,
 )
+from derive.robot.robot import Robot
 from derive.robot.schema import json_schema
 from tests.robot.hostile import GOOD
 

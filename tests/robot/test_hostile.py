@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from derive import Robot
 from derive.errors import ExpressionError, RobotFileError
+from derive.robot.robot import Robot
 from tests.robot.hostile import GOOD, HOSTILE
 
 SECONDS = 5.0

@@ -8,8 +8,8 @@ from contextlib import nullcontext
 import pytest
 
 from derive.errors import CheckError, Location
+from derive.lecture.shorthand import read_formula, resolve_tokens
 from derive.robot.expression import Call, Expression, Name
-from derive.robot.notation import read_formula, resolve_tokens
 from derive.robot.parser import parse_expression
 from derive.robot.printer import to_text
 from derive.robot.robot import Robot

@@ -15,9 +15,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from derive.errors import DeriveError, ExpressionError, Location
-from derive.robot.arithmetic import add, multiply, negate, power
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Power,
+    Product,
+    Sum,
+    add,
+    multiply,
+    negate,
+    power,
+)
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.printer import to_text
 from tests.robot.expressions import NAMES, trees

@@ -6,11 +6,11 @@ import math
 
 import pytest
 
-from derive import Robot
 from derive.errors import RobotFileError
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
 from derive.robot.printer import to_text
+from derive.robot.robot import Robot
 
 
 def robot(row: str, angle: str = "deg", length: str = "mm", extra: str = "") -> Robot:

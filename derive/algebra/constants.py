@@ -1,0 +1,205 @@
+"""Exact constants of tapes: rationals as rationals, all others to 256 bits until they are printed.
+
+A constant that is not rational (sqrt(2)/2, cos(1), 3*pi) is kept to 256 bits and compared in its first 160: values
+that are equal by algebra, such as (sqrt(2)/2)**2 and 1/2, are the same constant, and a difference that cancels that
+far is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import reduce
+from math import inf, isinf, isqrt
+from typing import Any
+
+import mpmath
+
+from derive.errors import QuantityError
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, names
+
+_CONTEXT = mpmath.MPContext()
+_CONTEXT.prec = 256
+_COMPARED_BITS = 160
+_RATIONAL_BITS = 64
+_MAX_RATIONAL_SIZE = 8192
+
+Constant = Fraction | Any
+"""A Fraction, or an mpmath number of the private context; zero and rationals are always Fractions."""
+
+Key = tuple[int, int, int]
+
+
+def key_of(value: Constant) -> Key:
+    """What tells two constants apart."""
+    if isinstance(value, Fraction):
+        return (0, value.numerator, value.denominator)
+    sign, mantissa, exponent, _ = _rounded(value)
+    return (1, -mantissa if sign else mantissa, exponent)
+
+
+def to_float(value: Constant) -> float:
+    """The nearest double.
+
+    Raises:
+        QuantityError: The number is too large for a double.
+    """
+    try:
+        number = float(value)
+    except OverflowError:
+        number = inf
+    if isinf(number):
+        raise QuantityError("a constant of the robot is too large for a double", remedy="rescale the units")
+    return number
+
+
+def pi() -> Constant:
+    """The constant pi."""
+    return _settle(+_CONTEXT.pi, 1)
+
+
+def add(a: Constant, b: Constant) -> Constant:
+    """A + b."""
+    if isinstance(a, Fraction) and isinstance(b, Fraction):
+        return _bounded(a + b)
+    x, y = _real(a), _real(b)
+    return _settle(x + y, max(abs(x), abs(y)))
+
+
+def multiply(a: Constant, b: Constant) -> Constant:
+    """A times b."""
+    if isinstance(a, Fraction) and isinstance(b, Fraction):
+        return _bounded(a * b)
+    return _settle(_real(a) * _real(b), 0)
+
+
+def reciprocal(a: Constant) -> Constant:
+    """1 / a.
+
+    Raises:
+        QuantityError: a is zero.
+    """
+    if a == 0:
+        raise QuantityError(
+            "division by zero in a cell once the parameters have their numbers",
+            remedy="change the parameter or name it in runtime",
+        )
+    if isinstance(a, Fraction):
+        return 1 / a
+    return _settle(1 / a, 0)
+
+
+def square_root(a: Constant) -> Constant:
+    """The root of a number that is not negative.
+
+    Raises:
+        QuantityError: a is negative.
+    """
+    if a < 0:
+        raise QuantityError(
+            "square root of a negative number in a cell once the parameters have their numbers",
+            remedy="change the parameter or name it in runtime",
+        )
+    if isinstance(a, Fraction):
+        top, bottom = isqrt(a.numerator), isqrt(a.denominator)
+        if top * top == a.numerator and bottom * bottom == a.denominator:
+            return Fraction(top, bottom)
+    return _settle(_CONTEXT.sqrt(_real(a)), 0)
+
+
+def sine(a: Constant) -> Constant:
+    """Sin(a), a in radians."""
+    return _settle(_CONTEXT.sin(_real(a)), _uncertainty(a))
+
+
+def cosine(a: Constant) -> Constant:
+    """Cos(a), a in radians."""
+    return _settle(_CONTEXT.cos(_real(a)), _uncertainty(a))
+
+
+def _real(value: Constant) -> Any:
+    if isinstance(value, Fraction):
+        return _CONTEXT.mpf(value.numerator) / value.denominator
+    return value
+
+
+def _bounded(value: Fraction) -> Constant:
+    """A rational that has grown past all use becomes a 256-bit number."""
+    if value.numerator.bit_length() + value.denominator.bit_length() > _MAX_RATIONAL_SIZE:
+        return _settle(_real(value), 0)
+    return value
+
+
+def _uncertainty(angle: Constant) -> Any:
+    """Scale below which a sine or cosine is taken for zero: that of a rational angle other than 0 never is zero."""
+    return 0 if isinstance(angle, Fraction) else max(1, abs(angle))
+
+
+def _settle(value: Any, scale: Any) -> Constant:
+    """Recognise zero and short rationals."""
+    if abs(value) <= scale * _CONTEXT.ldexp(1, -_COMPARED_BITS):
+        return Fraction(0)
+    sign, mantissa, exponent, bits = _rounded(value)
+    if bits <= _RATIONAL_BITS and abs(exponent) <= _MAX_RATIONAL_SIZE:
+        whole = -mantissa if sign else mantissa
+        return Fraction(whole) * Fraction(2) ** exponent
+    return value
+
+
+def _rounded(value: Any) -> tuple[int, int, int, int]:
+    """Sign, mantissa, exponent and bits of the compared part."""
+    sign, mantissa, exponent, bits = mpmath.libmp.mpf_pos(value._mpf_, _COMPARED_BITS, "n")
+    return int(sign), int(mantissa), int(exponent), int(bits)
+
+
+def exact_number(expression: Expression, numbers: Mapping[str, Expression]) -> Constant | None:
+    """The number behind a cell of the robot file.
+
+    Args:
+        expression: The cell.
+        numbers: What its names stand for.
+
+    Returns:
+        The number, or None if a name in the cell has none.
+
+    Raises:
+        QuantityError: Division by zero, or the square root of a negative number.
+    """
+    if not all(name in numbers and not any(True for _ in names(numbers[name])) for name in names(expression)):
+        return None
+    return _evaluate(expression, numbers)
+
+
+def _evaluate(expression: Expression, numbers: Mapping[str, Expression]) -> Constant:
+    def of(part: Expression) -> Constant:
+        return _evaluate(part, numbers)
+
+    match expression:
+        case Number(value):
+            return value
+        case Pi():
+            return pi()
+        case Name(name):
+            return of(numbers[name])
+        case Sum(terms):
+            return reduce(add, map(of, terms), Fraction(0))
+        case Product(factors):
+            return reduce(multiply, map(of, factors), Fraction(1))
+        case Power(base, exponent):
+            power = reduce(multiply, [of(base)] * abs(exponent), Fraction(1))
+            return reciprocal(power) if exponent < 0 else power
+        case Call(function, arguments):
+            return _call(function, of(arguments[0]))
+
+
+def _call(function: str, argument: Constant) -> Constant:
+    match function:
+        case "sin":
+            return sine(argument)
+        case "cos":
+            return cosine(argument)
+        case "tan":
+            return multiply(sine(argument), reciprocal(cosine(argument)))
+        case "sqrt":
+            return square_root(argument)
+    raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")

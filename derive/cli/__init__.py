@@ -1,0 +1,1 @@
+"""One module per command: its arguments (``configure``) and what it does (``run``), without any mathematics."""

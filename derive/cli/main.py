@@ -1,0 +1,107 @@
+"""The command ``derive``: reads the arguments, runs one command, turns errors into a message and an exit status."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NoReturn
+
+from derive.cli.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error
+from derive.version import __version__
+
+COMMANDS = ("list", "show", "plot", "build", "handout", "check", "verify", "new", "schema")
+
+_DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
+_EPILOG = """\
+ROBOT is the path of a robot file or a name that `derive list` shows.
+exit status: 0 done, 1 a check failed, 2 wrong input
+
+examples:
+  derive show scara-perugia T B      the equations, as the notes print them
+  derive new my-arm                  a commented robot file to start from
+  derive build my-arm.yaml           NumPy, CasADi and LaTeX in generated/my_arm, verified
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        argv: Arguments without the program's name; ``sys.argv[1:]`` by default.
+
+    Returns:
+        The exit status: 0 done, 1 a check failed, 2 wrong input, 130 interrupted.
+
+    Raises:
+        SystemExit: For ``--help`` and ``--version`` (status 0) and unusable arguments (status 2).
+    """
+    _escape_what_cannot_be_encoded()
+    _one_thread_for_matrices()
+    arguments = _parser().parse_args(argv)
+    try:
+        status = int(arguments.run(arguments))
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        return _stop_writing()
+    except (Exception, KeyboardInterrupt) as error:
+        reason, status = explain(error)
+        print_error(reason)
+        return status
+
+
+def _one_thread_for_matrices() -> None:
+    """A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
+
+    Known to NumPy when it is imported, here and in the processes of ``--jobs``.
+    """
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+
+
+class _Parser(argparse.ArgumentParser):
+    """Usage errors are one line too: what a user typed may hold anything, and a usage block buries the reason."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(WRONG_INPUT, f"{self.prog}: error: {one_line(message)}; see '{self.prog} --help'\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="derive",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"derive {__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
+    for name in COMMANDS:
+        module = import_module(f"derive.cli.{name}")
+        command = commands.add_parser(
+            name,
+            help=module.SUMMARY,
+            description=module.DESCRIPTION,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+        module.configure(command)
+        command.set_defaults(run=module.run)
+    return parser
+
+
+def _escape_what_cannot_be_encoded() -> None:
+    """A title in Greek must not end in an exception on a terminal that knows ASCII alone."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")
+
+
+def _stop_writing() -> int:
+    """The reader of our output has gone; keep the interpreter's last flush from complaining."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return BROKEN_PIPE

@@ -1,1 +1,0 @@
-"""Targets: one small module and one template folder each; knows no mechanics."""

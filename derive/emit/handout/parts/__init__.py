@@ -1,1 +1,0 @@
-"""The parts of the handout, one module each: from the context to a section."""

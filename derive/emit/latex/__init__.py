@@ -1,1 +1,0 @@
-"""Mathematics in the notation of lecture notes: how it is written, how wide it is, where its lines break."""

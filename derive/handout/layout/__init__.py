@@ -1,0 +1,1 @@
+"""Where lines break, and how much of a closed form is printed."""

@@ -1,0 +1,298 @@
+"""Lays out one quantity: as a matrix if it fits, else entry by entry, the rest by its number of terms.
+
+Named intermediate terms: brackets that occur more than once get a symbol of their own.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy
+
+from derive.handout.layout.lines import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
+from derive.handout.layout.policy import SheetPolicy
+from derive.handout.notation.names import Glyph
+from derive.handout.notation.numbers import magnitude
+from derive.handout.notation.pieces import Box, concatenate, italic, joined
+from derive.handout.notation.printer import LatexPrinter
+from derive.handout.quantity import Quantity
+
+SHORTEST = 3
+"""Terms of a bracket that gets a name when it occurs twice."""
+
+OFTEN = 4
+"""Uses after which a bracket of two products gets one too."""
+
+Definition = tuple[Any, Any]
+
+
+def extract(expressions: Sequence[Any]) -> tuple[list[Definition], list[Any]]:
+    """Names the brackets that several places share.
+
+    Args:
+        expressions: Entries of one quantity.
+
+    Returns:
+        Definitions (symbol, expression), each using earlier symbols only, and the entries with the symbols in them. The
+        symbols are called ``_1``, ``_2``, ..., which no name of a user can be.
+    """
+    uses: Counter[Any] = Counter()
+    for expression in expressions:
+        _count(expression, uses, root=True)
+    shared = [bracket for bracket, count in uses.items() if _is_worth(bracket, count)]
+    shared.sort(key=_depth)
+    names: dict[Any, Any] = {}
+    definitions = []
+    for index, bracket in enumerate(shared, 1):
+        symbol = sympy.Symbol(f"_{index}")
+        definitions.append((symbol, _replaced(bracket, names)))
+        names[bracket] = symbol
+    return definitions, [_replaced(expression, names) for expression in expressions]
+
+
+def needed(definitions: Sequence[Definition], expressions: Sequence[Any]) -> list[Definition]:
+    """The definitions that some expressions use, directly or through each other."""
+    wanted = {symbol for expression in expressions for symbol in expression.free_symbols}
+    kept = []
+    for symbol, value in reversed(definitions):
+        if symbol in wanted:
+            kept.append((symbol, value))
+            wanted |= value.free_symbols
+    return kept[::-1]
+
+
+def _count(expression: Any, uses: Counter[Any], root: bool) -> None:
+    """Counts brackets; the inside of one that was met before is not counted again."""
+    if expression.is_Add and not root:
+        uses[expression] += 1
+        if uses[expression] > 1:
+            return
+    for argument in expression.args:
+        if argument.args:
+            _count(argument, uses, root=False)
+
+
+def _is_worth(bracket: Any, uses: int) -> bool:
+    if len(bracket.args) >= SHORTEST:
+        return uses > 1
+    return uses >= OFTEN and any(len(term.args) > SHORTEST - 1 for term in bracket.args)
+
+
+def _depth(expression: Any) -> int:
+    """Levels of sums; a bracket is deeper than the brackets in it."""
+    inner = max((_depth(argument) for argument in expression.args), default=0)
+    return inner + bool(expression.is_Add)
+
+
+def _replaced(expression: Any, names: dict[Any, Any]) -> Any:
+    """The expression with symbols for the brackets inside it; the outermost sum stays."""
+    if not names or not expression.args:
+        return expression
+    if not expression.is_Add:
+        return _substituted(expression, names)
+    return expression.func(*(_substituted(term, names) for term in expression.args), evaluate=False)
+
+
+def _substituted(expression: Any, names: dict[Any, Any]) -> Any:
+    if expression in names:
+        return names[expression]
+    if not expression.args:
+        return expression
+    arguments = tuple(_substituted(argument, names) for argument in expression.args)
+    if all(new is old for new, old in zip(arguments, expression.args, strict=True)):
+        return expression
+    if expression.is_Add or expression.is_Mul:
+        return expression.func(*arguments, evaluate=False)
+    return expression.func(*arguments)
+
+
+Place = tuple[int, int]
+Namer = Callable[[int, int], Box]
+
+ZERO = italic("0")
+
+MANY = 10**9
+"""Numbers of terms from which on two digits say enough."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaidOut:
+    """A quantity on the sheet, as lines of LaTeX.
+
+    Attributes:
+        lines: The matrix, or the entries one by one.
+        named: Definitions of intermediate terms that the entries use.
+        omitted: Entries left to the code, with their numbers of terms.
+        by_entry: Whether only the entries that are not zero are printed.
+        has_zeros: Whether entries were left out because they are zero.
+        symmetric: Whether entries below the diagonal were left out.
+        landscape: Entries that are too long for an upright page, for one turned on its side.
+        values: Names and expressions of the printed entries.
+        blanks: Left sides without their values, for an exercise.
+    """
+
+    lines: tuple[str, ...]
+    named: tuple[str, ...] = ()
+    omitted: tuple[str, ...] = ()
+    by_entry: bool = False
+    has_zeros: bool = False
+    symmetric: bool = False
+    landscape: tuple[str, ...] = ()
+    values: tuple[tuple[Box, Any], ...] = ()
+    blanks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One entry on its way to the page.
+
+    Attributes:
+        name: Its symbol.
+        terms: Number of terms when multiplied out.
+        write: Makes the expression; called only for entries within the budget.
+    """
+
+    name: Box
+    terms: int
+    write: Callable[[], Any]
+
+
+@dataclass(frozen=True)
+class Layouter:
+    """Lays out the quantities of one robot.
+
+    Attributes:
+        printer: The robot's printer.
+        policy: What is printed.
+        term_symbol: (group, index) -> name of an intermediate term.
+        terms_word: What terms are called in the language of the page.
+    """
+
+    printer: LatexPrinter
+    policy: SheetPolicy
+    term_symbol: Callable[[int, int], Box]
+    terms_word: str = "terms"
+
+    def block(
+        self,
+        symbol: Box,
+        name: Namer,
+        quantity: Quantity,
+        *,
+        group: int = 0,
+        symmetric: bool = False,
+        limit: int = 0,
+    ) -> LaidOut:
+        """One matrix.
+
+        Args:
+            symbol: Name of the matrix.
+            name: (row, column) -> name of an entry.
+            quantity: The matrix.
+            group: Which letter its intermediate terms have.
+            symmetric: Whether the entries below the diagonal may be left out.
+            limit: Most terms of an entry that is written.
+        """
+        items = {
+            (i, j): Item(name(i, j), quantity.terms(i, j), lambda i=i, j=j: quantity.entry(i, j))  # type: ignore[misc]
+            for i, j in places(quantity.shape)
+            if i <= j or not symmetric
+        }
+        return self._whole(symbol, quantity, items) or self.entries(
+            list(items.values()), group=group, symmetric=symmetric, limit=limit
+        )
+
+    def _whole(self, symbol: Box, quantity: Quantity, items: Mapping[Place, Item]) -> LaidOut | None:
+        """The matrix in brackets, if it fits; its entries are a line at most."""
+        if sum(item.terms for item in items.values()) > self.policy.matrix_terms:
+            return None
+        boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
+        rows = [
+            [boxes.get((i, j), boxes.get((j, i), ZERO) if (i, j) not in items else ZERO) for j in _upto(quantity, 1)]
+            for i in _upto(quantity, 0)
+        ]
+        box = concatenate(symbol, EQUALS, matrix(rows))
+        if not fits(box, len(rows)):
+            return None
+        values = tuple((item.name, item.write()) for item in items.values() if item.terms)
+        return LaidOut((box.tex,), values=values, blanks=(symbol.tex,))
+
+    def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> LaidOut:
+        """Entries one by one, brackets that they share as named terms."""
+        limit = limit or self.policy.flat_terms
+        chosen = within([item.terms for item in items], limit, limit * self.policy.quantity_entries)
+        written = {index: items[index].write() for index in chosen}
+        definitions, expressions = extract(list(written.values()))
+        named, equations = self._equations(definitions, [items[index].name for index in chosen], expressions, group)
+        upright, turned = self._placed(equations)
+        if len(upright) < len(chosen):
+            kept = sorted(upright + turned)
+            chosen, expressions = [chosen[k] for k in kept], [expressions[k] for k in kept]
+            used = needed(definitions, expressions)
+            named, equations = self._equations(used, [items[index].name for index in chosen], expressions, group)
+            upright, turned = [kept.index(k) for k in upright], [kept.index(k) for k in turned]
+        left = [item for index, item in enumerate(items) if item.terms and index not in set(chosen)]
+        return LaidOut(
+            tuple(equation_lines(equations[k] for k in upright)),
+            tuple(equation_lines(named)),
+            tuple(pack(omitted(item, self.terms_word) for item in left)),
+            by_entry=True,
+            has_zeros=not all(item.terms for item in items),
+            symmetric=symmetric,
+            landscape=tuple(equation_lines((equations[k] for k in turned), LANDSCAPE_WIDTH)),
+            values=tuple((items[index].name, written[index]) for index in chosen),
+            blanks=tuple(items[index].name.tex for index in chosen),
+        )
+
+    def _placed(self, equations: Sequence[Equation]) -> tuple[list[int], list[int]]:
+        """Indices of the entries that are printed upright, and of longer ones on a page turned on its side."""
+        policy = self.policy
+        sizes = [len(equation_lines([equation])) for equation in equations]
+        upright = within(sizes, policy.entry_lines, policy.quantity_lines)
+        if len(upright) == len(equations):
+            return upright, []
+        rest = set(range(len(equations))) - set(upright)
+        wide = [len(equation_lines([e], LANDSCAPE_WIDTH)) if k in rest else 0 for k, e in enumerate(equations)]
+        return upright, within(wide, policy.landscape_lines, policy.landscape_total)
+
+    def _equations(
+        self, definitions: Sequence[Definition], names: Sequence[Box], expressions: Sequence[Any], group: int
+    ) -> tuple[list[Equation], list[Equation]]:
+        """The named terms, numbered in their order, and the entries in them."""
+        symbols = {symbol.name: self.term_symbol(group, k) for k, (symbol, _) in enumerate(definitions, 1)}
+        printer = LatexPrinter(self.printer.notation.with_terms({key: Glyph(box) for key, box in symbols.items()}))
+        named = [Equation(symbols[symbol.name], tuple(printer.pieces(value))) for symbol, value in definitions]
+        entries = [Equation(name, tuple(printer.pieces(e))) for name, e in zip(names, expressions, strict=True)]
+        return named, entries
+
+
+def places(shape: Place) -> Iterator[Place]:
+    """All places of a matrix, row by row, counted from 1."""
+    return ((i, j) for i in range(1, shape[0] + 1) for j in range(1, shape[1] + 1))
+
+
+def _upto(quantity: Quantity, axis: int) -> range:
+    return range(1, quantity.shape[axis] + 1)
+
+
+def omitted(item: Item, word: str) -> Box:
+    """An entry that is left to the code."""
+    count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2)
+    unit = Box(f"\\text{{ {word}}}", 6.0 + 5.0 * len(word))
+    return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, unit)
+
+
+def within(sizes: Sequence[int], longest: int, total: int) -> list[int]:
+    """Indices of what is not empty and within the budget, the shortest first until it is used up, in their order."""
+    wanted = sorted((size, index) for index, size in enumerate(sizes) if 0 < size <= longest)
+    chosen, used = [], 0
+    for size, index in wanted:
+        used += size
+        if used > total:
+            break
+        chosen.append(index)
+    return sorted(chosen)

@@ -1,0 +1,1 @@
+"""Mathematics in the notation of lecture notes: how it is written and how wide it is."""

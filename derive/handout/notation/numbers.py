@@ -1,0 +1,64 @@
+r"""Rationals in print: ``\tfrac{1}{2}``, ``0.4318``, ``1.2 \cdot 10^{-7}``.
+
+A robot given by decimals is printed in decimals, any other in fractions. A number with more than `DIGITS` significant
+digits is rounded in print; the sheet states the rule.
+"""
+
+from __future__ import annotations
+
+from decimal import Context, Decimal, localcontext
+from fractions import Fraction
+
+from derive.handout.notation.pieces import DOT_WIDTH, SCRIPT, Box, fraction, italic
+
+DIGITS = 6
+"""Significant digits printed of a number that has more: a handout is read, the generated code is exact."""
+
+LONGEST_FRACTION = 4
+"""Digits of a numerator or denominator that still read as a fraction."""
+
+
+def is_decimal(value: Fraction) -> bool:
+    """Whether finitely many decimals write the number exactly."""
+    denominator = value.denominator
+    for prime in (2, 5):
+        while denominator % prime == 0:
+            denominator //= prime
+    return denominator == 1
+
+
+def magnitude(value: Fraction, decimals: bool, *, digits: int = DIGITS, small: bool = True) -> Box:
+    """The absolute value.
+
+    Args:
+        value: The number.
+        decimals: Whether to prefer 0.5 to one half.
+        digits: Significant digits to print.
+        small: Whether a fraction is set at script size, as in a coefficient.
+    """
+    value = abs(value)
+    numerator, denominator = str(value.numerator), str(value.denominator)
+    if value.denominator == 1 and len(numerator) <= digits:
+        return italic(numerator)
+    short = len(numerator) <= LONGEST_FRACTION and len(denominator) <= LONGEST_FRACTION
+    if short and value.denominator != 1 and not (decimals and is_decimal(value)):
+        return fraction(italic(numerator), italic(denominator), small)
+    return _decimal(value, digits)
+
+
+def _decimal(value: Fraction, digits: int) -> Box:
+    with localcontext(Context(prec=digits)):
+        rounded = (Decimal(value.numerator) / Decimal(value.denominator)).normalize()
+    exponent = rounded.adjusted()
+    if -4 <= exponent <= digits:
+        return _plain(f"{rounded:f}")
+    mantissa = _plain(f"{rounded.scaleb(-exponent).normalize():f}")
+    power = italic(str(exponent))
+    if mantissa.tex == "1":
+        return Box(f"10^{{{exponent}}}", 10.5 + power.width * SCRIPT)
+    width = mantissa.width + DOT_WIDTH + 10.5 + power.width * SCRIPT
+    return Box(f"{mantissa.tex} \\cdot 10^{{{exponent}}}", width)
+
+
+def _plain(text: str) -> Box:
+    return Box(text, 5.0 * len(text))

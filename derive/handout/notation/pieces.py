@@ -1,0 +1,192 @@
+"""A printed expression as a row of pieces, so that the layout can measure it and break it.
+
+Widths of what TeX will set, from the metrics of Computer Modern at 10 pt.
+
+A box is a piece of LaTeX with the width it takes in points. Widths are rounded up and hold a little slack for italic
+corrections, so that what fits here fits on paper. Source of the numbers: the TeX font metrics cmmi10 and cmr10 (Knuth).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from enum import IntEnum
+from functools import cache
+from typing import NamedTuple
+
+SCRIPT = 0.85
+"""Width at script size (7 pt) over width at 10 pt; the largest ratio of any letter."""
+
+SCRIPT_SPACE = 0.5
+"""Space that plain TeX and LaTeX put after a subscript or superscript [pt]."""
+
+ITALIC_SLACK = 0.5
+"""More than the italic correction of any lower-case letter [pt]."""
+
+BINARY_WIDTH = 12.3
+"""A binary plus or minus with its spaces [pt]."""
+
+RELATION_WIDTH = 13.4
+"""An equals sign with its spaces [pt]."""
+
+MINUS_WIDTH = 7.8
+"""A minus sign in front of a term [pt]."""
+
+DOT_WIDTH = 7.3
+"""A centred dot between factors with its spaces [pt]."""
+
+BRACKET_WIDTH = 5.0
+"""Any bracket of normal size [pt]."""
+
+MONOSPACE_WIDTH = 5.3
+"""Any character of cmtt10 [pt]."""
+
+_ITALIC = {
+    "A": 750, "B": 759, "C": 715, "D": 828, "E": 738, "F": 643, "G": 786, "H": 831, "I": 440, "J": 555, "K": 849,
+    "L": 681, "M": 970, "N": 803, "O": 763, "P": 642, "Q": 791, "R": 759, "S": 613, "T": 584, "U": 683, "V": 583,
+    "W": 944, "X": 828, "Y": 581, "Z": 683, "a": 529, "b": 429, "c": 433, "d": 520, "e": 466, "f": 490, "g": 477,
+    "h": 576, "i": 345, "j": 412, "k": 521, "l": 298, "m": 878, "n": 600, "o": 485, "p": 503, "q": 446, "r": 451,
+    "s": 469, "t": 361, "u": 572, "v": 485, "w": 716, "x": 572, "y": 490, "z": 465,
+}  # fmt: skip
+_UPRIGHT = {
+    "A": 750, "B": 708, "C": 722, "D": 764, "E": 681, "F": 653, "G": 785, "H": 750, "I": 361, "J": 514, "K": 778,
+    "L": 625, "M": 917, "N": 750, "O": 778, "P": 681, "Q": 778, "R": 736, "S": 556, "T": 722, "U": 750, "V": 750,
+    "W": 1028, "X": 750, "Y": 750, "Z": 611, "a": 500, "b": 556, "c": 444, "d": 556, "e": 444, "f": 306, "g": 500,
+    "h": 556, "i": 278, "j": 306, "k": 528, "l": 278, "m": 833, "n": 556, "o": 500, "p": 556, "q": 528, "r": 392,
+    "s": 394, "t": 389, "u": 556, "v": 528, "w": 722, "x": 528, "y": 528, "z": 444, ",": 444, ".": 278,
+}  # fmt: skip
+GREEK = {
+    "alpha": 640, "beta": 566, "gamma": 518, "delta": 444, "epsilon": 406, "varepsilon": 466, "zeta": 438, "eta": 497,
+    "theta": 469, "vartheta": 591, "iota": 354, "kappa": 576, "lambda": 583, "mu": 603, "nu": 494, "xi": 438,
+    "rho": 517, "sigma": 571, "tau": 437, "upsilon": 540, "phi": 596, "varphi": 654, "chi": 626, "psi": 651,
+    "omega": 622, "Gamma": 625, "Delta": 833, "Theta": 778, "Lambda": 694, "Xi": 667, "Sigma": 722, "Upsilon": 778,
+    "Phi": 722, "Psi": 778, "Omega": 722, "pi": 570, "Pi": 750,
+}  # fmt: skip
+"""Greek letters that LaTeX has as commands, with their widths in thousandths of the font size."""
+
+
+class Box(NamedTuple):
+    """A piece of LaTeX in mathematics mode.
+
+    Attributes:
+        tex: The LaTeX source.
+        width: Width at 10 pt [pt], rounded up.
+    """
+
+    tex: str
+    width: float
+
+
+EMPTY = Box("", 0.0)
+
+
+@cache
+def italic(text: str) -> Box:
+    """Letters and digits as mathematics sets them."""
+    return Box(text, sum(_ITALIC.get(char, 500) / 100 for char in text) + ITALIC_SLACK)
+
+
+@cache
+def upright(text: str) -> Box:
+    """A word in roman letters."""
+    width = sum(_UPRIGHT.get(char, 500) / 100 for char in text)
+    return Box(f"\\mathrm{{{text}}}", width)
+
+
+@cache
+def greek(name: str) -> Box:
+    """A Greek letter by its name."""
+    return Box(f"\\{name} ", GREEK[name] / 100 + ITALIC_SLACK)
+
+
+@cache
+def monospace(text: str) -> Box:
+    """Any name, character by character."""
+    return Box("\\mathtt{" + text.replace("_", "\\_") + "}", MONOSPACE_WIDTH * len(text))
+
+
+def operator(name: str) -> Box:
+    """A function's name such as cos, with the thin space that follows."""
+    known = name in {"cos", "sin", "tan"}
+    tex = f"\\{name} " if known else f"\\operatorname{{{name}}}"
+    return Box(tex, upright(name).width + 2 * 1.7)
+
+
+def script(nucleus: Box, sub: Box = EMPTY, sup: Box = EMPTY) -> Box:
+    """A nucleus with a subscript, a superscript or both, one above the other."""
+    if not (sub.tex or sup.tex):
+        return nucleus
+    tex = nucleus.tex.rstrip()
+    if sub.tex:
+        tex += f"_{{{sub.tex.rstrip()}}}"
+    if sup.tex:
+        tex += f"^{{{sup.tex.rstrip()}}}"
+    return Box(tex, nucleus.width + max(sub.width, sup.width) * SCRIPT + SCRIPT_SPACE)
+
+
+def fraction(numerator: Box, denominator: Box, small: bool = False) -> Box:
+    """A fraction; a small one is set at script size."""
+    command, scale = ("tfrac", SCRIPT) if small else ("frac", 1.0)
+    width = max(numerator.width, denominator.width) * scale + 2.5
+    return Box(f"\\{command}{{{numerator.tex.rstrip()}}}{{{denominator.tex.rstrip()}}}", width)
+
+
+def concatenate(*boxes: Box) -> Box:
+    """Boxes side by side."""
+    return Box("".join(box.tex for box in boxes), sum(box.width for box in boxes))
+
+
+class Break(IntEnum):
+    """Whether a new line may start before a piece, and with what."""
+
+    NEVER = 0
+    BINARY = 1
+    FACTOR = 2
+    COMMA = 3
+
+
+class Piece(NamedTuple):
+    """A part of an expression that stays on one line.
+
+    Attributes:
+        box: Its LaTeX.
+        before: Whether a line may be broken before it.
+        depth: How many brackets it stands in.
+        nest: Height of the bracket that it opens or closes, 0 for other pieces.
+    """
+
+    box: Box
+    before: Break = Break.NEVER
+    depth: int = 0
+    nest: int = 0
+
+
+_BRACKETS = (("(", ")"), ("[", "]"), ("\\{", "\\}"))
+
+
+def brackets(height: int) -> tuple[str, str]:
+    """The pair for a bracket that holds ``height`` levels of brackets: ( ), [ ], { }, and again."""
+    return _BRACKETS[height % len(_BRACKETS)]
+
+
+def binary(sign: str, depth: int) -> Piece:
+    """Plus or minus between two terms."""
+    return Piece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
+
+
+def joined(pieces: Iterable[Piece]) -> Box:
+    """All pieces on one line."""
+    return concatenate(*(piece.box for piece in pieces))
+
+
+def line_start(piece: Piece) -> Box:
+    """The piece at the start of a continuation line."""
+    if piece.before is Break.BINARY:
+        return Box("{}" + piece.box.tex.strip() + " ", piece.box.width)
+    if piece.before is Break.FACTOR:
+        return Box("{}\\cdot " + piece.box.tex, piece.box.width + DOT_WIDTH)
+    return piece.box
+
+
+def highest_nest(pieces: Sequence[Piece]) -> int:
+    """Levels of brackets in the pieces."""
+    return max((piece.nest for piece in pieces), default=0)

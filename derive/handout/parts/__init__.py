@@ -1,0 +1,1 @@
+"""The parts of the handout: from the context to a section."""

@@ -1,0 +1,301 @@
+"""The shorthand of lecture notes: ``c12`` is cos(q1 + q2), ``qd1`` the velocity of the joint labelled 1.
+
+A label is the number at the end of a joint variable's name (4, 5, 6 for a wrist with q4, q5, q6). The digits of a token
+are a label as a whole if they can be (``c10`` with a joint labelled 10), otherwise labels side by side (``c124``); two
+ways to read them are one too many. What the robot itself calls c1 is never a token.
+
+Printed trees as text in the shorthand of lecture notes, grouping and order kept: ``s1*(a2*c2 - d3*s23)``.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, quoted
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Power,
+    Product,
+    Sum,
+    add,
+    expanded_terms,
+    multiply,
+    names,
+    power,
+    substitute,
+)
+from derive.robot.limits import FORMULA_LIMITS
+from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
+from derive.robot.parser import FORMULA_FUNCTIONS, Token, TokenKind, parse_expression, place, tokenize
+from derive.robot.printer import to_text
+from derive.robot.robot import Robot
+
+MAX_TOKEN_DIGITS = 24
+"""Digits of one token: twelve two-digit labels; no notes add up more angles."""
+
+_CIRCULAR = re.compile(r"([cs])([0-9]+)")
+_LABELLED = re.compile(r"(q|qd|qdd)([0-9]+)")
+_FUNCTION = {"c": "cos", "s": "sin"}
+_RENAME = {"q": lambda variable: variable, "qd": velocity_name, "qdd": acceleration_name}
+
+
+def read_formula(
+    text: str,
+    robot: Robot,
+    location: Location | None = None,
+    abbreviations: Mapping[str, Expression] | None = None,
+) -> Expression:
+    """A printed formula as an expression in the robot's own names.
+
+    Args:
+        text: The formula, in the grammar of cells with atan2 and sign, and in the shorthand of this module.
+        robot: Whose formula it is.
+        location: Where its first character stands.
+        abbreviations: Further names and what they stand for, such as the h of a Coriolis matrix.
+
+    Raises:
+        CheckError: Outside the grammar, an unknown name, or a token that can be read in two ways; placed at the token.
+    """
+    start = location or Location("<expression>")
+    try:
+        vocabulary = _vocabulary(robot, abbreviations)
+    except CheckError as error:
+        raise error.at(start) from None
+    functions = FORMULA_FUNCTIONS | ({"sign"} - vocabulary.own)
+    try:
+        expression = parse_expression(text, start, functions, FORMULA_LIMITS)
+        tokens = tokenize(text, start, FORMULA_LIMITS)
+    except ExpressionError as error:
+        raise CheckError(
+            error.found, allowed=error.allowed, remedy=error.remedy, location=error.location or start
+        ) from None
+    meanings = _placed_meanings(vocabulary, set(names(expression)), tokens, text, start)
+    return _bounded(substitute(expression, meanings), start)
+
+
+def resolve_tokens(
+    expression: Expression, robot: Robot, abbreviations: Mapping[str, Expression] | None = None
+) -> Expression:
+    """An expression with the tokens of lecture notes replaced by what they stand for.
+
+    Args:
+        expression: A parsed formula.
+        robot: Whose formula it is.
+        abbreviations: Further names and what they stand for.
+
+    Raises:
+        CheckError: An unknown name, or a token that can be read in two ways.
+    """
+    vocabulary = _vocabulary(robot, abbreviations)
+    meanings = {name: vocabulary.meaning(name) for name in dict.fromkeys(names(expression))}
+    return substitute(expression, meanings)
+
+
+def _bounded(expression: Expression, start: Location) -> Expression:
+    """Abbreviations may have made it long."""
+    if expanded_terms(expression, FORMULA_LIMITS.expanded_terms) > FORMULA_LIMITS.expanded_terms:
+        raise CheckError(
+            "formula has too many terms when multiplied out",
+            allowed=f"at most {FORMULA_LIMITS.expanded_terms}",
+            location=start,
+        )
+    return expression
+
+
+def _placed_meanings(
+    vocabulary: _Vocabulary, wanted: set[str], tokens: Iterable[Token], text: str, start: Location
+) -> dict[str, Expression]:
+    meanings: dict[str, Expression] = {}
+    for token in tokens:
+        if token.kind is not TokenKind.NAME or token.text not in wanted or token.text in meanings:
+            continue
+        try:
+            meanings[token.text] = vocabulary.meaning(token.text)
+        except CheckError as error:
+            raise error.at(place(text, token.offset, start)) from None
+    return meanings
+
+
+@dataclass(frozen=True)
+class _Vocabulary:
+    """What names mean in the formulas of one robot.
+
+    Attributes:
+        own: The robot's symbols, joint variables, velocities and accelerations.
+        revolute: Label -> variables of revolute joints that have it.
+        prismatic: Label -> variables of prismatic joints that have it.
+        abbreviations: Names that stand for an expression.
+    """
+
+    own: frozenset[str]
+    revolute: Mapping[str, tuple[str, ...]]
+    prismatic: Mapping[str, tuple[str, ...]]
+    abbreviations: Mapping[str, Expression] = field(default_factory=dict)
+
+    def meaning(self, name: str) -> Expression:
+        """The expression that a name stands for."""
+        if name in self.abbreviations:
+            return self.abbreviations[name]
+        if name in self.own:
+            return Name(name)
+        if match := _CIRCULAR.fullmatch(name):
+            return self._circular(name, match[1], match[2])
+        if match := _LABELLED.fullmatch(name):
+            return self._labelled(name, match[1], match[2])
+        raise self._unknown(name)
+
+    def _circular(self, token: str, letter: str, digits: str) -> Expression:
+        readings = self._readings(token, digits)
+        if len(readings) > 1:
+            shown = " or ".join(f"{_FUNCTION[letter]}({' + '.join(reading)})" for reading in readings)
+            raise CheckError(f"{token} can be read in two ways, {shown}", remedy="write the function out")
+        if not readings:
+            raise self._no_angle(token, digits)
+        angle = add(*(Name(variable) for variable in readings[0]))
+        return Call(_FUNCTION[letter], (angle,))
+
+    def _readings(self, token: str, digits: str) -> Sequence[tuple[str, ...]]:
+        """At most two ways to read the digits of a token as joint variables."""
+        if len(digits) > MAX_TOKEN_DIGITS:
+            raise CheckError(f"token {quoted(token)}", allowed=f"at most {MAX_TOKEN_DIGITS} digits")
+        if digits in self.revolute:
+            return [(variable,) for variable in self.revolute[digits]][:2]
+        found: dict[frozenset[str], tuple[str, ...]] = {}
+        for reading in _splits(digits, self.revolute, frozenset()):
+            found.setdefault(frozenset(reading), reading)
+            if len(found) == 2:
+                break
+        return list(found.values())
+
+    def _labelled(self, name: str, stem: str, digits: str) -> Expression:
+        variables = (*self.revolute.get(digits, ()), *self.prismatic.get(digits, ()))
+        if not variables:
+            raise self._unknown(name)
+        renamed = [_RENAME[stem](variable) for variable in variables]
+        if len(renamed) > 1:
+            raise CheckError(f"{name} can be read in two ways, {' or '.join(renamed[:2])}", remedy="write one of them")
+        return Name(renamed[0])
+
+    def _no_angle(self, token: str, digits: str) -> CheckError:
+        sliding = self.prismatic.get(digits)
+        if sliding:
+            return CheckError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
+        labels = ", ".join(self.revolute) or "none"
+        return UnknownNameError(
+            f"{token}: its digits are no labels of revolute joints",
+            allowed=f"labels {labels}",
+            remedy=self._hint(token) or "a symbol of that name must occur in the robot file",
+        )
+
+    def _unknown(self, name: str) -> CheckError:
+        return UnknownNameError(
+            f"unknown name {quoted(name)}",
+            allowed="symbols of the robot file, joint variables, their velocities and tokens such as c1, s12, qd1",
+            remedy=self._hint(name),
+        )
+
+    def _hint(self, name: str) -> str:
+        tokens = [f"{letter}{label}" for letter in "cs" for label in self.revolute]
+        known = [*tokens, *self.abbreviations, *sorted(self.own)]
+        close = _nearest(name[:80], known)
+        return f"did you mean {listed(close)}?" if close else ""
+
+
+def _nearest(name: str, known: Iterable[str]) -> list[str]:
+    """Up to three names that look alike; of equally near ones those with the same first letter."""
+    ratios = {candidate: difflib.SequenceMatcher(None, name, candidate).ratio() for candidate in known}
+    close = [candidate for candidate, ratio in ratios.items() if ratio >= 0.5]
+    return sorted(close, key=lambda c: (-ratios[c], c[0] != name[0]))[:3]
+
+
+def _splits(digits: str, labels: Mapping[str, tuple[str, ...]], used: frozenset[str]) -> Iterator[tuple[str, ...]]:
+    """All ways to read digits as distinct labels side by side."""
+    if not digits:
+        yield ()
+        return
+    for label, variables in labels.items():
+        rest = digits[len(label) :]
+        if not label or label in used or not digits.startswith(label) or not _divisible(rest, tuple(labels)):
+            continue
+        for variable in variables:
+            yield from ((variable, *others) for others in _splits(rest, labels, used | {label}))
+
+
+@lru_cache(maxsize=4096)
+def _divisible(digits: str, labels: tuple[str, ...]) -> bool:
+    """Whether digits are labels side by side, repeats allowed; it cuts the search short."""
+    return not digits or any(
+        label and digits.startswith(label) and _divisible(digits[len(label) :], labels) for label in labels
+    )
+
+
+def _vocabulary(robot: Robot, abbreviations: Mapping[str, Expression] | None) -> _Vocabulary:
+    given = dict(abbreviations or {})
+    plain = _robot_vocabulary(robot)
+    if taken := sorted(given.keys() & plain.own):
+        raise CheckError(f"abbreviation {taken[0]!r} is also a name of the robot", remedy="choose another name for it")
+    return _Vocabulary(plain.own, plain.revolute, plain.prismatic, given)
+
+
+@lru_cache(maxsize=16)
+def _robot_vocabulary(robot: Robot) -> _Vocabulary:
+    variables = [joint.variable for joint in robot.joints]
+    rates = (rename(variable) for variable in variables for rename in (velocity_name, acceleration_name))
+    own = frozenset((*robot_symbols(robot), *variables, *rates))
+    return _Vocabulary(own, _by_label(robot, revolute=True), _by_label(robot, revolute=False))
+
+
+def _by_label(robot: Robot, revolute: bool) -> dict[str, tuple[str, ...]]:
+    found: dict[str, tuple[str, ...]] = {}
+    for joint in robot.joints:
+        label = joint_label(joint.variable)
+        if label and joint.is_revolute is revolute:
+            found[label] = (*found.get(label, ()), joint.variable)
+    return found
+
+
+LETTER = {"cos": "c", "sin": "s"}
+
+
+def notation_text(expression: Expression, robot: Robot) -> str:
+    """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only."""
+    return to_text(with_tokens(expression, _labels(robot)))
+
+
+def with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:
+    """A tree with names such as c12 in the place of cosines and sines of labelled joint angles."""
+    match e:
+        case Call(function, (argument,)) if function in LETTER and (digits := _digits(argument, labels)):
+            return Name(LETTER[function] + digits)
+        case Call(function, arguments):
+            return Call(function, tuple(with_tokens(a, labels) for a in arguments))
+        case Sum(terms):
+            return add(*(with_tokens(t, labels) for t in terms))
+        case Product(factors):
+            return multiply(*(with_tokens(f, labels) for f in factors))
+        case Power(base, exponent):
+            return power(with_tokens(base, labels), exponent)
+        case _:
+            return e
+
+
+def _digits(angle: Expression, labels: Mapping[str, str]) -> str:
+    terms = angle.terms if isinstance(angle, Sum) else (angle,)
+    found = [labels.get(term.name, "") if isinstance(term, Name) else "" for term in terms]
+    return "".join(sorted(found)) if all(found) and len(set(found)) == len(found) else ""
+
+
+def _labels(robot: Robot) -> dict[str, str]:
+    """Revolute variable -> its digit; empty where tokens would be ambiguous."""
+    labels = [joint_label(joint.variable) for joint in robot.joints]
+    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    clear = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
+    if not clear or any(name[0] in "cs" and name[1:].isdigit() for name in taken):
+        return {}
+    return {j.variable: label for j, label in zip(robot.joints, labels, strict=True) if j.is_revolute}

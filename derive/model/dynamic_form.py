@@ -1,0 +1,131 @@
+"""Dynamics as it is printed: entries of B and the Christoffel symbols in the user's symbols.
+
+A short entry is expanded in the user's symbols, contracted, and grouped by masses and moments of inertia. A long one
+(a 6R arm with every parameter symbolic) stays grouped by the lumped parameters of its bodies, each written out in the
+user's symbols.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import sympy
+
+from derive.algebra.ring import Polynomial
+from derive.lecture.form import LectureForm
+from derive.lecture.plan import flat
+from derive.model.dynamics import Dynamics
+from derive.robot.style import Style
+
+Expr = Any
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """Which entries are expanded in the user's symbols, by their number of terms.
+
+    Attributes:
+        entry: An entry with at most so many terms is expanded in any case.
+        long_entry: So many where the whole quantity stays within ``quantity``.
+        quantity: Terms of a whole matrix or table.
+    """
+
+    entry: int = 40
+    long_entry: int = 400
+    quantity: int = 1500
+
+
+class DynamicForm:
+    """Writes the polynomials of `Dynamics`.
+
+    Args:
+        dynamics: The closed forms.
+        form: The lecture form over the ring of the user's symbols.
+        budget: What is expanded.
+    """
+
+    def __init__(self, dynamics: Dynamics, form: LectureForm, budget: Budget | None = None) -> None:
+        self.dynamics = dynamics
+        self.form = form
+        self.budget = budget or Budget()
+        self._lumped_form = LectureForm(dynamics.lumped, style=form.style)
+        self._coefficients: dict[object, Expr] = {}
+        self._cache: dict[object, Expr] = {}
+
+    # -- entries
+
+    def matrix_entries(self, entries: Sequence[Polynomial]) -> list[Expr]:
+        """The entries of one quantity."""
+        limit = self.limit(entries)
+        return [self.entry(p, limit) for p in entries]
+
+    def limit(self, entries: Iterable[Polynomial]) -> int:
+        """The longest entry that is expanded when all of ``entries`` are to be written."""
+        total = sum(self.dynamics.expanded_size(p) for p in entries)
+        return self.budget.long_entry if total <= self.budget.quantity else self.budget.entry
+
+    def entry(self, p: Polynomial, limit: int) -> Expr:
+        """One entry, expanded where it has at most ``limit`` terms."""
+        if not p:
+            return sympy.S.Zero
+        key = (p.key(), self.dynamics.expanded_size(p) <= limit)
+        if key not in self._cache:
+            self._cache[key] = self.form.dynamic(self.dynamics.expand(p)) if key[1] else self._grouped(p)
+        return self._cache[key]
+
+    def _grouped(self, p: Polynomial) -> Expr:
+        """Sum of lumped parameter times trigonometric polynomial, equal ones of the latter written once."""
+        parts, rest = self.dynamics.split(p)
+        terms = [sympy.Mul(self._lumps[lump.generator], self._coefficient(coefficient)) for lump, coefficient in parts]
+        if rest:
+            terms.append(self.form.dynamic(self.dynamics.domain.ring.project(rest)))
+        return sympy.Add(*terms)
+
+    @cached_property
+    def _lumps(self) -> dict[int, Expr]:
+        return {lump.generator: self.form.dynamic(lump.value) for lump in self.dynamics.lumps}
+
+    def _coefficient(self, p: Polynomial) -> Expr:
+        scale, key = p.normalised()
+        if key not in self._coefficients:
+            unit = p * (1 / scale)
+            self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.terms(unit)))
+        value = self._coefficients[key]
+        return value if scale == 1 else sympy.Mul(_rational(scale), value, evaluate=not value.is_Add)
+
+    # -- sums over rates
+
+    def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], limit: int) -> Expr:
+        """sum p * rate, with equal coefficients collected: ``h*(qd1 + qd2)``; multiplied out in the expanded style."""
+        if self.form.style is Style.EXPANDED:
+            return sympy.Add(*(self.product(p, rate, limit) for p, rate in pairs))
+        groups: dict[object, tuple[Polynomial, list[Expr]]] = {}
+        for p, rate in pairs:
+            if not p:
+                continue
+            key, opposite = p.key(), (-p).key()
+            if opposite in groups:
+                groups[opposite][1].append(-rate)
+            else:
+                groups.setdefault(key, (p, []))[1].append(rate)
+        terms = [sympy.Mul(self.entry(p, limit), sympy.Add(*rates)) for p, rates in groups.values()]
+        return sympy.Add(*terms)
+
+    def product(self, p: Polynomial, rate: Expr, limit: int) -> Expr:
+        """p * rate, multiplied out in the expanded style."""
+        return times_rate(self.entry(p, limit), rate, self.form.style)
+
+
+def times_rate(value: Expr, rate: Expr, style: Style) -> Expr:
+    """value * rate, multiplied out in the expanded style."""
+    if style is Style.EXPANDED and value.is_Add:
+        return sympy.Add(*(term * rate for term in value.args))
+    return value * rate
+
+
+def _rational(value: Fraction) -> Expr:
+    return sympy.Rational(value.numerator, value.denominator)

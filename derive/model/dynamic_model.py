@@ -1,0 +1,290 @@
+"""Closed-form dynamics of a robot: B, Christoffel symbols, C, g, tau, energies, regressors, as plain SymPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import sympy
+
+from derive.algebra.ring import Polynomial
+from derive.errors import QuantityError
+from derive.model.dynamic_form import DynamicForm, times_rate
+from derive.model.dynamics import Dynamics
+from derive.model.identification.identification import ClosedIdentification
+from derive.model.kinematic_model import KinematicModel
+from derive.model.matrices import aligned_latex, columns_matrix, only_link, symmetric_matrix
+from derive.robot.style import Style
+
+Expr = Any
+Matrix = Any
+
+MAX_DYNAMIC_TERMS = 400_000
+"""Budget of one entry of B; beyond it only the generated functions remain."""
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Kinetic and potential energy.
+
+    Attributes:
+        kinetic: T = 1/2 qd^T B qd [J].
+        potential: U = -sum m g0.p, over links and rotors [J].
+    """
+
+    kinetic: Expr
+    potential: Expr
+
+    def _repr_latex_(self) -> str:
+        kinetic, potential = sympy.latex(self.kinetic), sympy.latex(self.potential)
+        return aligned_latex([f"\\mathcal{{T}} = {kinetic}", f"\\mathcal{{U}} = {potential}"])
+
+
+class DynamicModel(KinematicModel):
+    """Closed forms of the dynamics of one robot; arguments and attributes as in `KinematicModel`."""
+
+    @cached_property
+    def dynamics(self) -> Dynamics:
+        """Exact B and Christoffel symbols.
+
+        Raises:
+            QuantityError: The robot file gives no links.
+        """
+        self._require_links("dynamics")
+        return Dynamics(self.robot, self.domain, MAX_DYNAMIC_TERMS)
+
+    @cached_property
+    def dynamic_form(self) -> DynamicForm:
+        """How dynamics is written."""
+        return DynamicForm(self.dynamics, self.form)
+
+    def _require_links(self, what: str) -> None:
+        if not self.robot.has_dynamics:
+            raise QuantityError(
+                f"{what} of {self.robot.name}",
+                allowed="kinematics only, for the file has no `links`",
+                remedy="add `links:` with mass, com and inertia of each link",
+            )
+
+    # -- Jacobians of bodies
+
+    def Jv_com(self, i: int) -> Matrix:
+        """3xn: velocity of the centre of mass of link i (from 1) per rate, world frame."""
+        self._require_body(i)
+        return columns_matrix(self.kinematics.linear_columns(self.kinematics.com(i)), write=self.form.kinematic)
+
+    def Jw_com(self, i: int) -> Matrix:
+        """3xn: angular velocity of link i (from 1) per rate, world frame."""
+        self._require_body(i)
+        return columns_matrix(self.kinematics.angular_columns(i), write=self.form.kinematic)
+
+    def Jv_motor(self, i: int) -> Matrix:
+        """3xn: velocity of the rotor of joint i (from 1) per rate, world frame."""
+        self._require_body(i)
+        return columns_matrix(self.kinematics.linear_columns(self.kinematics.motor_place(i)), write=self.form.kinematic)
+
+    def Jw_motor(self, i: int) -> Matrix:
+        """3xn: angular velocity of the rotor of joint i (from 1) per rate, its spin included, world frame."""
+        self._require_body(i)
+        return columns_matrix(self.kinematics.motor_angular_columns(i), write=self.form.kinematic)
+
+    # -- dynamics
+
+    @cached_property
+    def energy(self) -> Energy:
+        """Kinetic and potential energy."""
+        return Energy(self._kinetic(), self._potential())
+
+    def _kinetic(self) -> Expr:
+        b, n = self.B, self.n
+        squares = [b[i, i] * self.qd[i] ** 2 / 2 for i in range(n)]
+        products = [b[i, j] * self.qd[i] * self.qd[j] for i in range(n) for j in range(i + 1, n)]
+        return sympy.Add(*squares, *products)
+
+    def _potential(self) -> Expr:
+        self._require_links("potential energy")
+        return self.form.dynamic(self.kinematics.potential)
+
+    @cached_property
+    def B(self) -> Matrix:
+        """Inertia matrix B(q), nxn, links, rotors and armatures [kg m^2, kg m, kg]."""
+        return self._inertia(self.dynamics, self.dynamic_form)
+
+    def B_link(self, i: int) -> Matrix:
+        """The part of B that link i (from 1) contributes, without any rotor."""
+        self._require_body(i)
+        alone = Dynamics(only_link(self.robot, i), self.domain, MAX_DYNAMIC_TERMS)
+        return self._inertia(alone, DynamicForm(alone, self.form))
+
+    def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Matrix:
+        b, n = dynamics.inertia_matrix, self.n
+        return symmetric_matrix(n, form.matrix_entries([b[i][j] for i in range(n) for j in range(i, n)]))
+
+    def christoffel(self, i: int, j: int, k: int) -> Expr:
+        """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i); indices from 1."""
+        for index in (i, j, k):
+            self._require_index(index, 1)
+        p = self.dynamics.christoffel(i - 1, j - 1, k - 1)
+        return self.dynamic_form.entry(p, self.christoffel_limit)
+
+    def christoffel_table(self) -> Mapping[tuple[int, int, int], Expr]:
+        """The Christoffel symbols that are not zero, for j <= k (c_ijk = c_ikj); indices from 1."""
+        n = range(1, self.n + 1)
+        keys = [(i, j, k) for i in n for j in n for k in n if j <= k]
+        found = {(i, j, k): self.dynamics.christoffel(i - 1, j - 1, k - 1) for i, j, k in keys}
+        return MappingProxyType({key: self.christoffel(*key) for key, p in found.items() if p})
+
+    @cached_property
+    def C(self) -> Matrix:
+        """Coriolis matrix C(q, qd), nxn, by Christoffel symbols: C_ij = sum_k c_ijk qd_k."""
+        return self._rate_matrix(self.dynamics.christoffel)
+
+    @cached_property
+    def coriolis_vector(self) -> Matrix:
+        """C qd, nx1: Coriolis and centrifugal torques [N m or N]."""
+        return sympy.ImmutableMatrix([self._velocity_torque(i) for i in range(self.n)])
+
+    @cached_property
+    def N(self) -> Matrix:
+        """N = Bdot - 2C, nxn, skew-symmetric."""
+        return self._rate_matrix(self.dynamics.skew)
+
+    @cached_property
+    def Bdot(self) -> Matrix:
+        """dB/dt, nxn: sum_k dB/dq_k qd_k."""
+        return self._rate_matrix(self.dynamics.derivative)
+
+    @cached_property
+    def g(self) -> Matrix:
+        """Gravity vector g(q) = dU/dq, nx1 [N m or N]."""
+        self._require_links("gravity vector")
+        return sympy.ImmutableMatrix([self.form.gravity(p) for p in self.kinematics.gravity_vector])
+
+    @cached_property
+    def friction(self) -> Matrix:
+        """Joint friction, nx1: b*qd + f*sign(qd)."""
+        self._require_links("friction")
+        constant = self.domain.constant
+        return sympy.ImmutableMatrix(
+            [
+                self.form.dynamic(constant(link.viscous)) * rate
+                + self.form.dynamic(constant(link.coulomb)) * sympy.sign(rate)
+                for link, rate in zip(self.robot.links, self.qd, strict=True)
+            ]
+        )
+
+    @cached_property
+    def tau(self) -> Matrix:
+        """Joint torques, nx1: B qdd + C qd + g + friction [N m or N]."""
+        rows = [self._inertial_torque(i) + self._velocity_torque(i) for i in range(self.n)]
+        return sympy.ImmutableMatrix([r + self.g[i] + self.friction[i] for i, r in enumerate(rows)])
+
+    def _inertial_torque(self, i: int) -> Expr:
+        return sympy.Add(*(times_rate(self.B[i, j], self.qdd[j], self.style) for j in range(self.n)))
+
+    def _velocity_torque(self, i: int) -> Expr:
+        """sum_jk c_ijk qd_j qd_k, each pair once; the rates of a symbol are collected where geometry leads."""
+        n, qd = range(self.n), self.qd
+        pairs = [
+            (self.dynamics.christoffel(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k
+        ]
+        if self.style is Style.BY_GEOMETRY:
+            return self.dynamic_form.rate_sum(pairs, self.christoffel_limit)
+        return sympy.Add(*(self.dynamic_form.product(p, rates, self.christoffel_limit) for p, rates in pairs))
+
+    # -- identification
+
+    @cached_property
+    def identification(self) -> ClosedIdentification:
+        """Regressors and base parameters, see `derive.model.identification.base_parameters`."""
+        self._require_links("regressor")
+        return ClosedIdentification(self)
+
+    @property
+    def regressor(self) -> Matrix:
+        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi."""
+        return self.identification.regressor
+
+    @property
+    def standard_parameters(self) -> Matrix:
+        """The standard parameters pi, px1, link by link.
+
+        Of each link mass, first moments and inertia about the origin of its DH frame, ten whether the file gives them
+        or not; of its joint rotor mass and inertia, armature and friction where the file gives them.
+        """
+        return self.identification.standard_values
+
+    @property
+    def standard_parameter_names(self) -> tuple[str, ...]:
+        """Names of the standard parameters: ``m1``, ``mx1``, ..., ``Iyz1``, ``mm1``, ``Im1``, ``Ia1``, ..."""
+        return tuple(parameter.name for parameter in self.identification.standard)
+
+    @property
+    def regressor_base(self) -> Matrix:
+        """Y(q, qd, qdd), nxb, with tau = Y beta for the base parameters beta; its columns are independent."""
+        return self.identification.base_regressor
+
+    @property
+    def base_parameters(self) -> Matrix:
+        """The base parameters beta, bx1: as few combinations of the standard parameters as determine the torques.
+
+        Links' parameters are those in joint frames: on the axis of joint i, DH frame i in the modified convention, DH
+        frame i before its a_i and alpha_i in the standard one. How the set is found and proven is in
+        `derive.model.identification.base_parameters` (Gautier and Khalil 1990; Khalil and Dombre, ch. 9).
+        """
+        return self.identification.base_values
+
+    @property
+    def base_parameter_names(self) -> tuple[str, ...]:
+        """Names of the base parameters, each that of the parameter which takes the others over."""
+        return tuple(parameter.name for parameter in self.identification.base.parameters)
+
+    # -- sizes
+
+    def terms(self, quantity: str, row: int, column: int = 1) -> int:
+        """Number of terms of an entry of B, C, Bdot, N or g expanded in the user's symbols; indices from 1.
+
+        It is counted on the exact polynomial, without writing it.
+
+        Raises:
+            QuantityError: No such quantity.
+        """
+        i, j = row - 1, column - 1
+        if quantity == "B":
+            return self.dynamics.expanded_size(self.dynamics.inertia_matrix[i][j])
+        if quantity == "g":
+            return len(self.kinematics.gravity_vector[i])
+        coefficient = self._rate_coefficients.get(quantity)
+        if coefficient is None:
+            raise QuantityError(f"the size of {quantity!r}", allowed="B, C, Bdot, N or g")
+        return sum(self.dynamics.expanded_size(coefficient(i, j, k)) for k in range(self.n))
+
+    @property
+    def _rate_coefficients(self) -> dict[str, Callable[[int, int, int], Polynomial]]:
+        d = self.dynamics
+        return {"C": d.christoffel, "N": d.skew, "Bdot": d.derivative}
+
+    # -- writing
+
+    @cached_property
+    def christoffel_limit(self) -> int:
+        """Longest Christoffel symbol that is written in the user's symbols, see `DynamicForm`."""
+        n = range(self.n)
+        return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
+
+    def _rate_matrix(self, coefficient: Callable[[int, int, int], Polynomial]) -> Matrix:
+        n = range(self.n)
+        limit = self.christoffel_limit
+        form = self.dynamic_form
+        return sympy.ImmutableMatrix(
+            [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], limit) for j in n] for i in n]
+        )
+
+    # -- arguments
+
+    def _require_body(self, i: int) -> None:
+        self._require_links("link and rotor Jacobians")
+        self._require_index(i, 1)

@@ -1,0 +1,135 @@
+"""Closed-form dynamics by Lagrange: B and the Christoffel symbols as exact polynomials.
+
+B comes from composite bodies in joint frames, where polynomials stay short, and is linear in the ten parameters of
+each body. So it is derived in those *lumped* parameters (mass, first moments, inertia about the joint frame's origin,
+rotors included), each a symbol of its own, and the user's symbols are put in afterwards, entry by entry, where they
+are wanted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.ring import Polynomial
+from derive.mechanics.chain import Body, Chain, build_chain
+from derive.mechanics.inertia_matrix import inertia_matrix
+from derive.mechanics.vectors import Symmetric
+from derive.robot.description import Inertia, Link
+from derive.robot.expression import ZERO, Name
+from derive.robot.robot import Robot
+
+PARTS = ("m", "hx", "hy", "hz", "xx", "yy", "zz", "xy", "xz", "yz")
+"""The ten parameters of a body: mass, first moments, inertia about the origin of its joint frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lump:
+    """A lumped parameter as a generator of the ring of `Dynamics`.
+
+    Attributes:
+        generator: Its index in that ring.
+        value: What it is, in the ring of the user's symbols.
+    """
+
+    generator: int
+    value: Polynomial
+
+
+class Dynamics:
+    """B and what follows from it.
+
+    Args:
+        robot: A robot with links.
+        domain: The ring of the user's symbols.
+        max_terms: Budget for one product of polynomials, see `Ring`.
+    """
+
+    def __init__(self, robot: Robot, domain: PolynomialDomain, max_terms: int = 10**9) -> None:
+        self.robot = robot
+        self.domain = domain
+        bare = replace(robot, links=tuple(_without_body(link) for link in robot.links))
+        names = [Name(f"{part} of {i}") for i in range(robot.n) for part in PARTS]
+        self.lumped = PolynomialDomain(bare, names, contraction=domain.contraction, rates=False, max_terms=max_terms)
+        self.lumps: list[Lump] = []
+        self.chain = self._chain(bare)
+        self._derivatives: dict[tuple[int, int, int], Polynomial] = {}
+        self._christoffel: dict[tuple[int, int, int], Polynomial] = {}
+
+    def _chain(self, bare: Robot) -> Chain[Polynomial]:
+        full = build_chain(self.robot, self.domain)
+        bodies = tuple(self._lump_body(i, body) for i, body in enumerate(full.bodies))
+        return replace(build_chain(bare, self.lumped), bodies=bodies)
+
+    def _lump_body(self, index: int, body: Body[Polynomial]) -> Body[Polynomial]:
+        t = body.inertia
+        values = (body.mass, *body.first_moment, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz)
+        p = [self._lump(f"{part} of {index}", value) for part, value in zip(PARTS, values, strict=True)]
+        return Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:]))
+
+    def _lump(self, name: str, value: Polynomial) -> Polynomial:
+        """A generator for ``value``, or its number."""
+        if value.is_constant:
+            return self.lumped.number(value.constant_term)
+        ring = self.lumped.ring
+        self.lumps.append(Lump(ring.index[name], value))
+        return ring.generator(name)
+
+    @cached_property
+    def inertia_matrix(self) -> list[list[Polynomial]]:
+        """B(q), n x n, links and rotors, in lumped parameters."""
+        return inertia_matrix(self.chain)
+
+    def derivative(self, i: int, j: int, k: int) -> Polynomial:
+        """dB_ij/dq_k, in lumped parameters."""
+        key = (min(i, j), max(i, j), k)
+        if key not in self._derivatives:
+            value = self.inertia_matrix[i][j]
+            self._derivatives[key] = self.lumped.derivative(value, k) if value else value
+        return self._derivatives[key]
+
+    def christoffel(self, i: int, j: int, k: int) -> Polynomial:
+        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), in lumped parameters; indices from 0."""
+        key = (i, min(j, k), max(j, k))
+        if key not in self._christoffel:
+            d = self.derivative
+            twice = d(i, j, k) + d(i, k, j) - d(j, k, i)
+            self._christoffel[key] = Fraction(1, 2) * twice
+        return self._christoffel[key]
+
+    def skew(self, i: int, j: int, k: int) -> Polynomial:
+        """The coefficient of qd_k in N_ij: dB_jk/dq_i - dB_ik/dq_j, for Bdot - 2C."""
+        return self.derivative(j, k, i) - self.derivative(i, k, j)
+
+    def split(self, p: Polynomial) -> tuple[list[tuple[Lump, Polynomial]], Polynomial]:
+        """p as sum of lump * coefficient, and the rest that has no lump in it (rotors, armatures, numbers)."""
+        parts = self._coefficients(p)
+        ring = self.lumped.ring
+        if sum(len(coefficient) for _, coefficient in parts) == len(p):
+            return parts, ring.zero
+        names = {ring.names[lump.generator]: 0 for lump, _ in parts}
+        return parts, ring.wrap(p.raw.subs(names)) if names else p
+
+    def _coefficients(self, p: Polynomial) -> list[tuple[Lump, Polynomial]]:
+        """What every lump that occurs is multiplied by; p is linear in all of them together."""
+        degrees = p.degrees()
+        return [(lump, p.partial(lump.generator)) for lump in self.lumps if degrees[lump.generator]]
+
+    def expanded_size(self, p: Polynomial) -> int:
+        """Number of terms once the user's symbols are put in (before terms meet)."""
+        return len(p) + sum((len(lump.value) - 1) * len(c) for lump, c in self._coefficients(p))
+
+    def expand(self, p: Polynomial) -> Polynomial:
+        """p in the ring of the user's symbols."""
+        parts, rest = self.split(p)
+        ring = self.domain.ring
+        total = ring.project(rest)
+        for lump, coefficient in parts:
+            total = total + ring.project(coefficient) * lump.value
+        return total
+
+
+def _without_body(link: Link) -> Link:
+    return replace(link, mass=ZERO, com=(ZERO, ZERO, ZERO), inertia=Inertia(), motor=link.motor)

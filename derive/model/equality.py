@@ -1,0 +1,268 @@
+"""Whether a printed formula equals a derived quantity, decided exactly in the polynomial ring wherever possible.
+
+Formulas at random points, with fifty digits: counter-examples, and the last resort where algebra cannot decide.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.algebra.quotients import QuotientRing
+from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.errors import CheckError, ExpressionError, QuantityError
+from derive.lecture.shorthand import read_formula
+from derive.model.dynamic_model import DynamicModel
+from derive.model.quantities import Quantity, parse, pick
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, names
+from derive.robot.robot import Robot
+
+Real = Any
+Values = Mapping[str, Fraction]
+
+DIGITS = 50
+POINTS = 8
+TRIALS = 240
+CLOSE = mpmath.mpf(10) ** -30
+"""Relative difference below which two values with fifty digits are the same number."""
+
+LARGEST = mpmath.mpf(10) ** 300
+"""Values beyond it do not fit into a float and count as none."""
+
+VISIBLE = mpmath.mpf(10) ** -3
+"""Relative difference that a reader sees in a few digits; a counter-example should show one."""
+
+
+def _root(value: Real) -> Real:
+    if value < 0:
+        raise ValueError("root of a negative number")
+    return mpmath.sqrt(value)
+
+
+_FUNCTIONS: Mapping[str, Callable[..., Real]] = {
+    "sin": mpmath.sin,
+    "cos": mpmath.cos,
+    "tan": mpmath.tan,
+    "sqrt": _root,
+    "atan2": mpmath.atan2,
+    "sign": mpmath.sign,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class CounterExample:
+    """A point at which two formulas differ.
+
+    Attributes:
+        values: A number for every name in them, in SI units and radians.
+        printed: Value of the formula in question.
+        right: Value of the derived one.
+    """
+
+    values: tuple[tuple[str, Fraction], ...]
+    printed: float
+    right: float
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Two formulas at some points.
+
+    Attributes:
+        points: At how many points both have a real value.
+        differing: The point where they differ most visibly, if they differ at any.
+    """
+
+    points: int
+    differing: CounterExample | None
+
+
+def compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> Comparison:
+    """Both formulas at random points where both have real values; deterministic."""
+    wanted = sorted({*names(ours), *names(theirs)})
+    found: list[tuple[Real, CounterExample]] = []
+    points = 0
+    with mpmath.workdps(DIGITS):
+        for values in _samples(robot, wanted):
+            right, printed = evaluate(ours, values), evaluate(theirs, values)
+            if right is None or printed is None:
+                continue
+            points += 1
+            gap = abs(right - printed) / (1 + abs(right) + abs(printed))
+            if gap > CLOSE:
+                example = CounterExample(tuple(values.items()), float(printed), float(right))
+                found.append((min(gap, VISIBLE), example))
+            if points == POINTS:
+                break
+    worst = max(found, key=lambda pair: pair[0], default=None)
+    return Comparison(points, worst[1] if worst else None)
+
+
+def evaluate(expression: Expression, values: Values) -> Real | None:
+    """Value with the working precision of mpmath; None where it is no real number or does not fit into a float."""
+    try:
+        value = _value(expression, values)
+    except (ArithmeticError, ValueError):
+        return None
+    return value if abs(value) < LARGEST else None
+
+
+def _value(e: Expression, values: Values) -> Real:
+    match e:
+        case Number(value):
+            return mpmath.mpf(value.numerator) / value.denominator
+        case Pi():
+            return +mpmath.pi
+        case Name(name):
+            return mpmath.mpf(values[name].numerator) / values[name].denominator
+        case Sum(terms):
+            return mpmath.fsum(_value(term, values) for term in terms)
+        case Product(factors):
+            return mpmath.fprod(_value(factor, values) for factor in factors)
+        case Power(base, exponent):
+            return _value(base, values) ** exponent
+        case Call(function, arguments):
+            return _FUNCTIONS[function](*(_value(argument, values) for argument in arguments))
+
+
+def _samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
+    """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive."""
+    rng = random.Random(1)
+    angles = {joint.variable for joint in robot.joints if joint.is_revolute}
+    for trial in range(TRIALS):
+        point = {}
+        for name in wanted:
+            size = Fraction(rng.randint(10, 290 if name in angles else 200), 100)
+            negative = rng.random() < (0.5 if name in angles else 0.25 * (trial % 2))
+            point[name] = -size if negative else size
+        yield point
+
+
+Expr = Any
+
+__all__ = ["Verdict", "compare", "difference", "equal", "expression_from_sympy", "scalar_quantity", "verdict"]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The outcome of a comparison.
+
+    Attributes:
+        equal: Whether the formulas are equal wherever both are defined.
+        exact: Whether that was decided identically, by algebra; otherwise it was by their values with fifty digits at
+            random points.
+        counter_example: A point where they differ; None where they are equal.
+    """
+
+    equal: bool
+    exact: bool
+    counter_example: CounterExample | None = None
+
+
+def difference(robot: Robot, ours: Expression, theirs: Expression) -> Polynomial:
+    """A polynomial that is identically zero if the formulas are equal: the cross-multiplied difference.
+
+    Args:
+        robot: Its joints tell angles from lengths.
+        ours: One formula, in the robot's own names.
+        theirs: The other.
+
+    Raises:
+        CheckError: A formula divides by zero everywhere.
+        ExpressionError: A formula that the ring cannot hold.
+        TooManyTerms: A formula that is too long when multiplied out.
+    """
+    return QuotientRing(robot, (ours, theirs)).difference(ours, theirs)
+
+
+def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
+    """Whether two formulas are equal wherever both are defined.
+
+    Args:
+        robot: Its joints tell angles from lengths.
+        ours: The derived formula.
+        theirs: The printed one.
+
+    Raises:
+        CheckError: A formula divides by zero, or has no real value at any of many points.
+    """
+    try:
+        ring = QuotientRing(robot, (ours, theirs))
+        zero, proves = not ring.difference(ours, theirs), ring.faithful
+    except (ExpressionError, TooManyTerms):
+        zero = proves = False
+    if zero:
+        return Verdict(True, True)
+    points = compare_at_points(robot, ours, theirs)
+    if not proves and not points.points:
+        raise CheckError(
+            "formula without a real value at any of many random points",
+            remedy="check its roots and denominators",
+        )
+    return Verdict(not proves and points.differing is None, proves, points.differing)
+
+
+def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
+    """Whether an expression equals a scalar quantity.
+
+    Args:
+        model: The robot's model.
+        quantity: A scalar quantity; ``T[1,4]`` is the entry in row 1, column 4 of T here, as no scalar equals a matrix.
+        expression: Text in the notation of lecture notes (c12, qd1, ...) or a SymPy expression.
+
+    Raises:
+        QuantityError: No such quantity, or a matrix.
+        CheckError: The expression cannot be read.
+    """
+    theirs = _read(model.robot, expression)
+    return compare(model.robot, expression_from_sympy(scalar_quantity(model, quantity)), theirs)
+
+
+def equal(model: DynamicModel, quantity: str, expression: object) -> bool:
+    """Whether an expression equals a scalar quantity; see `verdict`."""
+    return verdict(model, quantity, expression).equal
+
+
+def _read(robot: Robot, expression: object) -> Expression:
+    if isinstance(expression, str):
+        return read_formula(expression, robot)
+    try:
+        return expression_from_sympy(expression)
+    except ExpressionError as error:
+        raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy) from None
+
+
+def scalar_quantity(model: DynamicModel, text: str) -> Expr:
+    """A quantity that is one expression; the last two indices (one for a vector) may pick an entry of a matrix.
+
+    Raises:
+        QuantityError: No such quantity, or a matrix.
+    """
+    quantity, indices, entry = parse(model, text)
+    if entry is not None:
+        return pick(quantity.value(model, *indices), entry, text)
+    for count, rest in _readings(quantity, indices):
+        value = quantity.value(model, *indices[:count])
+        shape = getattr(value, "shape", None)
+        if shape is None and not rest:
+            return value
+        if shape == (1, 1) and not rest:
+            return value[0, 0]
+        if shape is not None and len(rest) == (1 if shape[1] == 1 else 2):
+            return pick(value, rest, text)
+    raise QuantityError(
+        f"{text} is a matrix", allowed="a scalar here", remedy=f"name an entry, for instance {quantity.name}[...][1,1]"
+    )
+
+
+def _readings(quantity: Quantity, indices: tuple[int, ...]) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """How many indices name the quantity, and which are left for the entry; as many as possible first."""
+    for count in sorted(quantity.indices, reverse=True):
+        if count <= len(indices):
+            yield count, indices[count:]

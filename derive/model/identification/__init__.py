@@ -1,0 +1,1 @@
+"""Regressors and base parameters in closed form."""

@@ -1,0 +1,212 @@
+"""Base parameters: the fewest combinations of inertial parameters that determine the torques, with proof.
+
+What is linear in the parameters is told apart by B and g: a combination of parameters has no effect on any torque
+exactly where it has none on B(q) and g(q). The set is found in three steps.
+
+1. Whatever part of link i looks the same however joint i moves goes to link i-1 (`derive.mechanics.regrouping`;
+   Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990; Khalil and Dombre, Modeling, Identification and
+   Control of Robots, ch. 9). That leaves seven parameters of a revolute link, four of a prismatic one, exactly. Masses
+   of rotors belong to the links that carry them.
+2. Of their columns the first independent ones are kept, from the base outwards, rotors and armatures last. They are
+   found at random configurations and, where geometry has symbols, random values modulo a prime; a determinant that is
+   not zero there is not zero identically. This is the lower bound of the rank.
+3. Every other column is solved for in the kept ones, and the solution is proven as an identity of polynomials. This is
+   the upper bound: the joints before the first change of direction, gravity along an axis, sliding joints.
+
+Symbols with a number count as that number, all others and angles that are no multiples of pi/4 or pi/6 as generic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from derive.algebra.constants import exact_number
+from derive.algebra.domain import PolynomialDomain, polynomial_expression
+from derive.algebra.residues import Array, NoPointError, Residue, ResidueDomain, echelon
+from derive.algebra.ring import TooManyTerms
+from derive.errors import ExpressionError
+from derive.mechanics.chain import build_chain
+from derive.mechanics.screws import with_unit_rotors
+from derive.model.identification.column_relations import Coefficient, ColumnSolver, Unproven
+from derive.model.identification.unit_forms import UnitForms
+from derive.robot.description import IDENTITY, Joint, Link, Motor
+from derive.robot.expression import ZERO, Expression, substitute
+from derive.robot.inertial_parameters import JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
+from derive.robot.names import number_of
+from derive.robot.robot import Robot
+
+REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
+PRISMATIC_PARTS = ("m", "mx", "my", "mz")
+
+MAX_TERMS = 20_000
+"""Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent."""
+
+_FEWEST_SAMPLES = 6
+"""Configurations at first; more where something seems dependent that is not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A column that others replace: column(parameter) = sum of coefficient * column(base parameter).
+
+    Attributes:
+        parameter: What is grouped with others, or has no effect.
+        terms: The base parameters that take it over, with their coefficients; empty where it has no effect.
+    """
+
+    parameter: Parameter
+    terms: tuple[tuple[Parameter, Coefficient], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BaseSet:
+    """Which parameters are kept, and what becomes of the others after the general rule.
+
+    The links' parameters are those in joint frames, see `derive.mechanics.chain`: on the axis of joint i, which in the
+    modified convention is DH frame i.
+
+    Attributes:
+        parameters: The kept ones, joint by joint.
+        relations: Candidates that the kept ones replace.
+        domain: The ring of the coefficients in ``relations``.
+        proven: Whether there are certainly no fewer; else some are kept that others replace, in a formula too long.
+    """
+
+    parameters: tuple[Parameter, ...]
+    relations: tuple[Relation, ...]
+    domain: PolynomialDomain | None
+    proven: bool
+
+
+@lru_cache(maxsize=64)
+def base_set(robot: Robot) -> BaseSet:
+    """The base parameters of a robot with links.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        The set; friction, rotors and armatures among it where the file gives them. Its relations are in the robot's
+        symbols where these tell the same parameters apart as their numbers do.
+    """
+    numbers = {name: value for name, value in number_of(robot).items() if name not in robot.runtime}
+    found = _base_set(robot, numbers)
+    if not numbers or not any(relation.terms for relation in found.relations):
+        return found
+    symbolic = _base_set(robot, {})
+    same = symbolic.parameters == found.parameters and symbolic.proven
+    return symbolic if same and _defined(symbolic, numbers) else found
+
+
+def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
+    candidates, geometry = _candidates(robot), _geometry(robot, numbers)
+    samples = _FEWEST_SAMPLES
+    while samples <= 4 * len(candidates):
+        try:
+            return _proven(geometry, candidates, _friction(robot), samples)
+        except Unproven:
+            samples *= 2
+        except (ExpressionError, TooManyTerms, NoPointError, ZeroDivisionError):
+            break
+    return BaseSet(_ordered([*candidates, *_friction(robot)]), (), None, proven=False)
+
+
+def _defined(base: BaseSet, numbers: Mapping[str, Expression]) -> bool:
+    """Whether no denominator vanishes at the numbers."""
+    assert base.domain is not None, "a proven set has a ring"
+    denominators = {c.denominator for relation in base.relations for _, c in relation.terms}
+    return all(exact_number(polynomial_expression(d, base.domain), numbers) != 0 for d in denominators)
+
+
+def _proven(geometry: Robot, candidates: Sequence[Parameter], friction: Sequence[Parameter], samples: int) -> BaseSet:
+    domain = PolynomialDomain(with_unit_rotors(geometry), rates=False, max_terms=MAX_TERMS)
+    residues, pivots, form = _independent(domain, candidates, samples)
+    solver = ColumnSolver(domain, residues)
+    relations: list[Relation] = []
+    too_long: list[Parameter] = []
+    for j in sorted(set(range(len(candidates))) - set(pivots)):
+        support = [candidates[pivot] for k, pivot in enumerate(pivots) if form[k, j]]
+        try:
+            coefficients = solver.solve(candidates[j], support)
+        except TooManyTerms:
+            too_long.append(candidates[j])
+            continue
+        relations.append(Relation(candidates[j], tuple(zip(support, coefficients, strict=True))))
+    kept = [candidates[pivot] for pivot in pivots]
+    return BaseSet(_ordered([*kept, *too_long, *friction]), tuple(relations), domain, proven=not too_long)
+
+
+def _independent(
+    domain: PolynomialDomain, candidates: Sequence[Parameter], samples: int
+) -> tuple[ResidueDomain, tuple[int, ...], Array]:
+    """The first independent columns from the left, and all columns in them, at points modulo a prime."""
+    n = domain.robot.n
+    residues = ResidueDomain(domain, samples)
+    forms: UnitForms[Residue] = UnitForms(build_chain(domain.robot, residues), ends=False)
+    pairs = [(a, b) for a in range(n) for b in range(a, n)]
+    place = {pair: k for k, pair in enumerate(pairs)}
+    matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)
+    for j, parameter in enumerate(candidates):
+        for pair, value in forms.inertia(parameter).items():
+            matrix[:, place[pair], j] = value.values[:, 0]
+        for i, value in enumerate(forms.gravity(parameter)):
+            matrix[:, len(place) + i, j] = value.values[:, 0]
+    pivots, form = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
+    return residues, pivots, form
+
+
+def _candidates(robot: Robot) -> list[Parameter]:
+    """What the general rule leaves, in the order in which columns are preferred."""
+    parts = [REVOLUTE_PARTS if joint.is_revolute else PRISMATIC_PARTS for joint in robot.joints]
+    links = [Parameter(i, part) for i, row in enumerate(parts, start=1) for part in row]
+    own, absorbed = standard_parameters(robot), absorbed_rotors(robot)
+    armatures = [p for p in own if p.part == "Ia"]
+    return links + armatures + [p for p in own if p.part == "Im" and p.joint not in absorbed]
+
+
+def absorbed_rotors(robot: Robot) -> tuple[int, ...]:
+    """Revolute joints (from 1) with a rotor and an armature, whose rotor's inertia is no parameter of its own.
+
+    The square of its speed, (w.u + k qd)^2, is (1 - k) (w.u)^2 + k (w.u + qd)^2 + (k^2 - k) qd^2: links i-1 and i and
+    the armature take it over.
+    """
+    pairs = enumerate(zip(robot.joints, robot.links, strict=True), start=1)
+    return tuple(i for i, (j, link) in pairs if j.is_revolute and link.motor is not None and link.armature != ZERO)
+
+
+def _friction(robot: Robot) -> list[Parameter]:
+    """b*qd and f*sign(qd): no column of B or g is odd in one velocity."""
+    return [p for p in standard_parameters(robot) if p.part in ("b", "f")]
+
+
+def _ordered(parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
+    order = {part: k for k, part in enumerate((*LINK_PARTS, *JOINT_PARTS))}
+    return tuple(sorted(parameters, key=lambda p: (p.joint, order[p.part])))
+
+
+def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
+    """What decides on dependence: numbers put in, no tool, joint variables counted from where they are simplest."""
+
+    def put(cell: Expression) -> Expression:
+        return substitute(cell, dict(numbers))
+
+    def row(joint: Joint) -> Joint:
+        theta = ZERO if joint.is_revolute else put(joint.theta)
+        d = put(joint.d) if joint.is_revolute else ZERO
+        return replace(joint, theta=theta, d=d, a=put(joint.a), alpha=put(joint.alpha), limits=None)
+
+    def link(link: Link) -> Link:
+        return link if link.motor is None else Link(motor=Motor(ratio=put(link.motor.ratio)))
+
+    return replace(
+        robot,
+        joints=tuple(row(joint) for joint in robot.joints),
+        base=tuple(tuple(put(cell) for cell in cells) for cells in robot.base),
+        tool=IDENTITY,
+        gravity=None if robot.gravity is None else tuple(map(put, robot.gravity)),  # type: ignore[arg-type]
+        links=tuple(link(given) for given in robot.links),
+    )

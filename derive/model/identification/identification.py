@@ -1,0 +1,141 @@
+"""Regressors and base parameters in closed form, in the robot's own symbols.
+
+The column of a parameter is B qdd + C qd + g of the arm on which that parameter is 1 and all others are 0; friction
+columns are qd_i and sign(qd_i).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from derive.algebra.ring import Polynomial
+from derive.lecture.form import LectureForm
+from derive.mechanics.chain import build_chain
+from derive.mechanics.screws import with_unit_rotors
+from derive.model.dynamic_form import times_rate
+from derive.model.identification.base_parameters import BaseSet, base_set
+from derive.model.identification.column_relations import Coefficient
+from derive.model.identification.parameter_values import grouped_values, standard_values
+from derive.model.identification.unit_forms import Pairs, UnitForms
+from derive.robot.inertial_parameters import Parameter, standard_parameters
+
+if TYPE_CHECKING:
+    from derive.model.kinematic_model import KinematicModel
+
+
+Expr = Any
+Matrix = Any
+
+_HALF = Fraction(1, 2)
+
+
+class ClosedIdentification:
+    """What `Model` says about identification.
+
+    Args:
+        model: Gives the ring, the symbols and the style.
+    """
+
+    def __init__(self, model: KinematicModel) -> None:
+        self.model = model
+        self._chain = build_chain(with_unit_rotors(model.robot), model.domain)
+        self._written: dict[str, Expr] = {}
+
+    @cached_property
+    def standard(self) -> tuple[Parameter, ...]:
+        """The standard parameters."""
+        return standard_parameters(self.model.robot)
+
+    @cached_property
+    def base(self) -> BaseSet:
+        """The base parameters and the relations behind them."""
+        return base_set(self.model.robot)
+
+    @cached_property
+    def standard_values(self) -> Matrix:
+        """pi, px1."""
+        values = standard_values(self.model.robot, self.standard, self.model.domain)
+        return sympy.ImmutableMatrix([self.model.form.dynamic(value) for value in values])
+
+    @cached_property
+    def base_values(self) -> Matrix:
+        """beta, bx1."""
+        values = grouped_values(self.model.robot, self.base, self.model.domain)
+        moved: dict[Parameter, list[Expr]] = {parameter: [] for parameter in self.base.parameters}
+        for relation in self.base.relations:
+            value = values[relation.parameter]
+            for parameter, factor in relation.terms:
+                if factor.numerator.is_constant:
+                    values[parameter] = values[parameter] + factor.numerator.constant_term * value
+                else:
+                    moved[parameter].append(self._coefficient(factor) * self.model.form.dynamic(value))
+        return sympy.ImmutableMatrix(
+            [sympy.Add(self.model.form.dynamic(values[p]), *moved[p]) for p in self.base.parameters]
+        )
+
+    @cached_property
+    def regressor(self) -> Matrix:
+        """Y, nxp."""
+        return self._matrix(UnitForms(self._chain, ends=True), self.standard)
+
+    @cached_property
+    def base_regressor(self) -> Matrix:
+        """Y of the base parameters, nxb."""
+        return self._matrix(UnitForms(self._chain, ends=False), self.base.parameters)
+
+    def _coefficient(self, factor: Coefficient) -> Expr:
+        assert self.base.domain is not None, "relations come with their ring"
+        form = LectureForm(self.base.domain)
+        return form.kinematic(factor.numerator) / form.kinematic(factor.denominator)
+
+    # -- columns
+
+    def _matrix(self, forms: UnitForms[Polynomial], parameters: Sequence[Parameter]) -> Matrix:
+        columns = [self._column(forms, parameter) for parameter in parameters]
+        return sympy.ImmutableMatrix(self.model.n, len(columns), lambda i, j: columns[j][i])
+
+    def _column(self, forms: UnitForms[Polynomial], parameter: Parameter) -> list[Expr]:
+        n, i = self.model.n, parameter.joint - 1
+        if parameter.part in ("b", "f"):
+            own = self.model.qd[i] if parameter.part == "b" else sympy.sign(self.model.qd[i])
+            return [own if k == i else sympy.S.Zero for k in range(n)]
+        inertia, gravity = forms.inertia(parameter), forms.gravity(parameter)
+        return [sympy.Add(*self._terms(inertia, k), self._weight(gravity, k)) for k in range(n)]
+
+    def _weight(self, gravity: Sequence[Polynomial], i: int) -> Expr:
+        return self.model.form.gravity(gravity[i]) if i < len(gravity) else sympy.S.Zero
+
+    def _terms(self, inertia: Pairs[Polynomial], i: int) -> Iterator[Expr]:
+        """B_ij qdd_j, and c_ijk qd_j qd_k for every pair of joints once."""
+        model, n = self.model, range(self.model.n)
+        for j in n:
+            yield times_rate(self._expression(_entry(inertia, i, j)), model.qdd[j], model.style)
+        for j in n:
+            for k in range(j, model.n):
+                twice = self._slope(inertia, i, j, k) + self._slope(inertia, i, k, j) - self._slope(inertia, j, k, i)
+                if twice:
+                    rates = model.qd[j] * model.qd[k]
+                    value = twice * _HALF if j == k else twice
+                    yield times_rate(self._expression(value), rates, model.style)
+
+    def _slope(self, inertia: Pairs[Polynomial], i: int, j: int, k: int) -> Polynomial:
+        """dB_ij/dq_k."""
+        value = _entry(inertia, i, j)
+        return self.model.domain.derivative(value, k) if value else self.model.domain.ring.zero
+
+    def _expression(self, p: Polynomial | None) -> Expr:
+        if not p:
+            return sympy.S.Zero
+        key = p.key()
+        if key not in self._written:
+            self._written[key] = self.model.form.kinematic(p)
+        return self._written[key]
+
+
+def _entry(inertia: Pairs[Polynomial], i: int, j: int) -> Polynomial | None:
+    return inertia.get((min(i, j), max(i, j)))

@@ -1,0 +1,131 @@
+"""The inertia matrix and the gravity vector of unit parameters: what every parameter does to the arm, in closed form.
+
+With w_a, v_a the screw of joint a in a frame of link k, a body with mass m, first moment h and tensor I there adds
+
+    B_ab = m v_a.v_b + h.(v_a x w_b + v_b x w_a) + w_a.I w_b,    g_a = -m gamma.v_a - h.(gamma x w_a),
+
+gamma being the acceleration of gravity; the rotor of joint i, on link i-1, adds its inertia times (w_a.u + k e_a)
+(w_b.u + k e_b), with u its axis and k its ratio for its own joint (e_i = 1). Both are linear in the parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Generic
+
+from derive.mechanics.chain import Chain
+from derive.mechanics.joint_motion import axis, to_child
+from derive.mechanics.screws import Screw, next_screws, rotor_place
+from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, transpose
+from derive.robot.inertial_parameters import Parameter
+
+Pairs = Mapping[tuple[int, int], S]
+"""Entries (a, b), a <= b, of a symmetric matrix; joints from 0, what is missing is zero."""
+
+_AXES = {"x": 0, "y": 1, "z": 2}
+
+
+class UnitForms(Generic[S]):
+    """B and g of every unit parameter.
+
+    Args:
+        chain: The chain of the robot with unit rotors, see `derive.mechanics.screws.with_unit_rotors`.
+        ends: Whether the parameters of links are those in the DH frames of the file; else in joint frames, see
+            `derive.mechanics.chain`. In the modified convention the two are the same.
+    """
+
+    def __init__(self, chain: Chain[S], ends: bool) -> None:
+        self.chain = chain
+        self.ends = ends
+        self._carried: dict[int, tuple[list[Screw[S]], Vector[S]]] = {}
+        self._known_screws: list[list[Screw[S]]] = []
+        self._known_gravities: list[Vector[S]] = []
+
+    def inertia(self, parameter: Parameter) -> Pairs[S]:
+        """B per unit of a parameter; of friction none."""
+        signs = [joint.sign for joint in self.chain.joints]
+        count, entry = self._inertia(parameter)
+        found = {(a, b): entry(a, b) for a in range(count) for b in range(a, count)}
+        return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
+
+    def gravity(self, parameter: Parameter) -> list[S]:
+        """The entries 1..k of g per unit of a parameter; those further out are zero."""
+        found = self._gravity(parameter)
+        return [value if joint.sign > 0 else -value for joint, value in zip(self.chain.joints, found, strict=False)]
+
+    def _inertia(self, parameter: Parameter) -> tuple[int, Callable[[int, int], S]]:
+        """How many joints take part, and the entry of two of them."""
+        i, part = parameter.joint - 1, parameter.part
+        if part == "Ia":
+            return i + 1, lambda a, b: self.chain.one if a == b == i else self.chain.zero
+        if part == "Im":
+            spins = self._rotor_spins(i)
+            return len(spins), lambda a, b: spins[a] * spins[b]
+        if part == "mm":
+            velocities = self._rotor_velocities(i)
+            return len(velocities), lambda a, b: dot(velocities[a], velocities[b])
+        if not parameter.of_link:
+            return 0, lambda a, b: self.chain.zero
+        screws, _ = self._link(i)
+        return len(screws), lambda a, b: _body_entry(part, screws[a], screws[b])
+
+    def _gravity(self, parameter: Parameter) -> list[S]:
+        i, part = parameter.joint - 1, parameter.part
+        if part == "mm":
+            gamma = self._gravity_in(i - 1) if i else self.chain.gravity
+            return [-dot(gamma, velocity) for velocity in self._rotor_velocities(i)]
+        screws, gamma = self._link(i)
+        if part == "m":
+            return [-dot(gamma, screw.linear) for screw in screws]
+        if part in ("mx", "my", "mz"):
+            return [-cross(gamma, screw.angular)[_AXES[part[1]]] for screw in screws]
+        return []
+
+    # -- rotors
+
+    def _rotor_spins(self, i: int) -> list[S]:
+        """The rotor's angular velocity about its own axis per unit of every rate."""
+        joint = self.chain.joints[i]
+        u = axis(joint)
+        return [*(dot(screw.angular, u) for screw in (self._screws(i - 1) if i else ())), joint.coupling]
+
+    def _rotor_velocities(self, i: int) -> list[Vector[S]]:
+        return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._screws(i - 1)] if i else []
+
+    # -- frames
+
+    def _screws(self, i: int) -> list[Screw[S]]:
+        """Of link i, from 0; only as far out as needed, for further out they may be too long to write."""
+        known = self._known_screws
+        while len(known) <= i:
+            known.append(next_screws(self.chain, self.chain.joints[len(known)], known[-1] if known else []))
+        return known[i]
+
+    def _gravity_in(self, i: int) -> Vector[S]:
+        """The acceleration of gravity in joint frame i."""
+        known = self._known_gravities
+        while len(known) <= i:
+            known.append(to_child(self.chain.joints[len(known)], known[-1] if known else self.chain.gravity))
+        return known[i]
+
+    def _link(self, i: int) -> tuple[list[Screw[S]], Vector[S]]:
+        """Screws and gravity in the frame of a link's parameters."""
+        if i not in self._carried:
+            screws, gamma = self._screws(i), self._gravity_in(i)
+            if self.ends:
+                end: Frame[S] = self.chain.ends[i]
+                screws = [screw.seen_from(end) for screw in screws]
+                gamma = multiply(transpose(end.rotation), gamma)
+            self._carried[i] = (screws, gamma)
+        return self._carried[i]
+
+
+def _body_entry(part: str, one: Screw[S], other: Screw[S]) -> S:
+    """B_ab of a unit parameter of a body."""
+    if part == "m":
+        return dot(one.linear, other.linear)
+    if part[0] == "m":
+        return add(cross(one.linear, other.angular), cross(other.linear, one.angular))[_AXES[part[1]]]
+    j, k = _AXES[part[1]], _AXES[part[2]]
+    w, u = one.angular, other.angular
+    return w[j] * u[j] if j == k else w[j] * u[k] + w[k] * u[j]

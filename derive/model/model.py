@@ -1,0 +1,71 @@
+"""The model of a robot: every quantity in closed form, computed once when asked for, as plain SymPy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from derive.model.abbreviations import abbreviate
+from derive.model.dynamic_model import DynamicModel
+from derive.model.equality import equal
+from derive.model.quantities import evaluate
+
+Expr = Any
+
+
+class Model(DynamicModel):
+    """Closed forms of one robot.
+
+    Every quantity is an immutable SymPy matrix or an expression in the robot's own symbols, which are plain
+    ``sympy.Symbol``s; ``qd1`` and ``qdd1`` are velocity and acceleration of ``q1``.
+
+    Args:
+        robot: The robot.
+        style: How expressions are grouped: ``compact``, ``by-geometry`` or ``expanded``; default as the file says.
+        contraction: Which sums of angles are contracted: ``aligned`` or ``opposed``; default as the file says.
+
+    Attributes:
+        robot: The robot.
+        style: How expressions are grouped.
+        contraction: Which sums of angles are contracted.
+        q: Joint variables.
+        qd: Their velocities.
+        qdd: Their accelerations.
+    """
+
+    def abbreviated(self, quantity: str, by: str | None = None) -> tuple[Expr, Mapping[Expr, Expr]]:
+        """A dynamic quantity with short names, and what the names mean.
+
+        Args:
+            quantity: ``B``, ``C``, ``N``, ``Bdot``, ``g`` or ``tau``.
+            by: ``christoffel`` (default for C, N, Bdot and tau) names the Christoffel symbols, ``h*(qd1 + qd2)``;
+                ``coefficients`` (default for B and g) names the linear combinations of constants, ``a1 + 2*a2*c2``.
+
+        Returns:
+            The matrix, and symbol to expression for every name in it.
+
+        Raises:
+            QuantityError: No such quantity or way.
+        """
+        return abbreviate(self, quantity, by)
+
+    def quantity(self, name: str) -> Expr:
+        """A quantity by its name as `derive show` takes it, for instance ``T[1,4]`` or ``christoffel[1,1,2]``.
+
+        Raises:
+            QuantityError: No such quantity or entry.
+        """
+        return evaluate(self, name)
+
+    def equal(self, quantity: str, expression: object) -> bool:
+        """Whether an expression equals a scalar quantity identically.
+
+        Args:
+            quantity: A scalar quantity such as ``T[1,4]``.
+            expression: Text in the notation of lecture notes (c12, qd1, ...) or a SymPy expression.
+
+        Raises:
+            QuantityError: No such quantity.
+            CheckError: The expression cannot be read.
+        """
+        return equal(self, quantity, expression)

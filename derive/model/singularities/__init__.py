@@ -1,0 +1,1 @@
+"""Where the Jacobian of an arm loses rank."""

@@ -1,0 +1,1 @@
+"""The generated functions, one module per subject."""

@@ -1,0 +1,1 @@
+"""Fewer operations for the same values: shared parts, searched for."""

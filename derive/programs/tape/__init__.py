@@ -1,0 +1,1 @@
+"""Straight-line programs: interned graph, tape, schedule."""

@@ -1,0 +1,174 @@
+"""Exact cells as tape values: the scalars with which the recursions are traced for generated code.
+
+Symbols stay symbols while a graph is traced, whether they have a number or not; the numbers are put in afterwards
+(`derive.programs.tape.build`), so that work is shared before it is folded. Only the offset of a joint angle looks at
+the numbers: a multiple of pi/2 exchanges sine and cosine, any other offset goes into the angle, cos(q + offset), which
+costs less than the addition theorem.
+
+Cells of the robot file as tape values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from derive.algebra import constants
+from derive.algebra.angles import decompose
+from derive.errors import QuantityError
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.tape import PARAMETER
+from derive.programs.tape.value import Value
+from derive.robot.description import Joint
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
+from derive.robot.names import number_of, robot_symbols
+from derive.robot.robot import Robot
+
+
+class CellReader:
+    """Evaluates expressions on one graph, each once.
+
+    Args:
+        graph: Where the values live.
+        values: What the names stand for.
+    """
+
+    def __init__(self, graph: Graph, values: Mapping[str, Value]) -> None:
+        self.graph = graph
+        self._values = values
+        self._cache: dict[Expression, Value] = {}
+
+    def number(self, value: int | Fraction) -> Value:
+        """A rational."""
+        return Value(self.graph, self.graph.number(Fraction(value)))
+
+    def constant(self, expression: Expression) -> Value:
+        """The value of a cell.
+
+        Raises:
+            QuantityError: Division by zero, or the square root of a negative number.
+        """
+        found = self._cache.get(expression)
+        if found is None:
+            found = self._cache[expression] = self._evaluate(expression)
+        return found
+
+    def _evaluate(self, expression: Expression) -> Value:
+        match expression:
+            case Number(value):
+                return self.number(value)
+            case Pi():
+                return Value(self.graph, self.graph.number(constants.pi()))
+            case Name(name):
+                return self._values[name]
+            case Sum(terms):
+                return sum((self.constant(term) for term in terms), self.number(0))
+            case Product(factors):
+                return self._product(factors)
+            case Power(base, exponent):
+                return self.constant(base) ** exponent
+            case Call(function, arguments):
+                return self._call(function, self.constant(arguments[0]))
+
+    def _product(self, factors: tuple[Expression, ...]) -> Value:
+        """Divisors last: ``a * b**-1`` is one division, not a reciprocal and a product."""
+        result = self.number(1)
+        divisors = [f for f in factors if isinstance(f, Power) and f.exponent < 0]
+        for factor in factors:
+            if factor not in divisors:
+                result = result * self.constant(factor)
+        for divisor in divisors:
+            result = result / self.constant(divisor.base) ** -divisor.exponent
+        return result
+
+    def _call(self, function: str, argument: Value) -> Value:
+        match function:
+            case "sin":
+                return argument.sin()
+            case "cos":
+                return argument.cos()
+            case "tan":
+                return argument.sin() / argument.cos()
+            case "sqrt":
+                return argument.sqrt()
+        raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")
+
+
+def substitute(expression: Expression, numbers: Mapping[str, Expression]) -> Expression:
+    """The tree with its names replaced where they have a number."""
+    match expression:
+        case Name(name):
+            return numbers.get(name, expression)
+        case Sum(terms):
+            return Sum(tuple(substitute(term, numbers) for term in terms))
+        case Product(factors):
+            return Product(tuple(substitute(factor, numbers) for factor in factors))
+        case Power(base, exponent):
+            return Power(substitute(base, numbers), exponent)
+        case Call(function, arguments):
+            return Call(function, tuple(substitute(argument, numbers) for argument in arguments))
+        case _:
+            return expression
+
+
+Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"
+
+
+class TapeDomain(CellReader):
+    """Implements `derive.mechanics.chain.Domain` for one robot and one graph.
+
+    Run-time parameter k of the traced graph is ``robot_symbols(robot)[k]``.
+    """
+
+    def __init__(self, robot: Robot, graph: Graph) -> None:
+        symbols = robot_symbols(robot)
+        super().__init__(graph, {name: Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(symbols)})
+        self._joints = robot.joints
+        self._numbers = {k: v for k, v in number_of(robot).items() if k not in robot.runtime}
+
+    def argument(self, kind: str, index: int) -> Value:
+        """Entry ``index`` (from 0) of the argument ``kind``."""
+        return Value(self.graph, self.graph.input(kind, index))
+
+    def cosine_sine(self, angle: Expression) -> tuple[Value, Value]:
+        """Cosine and sine of a constant angle [rad]."""
+        return self._cosine_sine(self.number(0), angle)
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:
+        """Cosine and sine of ``sign*q + theta`` of revolute joint ``index`` (from 0)."""
+        return self._cosine_sine(self._signed(index, joint), joint.theta)
+
+    def cosine_sine_of_sum(self, turns: Sequence[tuple[int, int]]) -> tuple[Value, Value]:
+        """Cosine and sine of a signed sum of the angles ``sign*q + theta`` of revolute joints; of none 1 and 0.
+
+        The angles are added, which costs one addition each and no further sine and cosine.
+
+        Args:
+            turns: Joint indices (from 0), each with the sign +1 or -1 of its angle.
+        """
+        variable, offset = self.number(0), []
+        for index, direction in turns:
+            joint = self._joints[index]
+            variable = variable + direction * self._signed(index, joint)
+            offset.append(Product((Number(Fraction(direction)), joint.theta)))
+        return self._cosine_sine(variable, Sum(tuple(offset)))
+
+    def joint_offset(self, index: int, joint: Joint) -> Value:
+        """``sign*q + d`` of prismatic joint ``index`` (from 0)."""
+        return self._signed(index, joint) + self.constant(joint.d)
+
+    def _signed(self, index: int, joint: Joint) -> Value:
+        variable = self.argument(Q, index)
+        return variable if joint.sign > 0 else -variable
+
+    def _cosine_sine(self, variable: Value, offset: Expression) -> tuple[Value, Value]:
+        """Of ``variable + offset``, whole quarter turns of the offset taken out."""
+        exact = decompose(substitute(offset, self._numbers))
+        quarters = 2 * exact.pi_multiple
+        whole = quarters if quarters.denominator == 1 else Fraction(0)
+        rest = self.constant(Pi()) * (exact.pi_multiple - whole / 2)
+        for unit, coefficient in exact.terms:
+            rest = rest + self.constant(unit) * coefficient
+        angle = variable + rest
+        c, s = angle.cos(), angle.sin()
+        return ((c, s), (-s, c), (-c, -s), (s, -c))[int(whole) % 4]

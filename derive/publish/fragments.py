@@ -1,0 +1,200 @@
+r"""One part of a handout, or one quantity, for ``\input`` into a teacher's own notes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
+from derive.handout.assemble import context_of, section_of
+from derive.handout.context import Context
+from derive.handout.document import Block, Figure, Rows, Section, Table, blocks_of
+from derive.handout.formula import formula
+from derive.handout.frames import entry_namer
+from derive.handout.latex_writer import fragment
+from derive.handout.layout.quantity import Item
+from derive.handout.layout.quantity import LaidOut as Layout
+from derive.handout.notation.pieces import Box, italic, script
+from derive.handout.notation.symbols import EntryNamer, bold
+from derive.handout.quantities import Written, expanded_terms
+from derive.model.model import Model
+from derive.model.quantities import REGISTRY, parse
+from derive.robot.handout import PARTS, HandoutOptions
+from derive.robot.robot import Robot
+
+_WIDEST = 10
+"""Columns that amsmath's matrices have unless told otherwise."""
+
+_MATRIX = re.compile(r"\\begin\{bmatrix\}(.*?)\\end\{bmatrix\}", re.DOTALL)
+
+_WORDS = {
+    "detJ": "\\det\\mathbf{J}",
+    "rpy": "\\boldsymbol{\\phi}_{\\mathrm{RPY}}",
+    "euler_zyz": "\\boldsymbol{\\phi}_{\\mathrm{ZYZ}}",
+}
+"""Quantities whose names are no symbols."""
+
+_FUNCTIONS = {
+    "T": "forward_kinematics",
+    "A": "link_transforms",
+    "J": "jacobian",
+    "B": "inertia_matrix",
+    "C": "coriolis_matrix",
+    "N": "coriolis_matrix",
+    "christoffel": "coriolis_matrix",
+    "g": "gravity_vector",
+    "tau": "inverse_dynamics",
+}
+
+
+def fragment_text(robot: Robot, options: HandoutOptions, name: str) -> str:
+    """LaTeX of a part or a quantity, without a document around it.
+
+    Args:
+        robot: The robot.
+        options: What the handout shows; language and notation count here too.
+        name: A part such as ``inertia`` or a quantity such as ``B``, ``A[1]`` or ``T[0,2]``.
+
+    Raises:
+        QuantityError: Neither a part nor a quantity, or one that this robot does not have.
+    """
+    context = context_of(robot, options)
+    section = _part(context, name) if name in PARTS else _quantity(context, name)
+    needed = "".join(f"\\usepackage{{{package}}}" for package in _packages(section))
+    shown = f"% {name} of {robot.name}: written by derive {context.version}; needs {needed}\n"
+    body = fragment(section, context.text)
+    columns = max((row.count("&") + 1 for matrix in _MATRIX.findall(body) for row in matrix.split("\\\\")), default=0)
+    if columns > _WIDEST:
+        shown += f"% and \\setcounter{{MaxMatrixCols}}{{{columns}}}\n"
+    return shown + body
+
+
+def _packages(section: Section) -> Iterator[str]:
+    yield "amsmath"
+    blocks = list(blocks_of(section))
+    if any(isinstance(block, Table) for block in blocks):
+        yield "booktabs"
+    if any(isinstance(block, Table) and block.long for block in blocks):
+        yield "longtable"
+    if any(isinstance(block, Figure) for block in blocks):
+        yield "tikz"
+    if any(rows.landscape for block in blocks for rows in _rows(block)):
+        yield "pdflscape"
+
+
+def _rows(block: Block) -> tuple[Rows, ...]:
+    return (block,) if isinstance(block, Rows) else getattr(block, "rows", ()) if not isinstance(block, Table) else ()
+
+
+def _part(context: Context, name: str) -> Section:
+    section = section_of(context, name)
+    if section is None:
+        raise QuantityError(f"{context.robot.name} has no part {quoted(name)}", allowed="its file gives no links")
+    return section
+
+
+def _quantity(context: Context, name: str) -> Section:
+    model: Model = getattr(context.quantities, "model", None) or Model(context.robot)
+    _require_known(name)
+    row, indices, entry = parse(model, name)
+    if row.dynamic and not context.robot.has_dynamics:
+        raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
+    layout = _known(context, row.name, indices) if entry is None else None
+    layout = layout or _written(context, name, row.name, indices, model)
+    return Section("", "", (formula(context, layout, _FUNCTIONS.get(row.name, "")),))
+
+
+def _require_known(name: str) -> None:
+    """A word that is neither: what is meant may be either."""
+    word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
+    if word not in REGISTRY:
+        raise TargetError(
+            f"no part and no quantity {quoted(name)}",
+            allowed=f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
+            remedy=near_miss(word, (*PARTS, *REGISTRY)),
+        )
+
+
+def _known(context: Context, name: str, indices: tuple[int, ...]) -> Layout | None:
+    """As the handout prints it; None for what no part prints as a whole."""
+    dynamics, layouter, symbols = context.dynamics, context.layouter, context.symbols
+    makers: dict[str, Callable[[], Layout | None]] = {
+        "T": lambda: layouter.block(bold("T"), EntryNamer(symbols, "t"), context.quantities["T"]),
+        "J": lambda: layouter.block(bold("J"), EntryNamer(symbols, "J"), context.quantities["J"], group=1),
+        "B": dynamics.inertia,
+        "C": lambda: dynamics.closed("C", 4),
+        "N": lambda: dynamics.closed("N", 5),
+        "g": dynamics.gravity,
+        "tau": dynamics.torque,
+        "potential": dynamics.potential,
+        "kinetic": dynamics.kinetic,
+    }
+    return makers[name]() if name in makers and not indices else None
+
+
+@dataclass(frozen=True, slots=True)
+class _Name:
+    """What a quantity is called; its entries are in brackets with indices."""
+
+    symbol: Box
+    entry: Callable[[int, int], Box]
+
+
+def _written(context: Context, text: str, name: str, indices: tuple[int, ...], model: Model) -> Layout:
+    """Any other quantity, or an entry: by the value that the model has for it."""
+    value = model.quantity(text)
+    called = _called(context, name, indices)
+    if hasattr(value, "shape"):
+        shape: tuple[int, int] = value.shape
+        limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
+        return context.layouter.block(called.symbol, called.entry, Written(shape, lambda: value), limit=limit)
+    symbol = _entry_symbol(called, text, indices) if "[" in text else called.symbol
+    item = Item(symbol, max(1, expanded_terms(value)), lambda: value)
+    return context.layouter.entries([item], limit=context.policy.grouped_terms)
+
+
+def _entry_symbol(called: _Name, text: str, indices: tuple[int, ...]) -> Box:
+    """The last numbers of ``T[0,2][1,4]`` are a row and a column, or the row of a vector."""
+    numbers = [int(number) for number in re.findall(r"\d+", text[text.index("[") :])][len(indices) :]
+    if not numbers:
+        return called.symbol
+    if len(numbers) == 2:
+        return called.entry(numbers[0], numbers[1])
+    return script(Box(f"({called.symbol.tex})", called.symbol.width + 10.0), italic(str(numbers[0])))
+
+
+def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
+    symbols = context.symbols
+    match name, indices:
+        case "A", (i,):
+            symbol = symbols.frame("A", i, i - 1)
+        case "T", (i, j):
+            symbol = symbols.frame("T", j, i)
+        case (("T" | "J" | "C" | "N"), ()):
+            return _Name(bold(name), EntryNamer(symbols, "t" if name == "T" else name))
+        case "B", ():
+            return _Name(context.dynamics.inertia_symbol, context.dynamics.inertia_entry)
+        case "g", ():
+            return _Name(bold("g"), lambda row, _: symbols.component("g", row))
+        case "tau", ():
+            return _Name(Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row))
+        case "christoffel", (i, j, k):
+            symbol = symbols.christoffel(i, j, k)
+        case _:
+            symbol = _by_name(name, indices, symbols.inertia_letter)
+    return _Name(symbol, entry_namer(symbol, "," if context.robot.n > 9 else ""))
+
+
+def _by_name(name: str, indices: tuple[int, ...], inertia: str) -> Box:
+    r"""``Jv_com[2]`` is \mathbf{J}_{\mathrm{v,com},2}; ``Bdot`` has its dot."""
+    if name == "Bdot":
+        return Box(f"\\dot{{\\mathbf{{{inertia}}}}}", 10.0)
+    if name in _WORDS:
+        return Box(_WORDS[name], 30.0)
+    if len(name) > 1 and "_" not in name:
+        return Box(f"\\mathrm{{{name}}}", 6.0 * len(name))
+    rest = name[1:].strip("_").replace("_", ",")
+    labels = ",".join([*([f"\\mathrm{{{rest}}}"] if rest else []), *map(str, indices)])
+    nucleus = bold(inertia if name.startswith("B") else name[0])
+    return script(nucleus, Box(labels, 6.0 * (len(rest) + 3 * len(indices)))) if labels else nucleus

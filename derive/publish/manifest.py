@@ -1,0 +1,90 @@
+"""``MANIFEST.json``: what a generated folder was made from, and what is in it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from derive.programs.effort import Effort
+from derive.programs.interface import hoisted_operations_of, operations_of
+from derive.robot.names import free_symbols, number_of
+from derive.robot.printer import to_text
+from derive.targets.target import Source, Target
+
+FILE = "MANIFEST.json"
+GENERATOR = "derive"
+LARGEST = 10_000_000
+"""Bytes of a manifest that is read at all."""
+
+
+def manifest_text(
+    source: Source, targets: Collection[Target], files: Mapping[str, bytes], effort: Effort = Effort.FULL
+) -> str:
+    """The manifest of a build; keys sorted, one entry a line."""
+    robot = source.robot
+    content = {
+        "generator": GENERATOR,
+        "version": source.version,
+        "robot": robot.name,
+        "robot_file_sha256": robot.digest,
+        "effort": effort.value,
+        "convention": robot.convention.value,
+        "dof": robot.n,
+        "joints": [{"name": joint.variable, "type": joint.type.value} for joint in robot.joints],
+        "parameters": {
+            "free": list(free_symbols(robot)),
+            "numbers": {name: to_text(value) for name, value in number_of(robot).items()},
+        },
+        "operations": operations_of(source.program),
+        "operations_on_parameters": hoisted_operations_of(source.program),
+        "targets": [target.name for target in targets],
+        "compiled": sorted(name for target in targets for name in target.compiled),
+        "files": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},
+    }
+    return json.dumps(content, indent=2, sort_keys=True) + "\n"
+
+
+def read_manifest(folder: Path) -> dict[str, Any] | None:
+    """The manifest of a folder; None if there is none of ours."""
+    path = folder / FILE
+    try:
+        if path.is_symlink() or not path.is_file() or path.stat().st_size > LARGEST:
+            return None
+        content = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return None
+    ours = isinstance(content, dict) and content.get("generator") == GENERATOR
+    return content if ours and isinstance(content.get("files"), dict) else None
+
+
+def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
+    """Libraries of a folder: compiled from its files, and of other bytes with every compiler."""
+    names = manifest.get("compiled", ())
+    return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
+
+
+def is_current(
+    folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort = Effort.FULL
+) -> bool:
+    """Whether a folder holds, untouched, what these targets of this version make of this robot file."""
+    manifest = read_manifest(folder)
+    if manifest is None:
+        return False
+    wanted = (robot_digest, version, [target.name for target in targets], effort)
+    found = tuple(manifest.get(key) for key in ("robot_file_sha256", "version", "targets", "effort"))
+    compiled = all((folder / name).is_file() for name in compiled_files(manifest))
+    return (
+        found == wanted
+        and compiled
+        and all(_is_untouched(folder / name, hash_) for name, hash_ in manifest["files"].items())
+    )
+
+
+def _is_untouched(path: Path, expected: object) -> bool:
+    try:
+        return not path.is_symlink() and hashlib.sha256(path.read_bytes()).hexdigest() == expected
+    except OSError:
+        return False

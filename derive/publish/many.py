@@ -1,0 +1,196 @@
+"""Several robots, one after the other or at once; one failure does not stop the rest."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from derive.errors import DeriveError, OutputError
+from derive.publish.build import build_robot, check_robot
+from derive.publish.results import BuildFailure, BuildResult, CheckResult, Progress
+from derive.robot.robot import Robot
+from derive.targets.readme import package_name
+
+R = TypeVar("R", BuildResult, CheckResult)
+
+
+@dataclass(frozen=True, slots=True)
+class _Task(Generic[R]):
+    """One robot's work as a value that another process can read."""
+
+    work: Callable[..., R]
+    out: Path
+    targets: tuple[str, ...] | None
+    options: tuple[tuple[str, bool | str | None], ...]
+
+    def __call__(self, robot: Robot, progress: Progress | None = None) -> R | BuildFailure:
+        extra = {"progress": progress} if progress else {}
+        try:
+            return self.work(robot, self.out, self.targets, **dict(self.options), **extra)
+        except Exception as error:  # a fault of one robot, or of derive, must not take the others along
+            return BuildFailure(robot.name, error)
+
+
+def build_many(
+    robots: Sequence[Robot],
+    out: Path,
+    targets: Iterable[str] | None = None,
+    *,
+    jobs: int = 1,
+    verified: bool = True,
+    force: bool = False,
+    effort: str | None = None,
+    progress: Progress | None = None,
+) -> list[BuildResult | BuildFailure]:
+    """Builds robots; results come in the order of ``robots``, whatever finished first.
+
+    Args:
+        robots: The robots.
+        out: Parent folder.
+        targets: Names of targets; None for all.
+        jobs: Robots built at once, each in a process of its own.
+        verified: See `build_robot`.
+        force: See `build_robot`.
+        effort: See `build_robot`.
+        progress: Told the stages; with several jobs only the end of each robot.
+
+    Raises:
+        OutputError: Two different robots would share a folder.
+    """
+    _require_distinct(robots)
+    options = (("verified", verified), ("force", force), ("effort", effort))
+    task = _Task(build_robot, out, None if targets is None else tuple(targets), options)
+    return _run(task, robots, jobs, progress, hears=True)
+
+
+def check_many(
+    robots: Sequence[Robot],
+    out: Path,
+    targets: Iterable[str] | None = None,
+    *,
+    jobs: int = 1,
+    effort: str | None = None,
+    progress: Progress | None = None,
+) -> list[CheckResult | BuildFailure]:
+    """Checks robots as `check_robot` does; results come in the order of ``robots``."""
+    task = _Task(check_robot, out, None if targets is None else tuple(targets), (("effort", effort),))
+    return _run(task, robots, jobs, progress, hears=False)
+
+
+def _require_distinct(robots: Sequence[Robot]) -> None:
+    """Two files with one name would overwrite each other's folder."""
+    seen: dict[str, Robot] = {}
+    for robot in robots:
+        other = seen.setdefault(package_name(robot), robot)
+        if other.digest != robot.digest:
+            raise OutputError(
+                f"{other.source or other.name} and {robot.source or robot.name} have the same name {robot.name!r}",
+                allowed="robots that are built into one folder have different names",
+                remedy="change `name:` in one of the files, or build them with different --out",
+            )
+
+
+def _run(
+    task: _Task[R], robots: Sequence[Robot], jobs: int, progress: Progress | None, *, hears: bool
+) -> list[R | BuildFailure]:
+    if jobs <= 1 or len(robots) <= 1:
+        with _interrupts_noted() as interrupted:
+            return [_one(task, robot, progress, hears, interrupted) for robot in robots]
+    results = _in_processes(task, robots, jobs, progress)
+    lost = [index for index in range(len(robots)) if index not in results]
+    for index in lost:  # a process died: each robot that it may have been gets one of its own
+        alone = _in_processes(task, [robots[index]], 1, progress)
+        results[index] = alone.get(0) or BuildFailure(robots[index].name, DeriveError("the process that built it died"))
+    return [results[index] for index in range(len(robots))]
+
+
+def _one(
+    task: _Task[R], robot: Robot, progress: Progress | None, hears: bool, interrupted: list[int]
+) -> R | BuildFailure:
+    """One robot; an interrupt that somebody on the way has swallowed counts after it."""
+    result = task(robot, progress if hears else None)
+    if interrupted:
+        raise KeyboardInterrupt
+    return _told(result, progress)
+
+
+def _in_processes(
+    task: _Task[R], robots: Sequence[Robot], jobs: int, progress: Progress | None
+) -> dict[int, R | BuildFailure]:
+    """Results by index; robots whose process died are missing."""
+    results: dict[int, R | BuildFailure] = {}
+    with _pool(min(jobs, len(robots))) as pool:
+        with _interrupts_ignored():
+            futures: dict[Future[R | BuildFailure], int] = {
+                pool.submit(task, robot): index for index, robot in enumerate(robots)
+            }
+        for future in as_completed(futures):
+            try:
+                results[futures[future]] = _told(future.result(), progress)
+            except BrokenProcessPool:
+                continue
+    return results
+
+
+@contextmanager
+def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that end with us: after an interrupt they are stopped at once, which no folder minds."""
+    others = multiprocessing.active_children()
+    pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            if process not in others:
+                process.terminate()
+        raise
+    pool.shutdown()
+
+
+@contextmanager
+def _interrupts_noted() -> Iterator[list[int]]:
+    """The interrupts that came: one raised inside of a finaliser or a foreign library's call may never arrive."""
+    noted: list[int] = []
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    if ignored or threading.current_thread() is not threading.main_thread():
+        yield noted
+        return
+
+    def note(number: int, _frame: object) -> None:
+        noted.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield noted
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """A terminal interrupts every process; those started here leave it to us and print no traceback of their own."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _told(result: R | BuildFailure, progress: Progress | None) -> R | BuildFailure:
+    """Tells the end of a robot; a build that ran in this process has told its own success."""
+    if progress is not None:
+        progress(result.robot, "failed" if isinstance(result, BuildFailure) else "done")
+    return result

@@ -1,0 +1,204 @@
+"""Writes a folder as a whole or not at all.
+
+The new folder is written and checked beside the target and then takes its name in one step, so that a kill at any
+moment, a full disk or two builds at once leave the complete old folder or the complete new one. Files of the user's
+in it are kept.
+
+Whether a folder may be replaced, and which of the files in it are the user's.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TypeVar
+
+from derive.errors import OutputError
+from derive.publish.manifest import FILE as MANIFEST
+from derive.publish.manifest import compiled_files, read_manifest
+from derive.publish.staging import (
+    backup_of,
+    exchange,
+    exclusively,
+    flush_folder,
+    hold,
+    make_staging,
+    recover,
+    release,
+    remove,
+)
+
+_CACHE = "__pycache__"
+
+
+def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> None:
+    """Refuses to replace what derive did not write.
+
+    Args:
+        target: The folder to be written.
+        robot_name: The robot it is for.
+        files: Names of the files that will be written.
+
+    Raises:
+        OutputError: A symbolic link, a file, a folder without a manifest of ours, another robot's folder, or a file of
+            the user's under the name of one to be written.
+    """
+    if target.is_symlink():
+        raise _refusal(target, "is a symbolic link", "remove the link, or choose another --out")
+    if not os.path.lexists(target):
+        return
+    if not target.is_dir():
+        raise _refusal(target, "is not a folder", "move it away, or choose another --out")
+    if not any(target.iterdir()):
+        return
+    manifest = read_manifest(target)
+    if manifest is None:
+        raise _refusal(target, f"holds files, but no {MANIFEST} of derive", "move it away, or choose another --out")
+    if manifest.get("robot") != robot_name:
+        raise _refusal(target, f"belongs to the robot {manifest.get('robot')!r}", "choose another --out")
+    taken = sorted(set(files) & set(users_files(target)))
+    if taken:
+        raise _refusal(target / taken[0], f"is not listed in {MANIFEST}, but a build would write it", "move it away")
+
+
+def users_files(target: Path) -> list[str]:
+    """Names in a generated folder that no build has written: they are kept."""
+    if target.is_symlink() or not target.is_dir():
+        return []
+    manifest = read_manifest(target) or {"files": {}}
+    ours = {MANIFEST, _CACHE, *manifest["files"], *compiled_files(manifest)}
+    return sorted(path.name for path in target.iterdir() if path.name not in ours)
+
+
+def carry_over(target: Path, staging: Path) -> None:
+    """Takes the user's files from the old folder into the new one; the old one keeps them until it is removed."""
+    for name in users_files(target):
+        source, copy = target / name, staging / name
+        if source.is_symlink():
+            copy.symlink_to(source.readlink())
+        elif source.is_dir():
+            shutil.copytree(source, copy, symlinks=True, copy_function=_link_or_copy)
+        else:
+            _link_or_copy(str(source), str(copy))
+
+
+def _link_or_copy(source: str, copy: str) -> str:
+    try:
+        os.link(source, copy, follow_symlinks=False)
+    except OSError:
+        shutil.copy2(source, copy, follow_symlinks=False)
+    return copy
+
+
+def _refusal(path: Path, found: str, remedy: str) -> OutputError:
+    return OutputError(f"{path} {found}", allowed="derive replaces only folders that it wrote itself", remedy=remedy)
+
+
+R = TypeVar("R")
+
+
+def publish(
+    files: Mapping[str, bytes],
+    target: Path,
+    robot_name: str,
+    check: Callable[[Path], R],
+    further: Iterable[str] = (),
+) -> R:
+    """Writes files into a folder that replaces ``target``.
+
+    Args:
+        files: Contents by file name.
+        target: The folder; its parent is made if there is none.
+        robot_name: The robot that the folder is for.
+        check: Called with the finished temporary folder; what it raises stops the build, and the old folder stays.
+        further: Names of the files that ``check`` adds.
+
+    Returns:
+        What ``check`` returned.
+
+    Raises:
+        OutputError: The target is not ours to replace, or the system refused to write.
+    """
+    with _system_errors(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        names = (*files, *further)
+        staging, lock = _begin(target, robot_name, names)
+    try:
+        with _system_errors(target):
+            _write(files, staging)
+        result = check(staging)
+        with _system_errors(target):
+            _finish(staging, target, robot_name, names)
+        return result
+    finally:
+        remove(staging)
+        release(lock)
+
+
+def heal(parent: Path) -> None:
+    """Puts in order what a killed build left in a folder of robots."""
+    if parent.is_dir():
+        with _system_errors(parent), exclusively(parent) as locks_work:
+            recover(parent, locks_work)
+
+
+@contextmanager
+def _system_errors(target: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(
+            f"cannot write {target}: {reason}",
+            remedy="what was there before is unchanged; make room, or choose another --out",
+        ) from error
+
+
+def _begin(target: Path, robot_name: str, files: Iterable[str]) -> tuple[Path, int | None]:
+    """A locked, empty folder beside the target."""
+    with exclusively(target.parent) as locks_work:
+        recover(target.parent, locks_work)
+        require_replaceable(target, robot_name, files)
+        staging = make_staging(target)
+        return staging, hold(staging)
+
+
+def _write(files: Mapping[str, bytes], staging: Path) -> None:
+    for name, data in files.items():
+        with open(staging / name, "xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+    flush_folder(staging)
+
+
+def _finish(staging: Path, target: Path, robot_name: str, files: Iterable[str]) -> None:
+    """Gives the new folder the target's name; afterwards ``staging`` is the old one, or nothing."""
+    with exclusively(target.parent):
+        require_replaceable(target, robot_name, files)
+        carry_over(target, staging)
+        if not os.path.lexists(target):
+            staging.rename(target)
+        elif not exchange(staging, target):
+            _replace_in_two_steps(staging, target)
+        with suppress(OSError):  # the new folder is in place; what fails now is how long it outlives a power cut
+            flush_folder(target.parent)
+
+
+def _replace_in_two_steps(staging: Path, target: Path) -> None:
+    """Where folders cannot be exchanged: a kill between the renames is healed by the next build."""
+    backup = backup_of(target)
+    target.rename(backup)
+    try:
+        staging.rename(target)
+    except OSError:
+        backup.rename(target)
+        raise
+    try:
+        flush_folder(target.parent)
+    except OSError:  # keep both until a build finds the disk in order
+        return
+    remove(backup)

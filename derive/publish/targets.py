@@ -1,0 +1,38 @@
+"""All targets, one row each; the command line, the manifest and the README page of a robot derive from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from derive.errors import TargetError
+from derive.handout.sheet_target import TARGET as LATEX
+from derive.targets.c.target import TARGET as C
+from derive.targets.casadi import C_TARGET as CASADI_C
+from derive.targets.casadi import TARGET as CASADI
+from derive.targets.javascript import TARGET as JAVASCRIPT
+from derive.targets.native import TARGET as NATIVE
+from derive.targets.numpy import TARGET as NUMPY
+from derive.targets.readme import TARGET as README
+from derive.targets.target import Target
+
+_ALL = (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, LATEX, README)
+
+TARGETS: dict[str, Target] = {target.name: target for target in _ALL}
+"""By name, in the order in which they are written."""
+
+
+def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
+    """Targets by name and those that they require, in the registry's order; for None what a build writes unasked.
+
+    Raises:
+        TargetError: An unknown name, or none at all.
+    """
+    if names is None:
+        return tuple(target for target in TARGETS.values() if target.default)
+    wanted = set(names)
+    unknown = sorted(wanted - TARGETS.keys())
+    if unknown or not wanted:
+        found = f"unknown target {unknown[0]!r}" if unknown else "no target"
+        raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}")
+    wanted |= {needed for name in wanted for needed in TARGETS[name].requires}
+    return tuple(target for name, target in TARGETS.items() if name in wanted)

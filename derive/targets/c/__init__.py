@@ -1,0 +1,1 @@
+"""C99: functions, kernels and files."""

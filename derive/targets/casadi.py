@@ -1,0 +1,102 @@
+"""``model_casadi.py``: the functions of a robot as ``casadi.Function`` objects, from the same tapes.
+
+``model_casadi.c`` and ``.h``: the C export of CasADi itself, of the functions of ``model_casadi.py``.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from derive.algebra.constants import to_float
+from derive.programs.interface import WORDING
+from derive.programs.program import Function
+from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.targets.c.target import c_heading
+from derive.targets.numpy import python_context
+from derive.targets.target import Source, Target
+from derive.targets.templating import render
+
+FILE = "model_casadi.py"
+
+
+def render_casadi(source: Source) -> dict[str, str]:
+    """The module's text."""
+    context = python_context(source) | {"columns": 4 * source.robot.n}
+    return {FILE: render("casadi/model_casadi.py.jinja", **context)}
+
+
+TARGET = Target(
+    name="casadi",
+    summary="casadi.Function objects with named inputs and outputs, for MPC and CasADi's own C export",
+    files=(FILE,),
+    render=render_casadi,
+)
+
+
+CODE, HEADER = "model_casadi.c", "model_casadi.h"
+
+
+def render_casadi_c(source: Source) -> dict[str, str]:
+    """Code and header, behind a heading of ours; like CasADi's text, they depend on its version."""
+    import casadi
+
+    parameters = source.program.parameters
+    generator = casadi.CodeGenerator(CODE, {"with_header": True})
+    for function in source.program:
+        generator.add(casadi_function(function, source.robot.n, len(parameters)))
+    heading = render(
+        "casadi-c/heading.c.jinja",
+        **c_heading(source),
+        parameters=parameters,
+        casadi_version=casadi.CasadiMeta.version(),
+    )
+    with tempfile.TemporaryDirectory(prefix="derive-") as folder:
+        generator.generate(f"{folder}/")
+        return {name: heading + Path(folder, name).read_text(encoding="utf-8") for name in (CODE, HEADER)}
+
+
+def casadi_function(function: Function, joints: int, parameters: int) -> Any:
+    """A tape as a ``casadi.Function`` on SX: columns in, and ``params`` as the last input where there are any."""
+    import casadi
+
+    names = [*function.arguments, *(["params"] if parameters else [])]
+    inputs = [casadi.SX.sym(name, parameters if name == "params" else joints) for name in names]
+    entries = {
+        PARAMETER if name == "params" else name: casadi.vertsplit(column)
+        for name, column in zip(names, inputs, strict=True)
+    }
+    arithmetic = {
+        "number": lambda value: casadi.SX(to_float(value)),
+        "sin": casadi.sin,
+        "cos": casadi.cos,
+        "sqrt": casadi.sqrt,
+        "sign": casadi.sign,
+    }
+    results = evaluate(function.tape, entries, arithmetic)
+    output = _arranged(results, function.shape)
+    return casadi.Function(function.name, inputs, [output], names, [WORDING[function.name].symbol])
+
+
+def _arranged(results: Sequence[Any], shape: Sequence[int]) -> Any:
+    """A column, a matrix, or matrices side by side, dense: an entry that is zero is an entry."""
+    import casadi
+
+    column = casadi.densify(casadi.vertcat(*results))
+    if len(shape) == 1:
+        return column
+    rows, columns = shape[-2:]
+    size = rows * columns
+    blocks = [column[start : start + size] for start in range(0, len(results), size)]
+    return casadi.horzcat(*[casadi.reshape(block, columns, rows).T for block in blocks])
+
+
+C_TARGET = Target(
+    name="casadi-c",
+    summary="CasADi's own C export of its functions",
+    files=(CODE, HEADER),
+    render=render_casadi_c,
+    default=False,
+)

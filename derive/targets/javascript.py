@@ -1,0 +1,169 @@
+"""``model.mjs``: the functions of a robot as a JavaScript module, from the same tapes, for browsers and Node alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_lines
+from derive.programs.program import Function, Program
+from derive.robot.robot import Robot
+from derive.targets.escape import javascript_comment, javascript_name, javascript_string
+from derive.targets.kernel import Kernel, rows_of, write_kernel
+from derive.targets.printer import JavaScriptPrinter
+from derive.targets.python_kernel import wrapped
+from derive.targets.target import Source, Target, joint_limits
+from derive.targets.templating import render
+
+FILE = "model.mjs"
+
+
+@dataclass(frozen=True, slots=True)
+class JavaScriptFunction:
+    """One function, ready for a template; every text is finished.
+
+    Attributes:
+        name: ``inertiaMatrix``.
+        label: The same as a string literal.
+        arguments: ``q, qd``.
+        documentation: Lines of its comment.
+        parameters: Names of the run-time parameters that it needs, as lines of string literals.
+        hoists: Whether it needs any.
+        unpack_parameters: Lines that name them.
+        hoisted: Statements on parameters alone.
+        hoisted_results: Lines of the values that the body takes from there.
+        checks: Statements that check the arguments and name their entries.
+        constants: Lines of the names of the values on parameters alone.
+        body: Statements.
+        results: Lines of nested array literals.
+    """
+
+    name: str
+    label: str
+    signature: str
+    documentation: tuple[str, ...]
+    parameters: tuple[str, ...]
+    hoists: bool
+    unpack_parameters: tuple[str, ...]
+    hoisted: tuple[str, ...]
+    hoisted_results: tuple[str, ...]
+    checks: tuple[str, ...]
+    constants: tuple[str, ...]
+    body: tuple[str, ...]
+    results: tuple[str, ...]
+
+
+def render_javascript(source: Source) -> dict[str, str]:
+    """The module's text."""
+    return {FILE: render("javascript/model.mjs.jinja", **javascript_context(source))}
+
+
+def javascript_body(robot: Robot, program: Program) -> str:
+    """Declarations of the functions and their constants, without exports: for a page's script."""
+    return render("javascript/functions.js.jinja", **_body_context(robot, program))
+
+
+def javascript_context(source: Source) -> dict[str, object]:
+    """What the template asks for."""
+    robot = source.robot
+    return _body_context(robot, source.program) | {
+        "title": javascript_comment(robot.title or robot.name),
+        "version": javascript_comment(source.version),
+        "digest": robot.digest,
+        "convention": robot.convention.value,
+        "joints": joint_lines(robot),
+    }
+
+
+def camel_case(name: str) -> str:
+    """``inertia_matrix`` -> ``inertiaMatrix``."""
+    first, *rest = name.split("_")
+    return first + "".join(part.capitalize() for part in rest)
+
+
+def _body_context(robot: Robot, program: Program) -> dict[str, object]:
+    return {
+        "dof": robot.n,
+        "joint_names": wrapped([javascript_string(joint.variable) for joint in robot.joints]),
+        "joint_types": wrapped([javascript_string(joint.type.value) for joint in robot.joints]),
+        "limits": wrapped([_pair(text) for text in joint_limits(robot)]),
+        "parameters": wrapped([javascript_string(name) for name in program.parameters]),
+        "has_parameters": bool(program.parameters),
+        "functions": tuple(_function(function, program.parameters, robot.n) for function in program),
+    }
+
+
+def _pair(limits: str) -> str:
+    """Python's pair or None in JavaScript."""
+    return "null" if limits == "None" else f"[{limits[1:-1]}]"
+
+
+def _function(function: Function, parameters: Sequence[str], joints: int) -> JavaScriptFunction:
+    kernel = write_kernel(function.tape, JavaScriptPrinter(), parameters)
+    needed = [parameters[index] for index in kernel.parameters]
+    return JavaScriptFunction(
+        name=camel_case(function.name),
+        label=javascript_string(camel_case(function.name)),
+        signature=", ".join((*function.arguments, "params")),
+        documentation=_documentation(function),
+        parameters=wrapped([javascript_string(name) for name in needed]),
+        hoists=bool(needed),
+        unpack_parameters=wrapped([javascript_name(name) for name in needed]),
+        hoisted=kernel.hoisted,
+        hoisted_results=wrapped(kernel.constant_values),
+        checks=_checks(function, kernel, joints),
+        constants=wrapped(kernel.constants),
+        body=kernel.body,
+        results=_nested(kernel.results, function.shape),
+    )
+
+
+def _checks(function: Function, kernel: Kernel, joints: int) -> tuple[str, ...]:
+    """Every argument is checked, and named where the kernel reads it."""
+    lines: list[str] = []
+    for kind in function.arguments:
+        call = f"vector({javascript_string(camel_case(function.name))}, {javascript_string(kind)}, {kind})"
+        if kind not in kernel.arguments:
+            lines.append(f"{call};")
+            continue
+        names = wrapped([f"{kind}{i + 1}" for i in range(joints)])
+        lines += [f"const [{names[0]}", *(f"  {line}" for line in names[1:])]
+        lines[-1] = f"{lines[-1].rstrip(',')}] = {call};"
+    return tuple(lines)
+
+
+def _nested(results: Sequence[str], shape: Sequence[int]) -> tuple[str, ...]:
+    """Results as the inside of an array literal of that shape, in lines."""
+    if len(shape) == 1:
+        return wrapped(results)
+    size = len(results) // shape[0]
+    lines: list[str] = []
+    for part in rows_of(results, size):
+        inside = _nested(part, shape[1:])
+        short = len(shape) == 2 and len(inside) == 1
+        lines += [f"[{inside[0].rstrip(',')}],"] if short else ["[", *(f"  {line}" for line in inside), "],"]
+    return tuple(lines)
+
+
+def _documentation(function: Function) -> tuple[str, ...]:
+    wording = WORDING[function.name]
+    shape = " x ".join(str(k) for k in function.shape)
+    lines = (
+        wording.summary,
+        "",
+        *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments),
+        "@param {Object|number[]} [params] Numbers of the free parameters.",
+        f"@returns {{Array}} {wording.symbol}, {shape}: {wording.result}.",
+        "",
+        *function_notes(function),
+    )
+    return tuple(f" * {line}".rstrip() for line in lines)
+
+
+TARGET = Target(
+    name="javascript",
+    summary="a JavaScript module for browsers and Node, one configuration a call",
+    files=(FILE,),
+    render=render_javascript,
+    default=False,
+)

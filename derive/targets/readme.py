@@ -1,0 +1,97 @@
+"""The README page of a generated folder: what is in it and how to use it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from derive.programs.interface import ARGUMENTS, WORDING, cost_text, joint_lines
+from derive.robot.names import free_symbols, number_of, robot_symbols
+from derive.robot.printer import to_text
+from derive.robot.robot import Robot
+from derive.targets import templating
+from derive.targets.escape import markdown_text
+from derive.targets.target import Source, Target
+
+FILES = {
+    "model_numpy.py": "the functions for one configuration or any batch; imports NumPy alone",
+    "model_casadi.py": "the same functions as `casadi.Function` objects",
+    "model_casadi.c": "CasADi's own C export of them",
+    "model_casadi.h": "its header",
+    "model.h": "the same functions in C99: what each takes and gives",
+    "model.c": "their code, without allocation or globals",
+    "model_native.py": "the same functions as those of `model_numpy.py`, compiled",
+    "model_native.c": "NumPy's loops around `model.c`; compiled by `derive build`",
+    "model.mjs": "the same functions as a JavaScript module, one configuration a call",
+    "sheet.tex": "the equations, for `pdflatex sheet.tex`",
+    "MANIFEST.json": "hash of the robot file, version of the tool, operation counts, hashes of the files",
+    "__init__.py": "makes the folder an importable package",
+}
+"""What each file is; files that are not listed here appear without a word."""
+
+
+def render(source: Source) -> dict[str, str]:
+    """The page."""
+    return {"README.md": templating.render("readme/README.md.jinja", **readme_context(source))}
+
+
+TARGET = Target(
+    name="readme",
+    summary="a page about the folder, its functions and their cost",
+    files=("README.md",),
+    render=render,
+)
+
+
+def readme_context(source: Source) -> dict[str, Any]:
+    """What the template asks for."""
+    robot = source.robot
+    return {
+        "title": markdown_text(robot.title),
+        "name": robot.name,
+        "package": package_name(robot),
+        "digest": robot.digest,
+        "version": source.version,
+        "convention": robot.convention.value,
+        "n": robot.n,
+        "joints": joint_lines(robot),
+        "files": [(name, FILES.get(name, "")) for name in source.files if name != "README.md"],
+        "has_numpy": "model_numpy.py" in source.files,
+        "has_casadi": "model_casadi.py" in source.files,
+        "has_dynamics": robot.has_dynamics,
+        "functions": _functions(source),
+        "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
+        "numbers": _numbers(robot),
+        "base": _base(source),
+        "free": free_symbols(robot),
+        "example": ", ".join(["0.1"] * robot.n),
+        "example_parameters": ", ".join(f'"{name}": 1.0' for name in free_symbols(robot)),
+    }
+
+
+def package_name(robot: Robot) -> str:
+    """Name of the folder, importable by Python."""
+    return robot.name.replace("-", "_")
+
+
+def _functions(source: Source) -> list[dict[str, str]]:
+    return [
+        {
+            "call": f"{function.name}({', '.join(function.arguments)})",
+            "shape": " x ".join(map(str, function.shape)),
+            "summary": WORDING[function.name].summary,
+            "cost": cost_text(function.operations),
+        }
+        for function in source.program
+    ]
+
+
+def _base(source: Source) -> list[tuple[str, str]]:
+    """The base parameters and their formulas, which the cell grammar keeps free of markup."""
+    name = "base_parameters"
+    return [(c.name, c.formula) for c in source.program[name].columns] if name in source.program else []
+
+
+def _numbers(robot: Robot) -> list[tuple[str, str]]:
+    """Symbols whose number is baked in, with it."""
+    free, numbers = set(free_symbols(robot)), number_of(robot)
+    return [(name, to_text(numbers[name])) for name in robot_symbols(robot) if name in numbers and name not in free]

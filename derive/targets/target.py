@@ -1,0 +1,72 @@
+"""A target: the files that it writes and the function that renders them.
+
+What every target is rendered from.
+
+Joint limits as numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from derive.algebra.constants import exact_number, to_float
+from derive.programs.program import Program
+from derive.robot.description import Joint
+from derive.robot.names import number_of
+from derive.robot.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One robot, ready to be printed.
+
+    Attributes:
+        robot: The robot.
+        program: Its functions as tapes.
+        version: Version of the tool, stated in every output.
+        files: Names of all files of this build, for the page that lists them.
+    """
+
+    robot: Robot
+    program: Program
+    version: str
+    files: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """One kind of output.
+
+    Attributes:
+        name: What the user says to choose it.
+        summary: One line for help texts.
+        files: Names of the files that it writes.
+        render: Makes their contents, by file name; a pure function.
+        default: Whether a build writes it when no target is named.
+        requires: Names of the targets whose files it needs.
+        compiled: Libraries that a build compiles from them: for each the files that it depends on, the first of
+            which is given to the compiler.
+    """
+
+    name: str
+    summary: str
+    files: tuple[str, ...]
+    render: Callable[[Source], dict[str, str]]
+    default: bool = True
+    requires: tuple[str, ...] = ()
+    compiled: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def joint_limits(robot: Robot) -> tuple[str, ...]:
+    """``(lower, upper)`` or ``None`` for each joint [rad, m]; None also where a limit has no number."""
+    return tuple(_limits(robot, joint) for joint in robot.joints)
+
+
+def _limits(robot: Robot, joint: Joint) -> str:
+    if joint.limits is None:
+        return "None"
+    bounds = [exact_number(bound, number_of(robot)) for bound in joint.limits]
+    if any(bound is None for bound in bounds):
+        return "None"
+    return f"({', '.join(repr(to_float(bound)) for bound in bounds)})"

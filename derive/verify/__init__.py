@@ -1,0 +1,1 @@
+"""Numeric verification of generated code: every function of every target against the independent recursion."""

@@ -1,0 +1,1 @@
+"""The independent recursion: every generated function once more, in plain NumPy floats, from the definitions."""
