@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 
 from derive.errors import listed, near_miss, quoted
 from derive.robot.handout import PARTS, Derivation, HandoutOptions, NotationOptions
-from derive.robot.robot import Robot
 
 if TYPE_CHECKING:
     from derive.publish.handout import Format, Handout
+    from derive.robot.robot import Robot
 
 
 _KINDS: dict[str, type[StrEnum]] = {field.name: type(field.default) for field in fields(NotationOptions)}  # type: ignore[misc]
