@@ -16,8 +16,6 @@ from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.tape import PARAMETER, Layer, Operations, evaluate
 from derive.robot.robot import Robot
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 
 def robot(theta: str, alpha: str = "0", a: str = "0", **extra: str) -> Robot:
     """One joint."""

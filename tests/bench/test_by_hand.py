@@ -14,8 +14,6 @@ from bench.robots import COUNTED, Case, load
 from bench.urdf import roll_pitch_yaw
 from derive.robot.robot import Robot
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 MODIFIED = """
 name: mixed
 convention: modified

@@ -17,8 +17,6 @@ from bench.robots import load
 from derive.targets.numpy import render_numpy
 from tests.emit.generated_models import source_of
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 SMALL = ("planar-2r-numeric", "planar-2r-symbolic")
 
 

@@ -14,8 +14,6 @@ from derive import Model, Robot
 from derive.robot.catalogue import catalogue_names
 from tests.docs.console import ROOT
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 TOUR = ROOT / "examples" / "tour.ipynb"
 
 

@@ -11,8 +11,6 @@ import pytest
 from derive.model.quantities import REGISTRY
 from tests.docs.console import ROOT, agrees, blocks, commands, environment, run
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 CONSOLE_PAGES = [page for page in PAGES if any(block.language == "console" for block in blocks(page))]
 LINK = re.compile(r"\[[^\]]*\]\(([^)#\s]+)(?:#[^)]*)?\)")

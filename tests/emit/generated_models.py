@@ -8,6 +8,7 @@ from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
+from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
 from derive.programs.program import Function, Program
 from derive.programs.tape.build import cut
@@ -34,9 +35,9 @@ parameters: {a1: 0.5, a2: 0.4}
 PARAMETERS = {"m1": 2.0, "m2": 1.5}
 
 
-def source_of(robot: Robot, program: Program | None = None) -> Source:
+def source_of(robot: Robot, program: Program | None = None, effort: Effort = Effort.FULL) -> Source:
     """What targets are rendered from."""
-    return Source(robot, program or build_program(robot), "0.0.0")
+    return Source(robot, program or build_program(robot, effort), "0.0.0")
 
 
 def load(text: str, name: str = "generated") -> ModuleType:

@@ -10,6 +10,7 @@ import pytest
 from derive.handout.assemble import context_of, document
 from derive.handout.language import languages
 from derive.handout.latex_writer import latex
+from derive.programs.effort import Effort
 from derive.publish.render import source_of
 from derive.robot.catalogue import catalogue_names
 from derive.robot.handout import (
@@ -46,7 +47,7 @@ def drawn_options(source: random.Random) -> HandoutOptions:
 
 
 def sheet(robot: Robot, options: HandoutOptions) -> str:
-    context = context_of(source_of(robot, ()), options)
+    context = context_of(source_of(robot, (), Effort.QUICK), options)
     return latex(document(context), context.text)
 
 

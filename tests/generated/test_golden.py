@@ -16,8 +16,6 @@ from derive.publish.targets import targets_named
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 ROOT = Path(__file__).parents[2]
 GENERATED = ROOT / "generated"
 REMEDY = "if the change is meant, run `make models`, look at the differences and commit them"

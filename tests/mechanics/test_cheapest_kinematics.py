@@ -16,8 +16,6 @@ from derive.robot.robot import Robot
 from tests.mechanics.parallel_arms import numbers, parallel_arm
 from tests.random_robots import random_robot
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 SQUARE = ["alpha: pi/2", "alpha: -pi/2", "d: d3, alpha: -pi/2", "alpha: pi/2", "d: d5, alpha: pi/2", "alpha: -pi/2", ""]
 PUMA = ["alpha: pi/2", "a: a2", "a: a3, d: d3, alpha: -pi/2", "d: d4, alpha: pi/2", "alpha: -pi/2", ""]
 

@@ -19,8 +19,6 @@ from derive.robot.robot import Robot
 from tests.mechanics.parallel_arms import numbers
 from tests.random_robots import random_robot
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 PLANAR = """
 name: two
 convention: standard

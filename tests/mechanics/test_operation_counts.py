@@ -11,8 +11,6 @@ from derive.programs.functions.functions import build_program
 from derive.programs.program import Program
 from derive.robot.robot import Robot
 
-pytestmark = pytest.mark.usefixtures("full_effort")
-
 PUMA = ["alpha: pi/2", "a: a2", "a: a3, d: d3, alpha: -pi/2", "d: d4, alpha: pi/2", "alpha: -pi/2", "alpha: 0"]
 LWR = [
     "alpha: pi/2", "alpha: -pi/2", "d: d3, alpha: -pi/2", "alpha: pi/2", "d: d5, alpha: pi/2", "alpha: -pi/2", "d: 0"

@@ -11,6 +11,7 @@ import pytest
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.language import Text
 from derive.handout.page.viewer import Viewer, html_symbol, symbol_values, three, travels, upwards, viewer
+from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
 from derive.robot.robot import Robot
 from tests.page.viewer_page import assumed
@@ -20,7 +21,7 @@ BUNDLE_BUDGET = 600_000
 
 
 def figure(robot: Robot, text: Text | None = None) -> Viewer:
-    return viewer(robot, build_program(robot), assumed(robot), text or Text())
+    return viewer(robot, build_program(robot, Effort.QUICK), assumed(robot), text or Text())
 
 
 def arm(rows: str, more: str = "") -> Robot:

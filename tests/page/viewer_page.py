@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.language import Text
 from derive.handout.page.viewer import viewer
+from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
 from derive.robot.robot import Robot
 
@@ -21,7 +22,7 @@ PAGE_STYLE = "body{margin:1rem;font-family:sans-serif} @media(prefers-color-sche
 
 def viewer_page(robot: Robot, start: Sequence[float] | None = None, theme: str = "") -> str:
     """The page's text."""
-    made = viewer(robot, build_program(robot), assumed(robot), Text(), start=start)
+    made = viewer(robot, build_program(robot, Effort.QUICK), assumed(robot), Text(), start=start)
     attribute = f' data-theme="{theme}"' if theme else ""
     return FRAME.format(theme=attribute, css=PAGE_STYLE + made.css, html=made.html, script=made.script)
 
