@@ -15,7 +15,7 @@ from bench.ours import OURS, program_of, tape_counts
 from bench.quantities import QUANTITIES
 from bench.robots import load
 from derive.targets.numpy import render_numpy
-from tests.emit.generated_models import source_of
+from tests.targets.generated_models import source_of
 
 SMALL = ("planar-2r-numeric", "planar-2r-symbolic")
 

@@ -16,7 +16,7 @@ from derive.errors import CheckError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model
 from derive.robot.robot import Robot
-from tests.check.test_corpus_file import ARM
+from tests.check.test_files import ARM
 
 P = 'p, entries: {"1": "a1*c1 + a2*c12"}'
 

@@ -9,7 +9,7 @@ from derive.check.files import corpus_from_bytes
 from derive.check.findings import FileReport, Finding
 from derive.check.verdicts import Outcome, judge
 from derive.errors import Location
-from tests.check.test_corpus_file import ARM
+from tests.check.test_files import ARM
 
 MIXED = 'expected:\n  - {quantity: "T", entries: {"1,4": "a1*c1 + b2*c12", "2,4": "a1*s1 - a2*s12", "1,1": "c12"}}\n'
 

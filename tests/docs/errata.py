@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from derive.check.errata import Printout, errata_report
 from derive.check.files import check_path
 from derive.handout.notation.text import TextPrinter
 from tests.lectures.results import CORPUS
+from tests.places import ROOT
 
-PAGE = Path(__file__).parents[2] / "docs" / "errata.md"
+PAGE = ROOT / "docs" / "errata.md"
 TITLES = {
     "000": "Document 000: lecture notes on robot kinematics and mechatronics (C. Laschi)",
     "001": "Document 001: lecture slides 'Cinematica degli scheletri' (N. A. Borghese)",

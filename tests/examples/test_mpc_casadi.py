@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import sys
 import time
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -13,8 +12,9 @@ import pytest
 
 from derive.robot.robot import Robot
 from derive.verify.oracle.oracle import Oracle
+from tests.places import ROOT
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "mpc_casadi.py"
+EXAMPLE = ROOT / "examples" / "mpc_casadi.py"
 
 
 def loaded() -> ModuleType:

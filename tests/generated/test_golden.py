@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from tests.places import ROOT
+
 import difflib
 import subprocess
 import sys
@@ -16,7 +18,6 @@ from derive.publish.targets import targets_named
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 
-ROOT = Path(__file__).parents[2]
 GENERATED = ROOT / "generated"
 REMEDY = "if the change is meant, run `make models`, look at the differences and commit them"
 

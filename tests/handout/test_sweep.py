@@ -26,7 +26,7 @@ from derive.robot.handout import (
 )
 from derive.robot.robot import Robot
 from derive.targets.target import Source
-from tests.emit.latex_runner import run_latex
+from tests.handout.latex_runner import run_latex
 from tests.random_robots import robot_text
 
 pytestmark = pytest.mark.slow

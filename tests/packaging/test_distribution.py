@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from derive import __version__
+from tests.places import ROOT
 
-ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 

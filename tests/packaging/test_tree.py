@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.places import ROOT
+
 SOURCES = sorted((ROOT / "derive").rglob("*.py"))
 MAX_FILE = 450
 MAX_FUNCTION = 50

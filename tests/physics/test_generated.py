@@ -22,8 +22,8 @@ from derive.verify.generated import GeneratedModel, load_models
 from derive.verify.oracle.oracle import FUNCTIONS, Oracle
 from derive.verify.report import TOLERANCE
 from derive.verify.verify import verify
-from tests.oracle.pinocchio_reference import Array, reference
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
+from tests.verify.oracle.pinocchio_reference import Array, reference
 
 FIXTURE_IS_A_FACTORY = [HealthCheck.function_scoped_fixture]
 """Every example writes over the files of the one before."""

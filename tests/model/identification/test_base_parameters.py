@@ -1,0 +1,273 @@
+"""Base parameters: as many as the rank of the regressor, and the torques of the originals."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from derive.algebra.domain import PolynomialDomain, polynomial_expression
+from derive.algebra.ring import Polynomial
+from derive.mechanics.chain import build_chain
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.newton_euler import inverse_dynamics
+from derive.mechanics.regressor import Regressor
+from derive.mechanics.screws import with_unit_rotors
+from derive.model.identification.base_parameters import BaseSet, base_set
+from derive.model.identification.column_relations import Coefficient
+from derive.model.identification.parameter_values import base_values, grouped_values, standard_values
+from derive.robot.catalogue import catalogue_names
+from derive.robot.description import Inertia, Joint, Link, Motor
+from derive.robot.evaluate import to_float
+from derive.robot.expression import Expression, multiply, power, substitute
+from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
+from tests.places import ROOT
+from tests.random_robots import RandomRobot, random_robot, robot_text
+
+BENCH = ROOT / "bench" / "robots"
+SMALL = [robot for robot in map(Robot.load, catalogue_names()) if robot.has_dynamics and robot.n <= 4]
+LINK = "{mass: m, com: [x, y, z], inertia: {xx: a, yy: b, zz: c, xy: d, xz: e, yz: f}}"
+
+Array = npt.NDArray[np.float64]
+
+
+def names(robot: Robot) -> list[str]:
+    return [parameter.name for parameter in base_set(robot).parameters]
+
+
+def arm(rows: list[str], gravity: str = "[0, 0, -9.81]", convention: str = "modified", link: str = LINK) -> Robot:
+    joints = "\n".join(f"  - {{{row}}}" for row in rows)
+    links = "\n".join(f"  - {link}" for _ in rows)
+    gravity = f"gravity: {gravity}\n" if gravity else ""
+    return Robot.from_text(
+        f"name: arm\ntitle: arm\nconvention: {convention}\njoints:\n{joints}\n{gravity}links:\n{links}\n"
+    )
+
+
+# -- the same torques
+
+
+def exact_torques(robot: Robot) -> tuple[list[Polynomial], list[Polynomial], list[Polynomial]]:
+    """From the originals, from standard and from base parameters, friction left out."""
+    robot = with_numbers(robot)
+    base = base_set(robot)
+    domain = PolynomialDomain(robot, [e for r in base.relations for _, c in r.terms for e in parts(c, base.domain)])
+    rates, gains = ([f(i) for i in range(robot.n)] for f in (domain.rate, domain.acceleration))
+    unit = build_chain(with_unit_rotors(robot), domain)
+    standard = [p for p in standard_parameters(robot) if p.part not in ("b", "f")]
+    scale, grouped = scaled_values(robot, base, domain)
+    grouped = {p: value for p, value in grouped.items() if p.part not in ("b", "f")}
+    found = (
+        inverse_dynamics(build_chain(robot, domain), rates, gains),
+        times(Regressor(unit, rates, gains, ends=True), standard, standard_values(robot, standard, domain)),
+    )
+    base_torques = times(Regressor(unit, rates, gains, ends=False), list(grouped), list(grouped.values()))
+    return [scale * t for t in found[0]], [scale * t for t in found[1]], base_torques
+
+
+def scaled_values(
+    robot: Robot, base: BaseSet, domain: PolynomialDomain
+) -> tuple[Polynomial, dict[Parameter, Polynomial]]:
+    """A common denominator, and the base parameters times it: nothing is divided in the ring."""
+    values = grouped_values(robot, base, domain)
+    terms = [(r.parameter, p, parts(c, base.domain)) for r in base.relations for p, c in r.terms]
+    denominators = {repr(e): domain.constant(e) for _, _, (_, e) in terms}
+    product = lambda without: math.prod((d for k, d in denominators.items() if k != without), start=domain.ring.one)  # noqa: E731
+    scale = product(None)
+    scaled = {p: scale * values[p] for p in base.parameters}
+    for moved, p, (numerator, denominator) in terms:
+        scaled[p] = scaled[p] + domain.constant(numerator) * product(repr(denominator)) * values[moved]
+    return scale, scaled
+
+
+def with_numbers(robot: Robot) -> Robot:
+    """Symbols replaced by their numbers everywhere, for relations may hold for these numbers only."""
+    numbers = {name: value for name, value in robot.parameters if name not in robot.runtime}
+    moved: Robot = _with_numbers(robot, numbers)
+    return moved
+
+
+def _with_numbers(value: Any, numbers: dict[str, Expression]) -> Any:
+    if isinstance(value, Expression):
+        return substitute(value, numbers)
+    if isinstance(value, tuple):
+        return tuple(_with_numbers(part, numbers) for part in value)
+    if isinstance(value, Robot | Joint | Link | Motor | Inertia):
+        parts = {f.name: _with_numbers(getattr(value, f.name), numbers) for f in fields(value)}
+        return replace(value, **parts)
+    return value
+
+
+def parts(c: Coefficient, domain: PolynomialDomain | None) -> tuple[Expression, Expression]:
+    assert domain is not None
+    return polynomial_expression(c.numerator, domain), polynomial_expression(c.denominator, domain)
+
+
+def quotient(c: Coefficient, domain: PolynomialDomain | None) -> Expression:
+    numerator, denominator = parts(c, domain)
+    return multiply(numerator, power(denominator, -1))
+
+
+def times(regressor: Regressor[Polynomial], parameters: list[Parameter], values: list[Polynomial]) -> list[Polynomial]:
+    ring = values[0].ring
+    rows = regressor.rows(parameters)
+    return [ring.sum(y * value for y, value in zip(row, values, strict=True)) for row in rows]
+
+
+@pytest.mark.parametrize("robot", SMALL, ids=lambda robot: robot.name)
+def test_regrouped_parameters_give_the_same_torques_identically(robot: Robot) -> None:
+    originals, standard, base = exact_torques(robot)
+    assert originals == standard == base
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_robots_have_the_same_torques_identically(seed: int) -> None:
+    originals, standard, base = exact_torques(Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)))
+    assert originals == standard == base
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_random_robots_of_four_joints_have_the_same_torques_identically(seed: int) -> None:
+    originals, standard, base = exact_torques(Robot.from_text(robot_text(random.Random(seed), 4)))
+    assert originals == standard == base
+
+
+def torque_errors(drawn: RandomRobot, seed: int) -> tuple[float, float]:
+    """Relative errors of the torques from standard and from base parameters, in floats."""
+    robot = Robot.from_text(drawn.text)
+    q, qd, qdd = np.random.default_rng(seed).uniform(-1.5, 1.5, (3, robot.n))
+    domain = FloatDomain(robot, list(q))
+    domain.values.update(drawn.values)
+    base, standard = base_set(robot), standard_parameters(robot)
+    wanted = Oracle.of(robot, drawn.values).evaluate("inverse_dynamics", q, qd, qdd)
+    chain = build_chain(with_unit_rotors(robot), domain)
+
+    def error(parameters: tuple[Parameter, ...], values: list[float], ends: bool) -> float:
+        rows = Regressor(chain, list(qd), list(qdd), ends=ends, sign=sign).rows(parameters)
+        return float(np.abs(np.array(rows) @ values - wanted).max() / np.abs(wanted).max())
+
+    grouped = base_values(robot, base, domain, lambda c: to_float(quotient(c, base.domain), domain.values))
+    return error(standard, standard_values(robot, standard, domain), True), error(base.parameters, grouped, False)
+
+
+def sign(value: float) -> float:
+    return float(np.sign(value))
+
+
+@pytest.mark.parametrize("seed", range(14))
+def test_torques_of_random_robots_agree_with_the_oracle(seed: int) -> None:
+    assert max(torque_errors(random_robot(random.Random(seed), 1 + seed % 7), seed)) < 1e-12
+
+
+@pytest.mark.slow
+def test_torques_of_200_random_robots_agree_with_the_oracle() -> None:
+    worst = [max(torque_errors(random_robot(random.Random(seed), 1 + seed % 7), seed)) for seed in range(100, 300)]
+    assert max(worst) < 1e-12
+
+
+# -- as few as possible
+
+
+def rank(robot: Robot, values: dict[str, float]) -> tuple[int, int]:
+    """Ranks of the standard regressor and of it with the base regressor, over random motions, in floats."""
+    oracle = Oracle.of(robot, values, base_set(robot).parameters)
+    states = np.random.default_rng(7).uniform(-2.0, 2.0, (3, 40, robot.n))
+    standard, base = (oracle.evaluate(name, *states) for name in ("regressor", "base_regressor"))
+    return _rank(standard), _rank(np.concatenate([standard, base], axis=-1))
+
+
+def _rank(columns: Array) -> int:
+    matrix = columns.reshape(-1, columns.shape[-1])
+    size = np.abs(matrix).max(axis=0)
+    return int(np.linalg.matrix_rank(matrix / np.where(size > 1e-12 * size.max(), size, 1.0), tol=1e-8))
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_there_are_as_many_as_the_rank_of_the_regressor(seed: int) -> None:
+    drawn = random_robot(random.Random(seed), 1 + seed % 6)
+    robot = Robot.from_text(drawn.text)
+    base = base_set(robot)
+    assert base.proven
+    assert rank(robot, drawn.values) == (len(base.parameters), len(base.parameters))
+
+
+@pytest.mark.parametrize(
+    ("name", "count"), [("puma560-symbolic", 36), ("rx90-symbolic", 36), ("arm-7r-symbolic", 43), ("scara-symbolic", 8)]
+)
+def test_known_arms_have_the_known_number(name: str, count: int) -> None:
+    base = base_set(Robot.load(BENCH / f"{name}.yaml"))
+    assert base.proven
+    assert len(base.parameters) == count
+
+
+PARALLEL = ["type: revolute", "type: revolute, a: l1", "type: revolute, a: l2"]
+
+
+@pytest.mark.parametrize(
+    ("gravity", "first"),
+    [("[0, -g, 0]", ["mx1", "my1", "Izz1"]), ("[0, 0, -g]", ["Izz1"]), ("", ["Izz1"]), ("[0, 0, 0]", ["Izz1"])],
+)
+def test_gravity_along_parallel_axes_or_none_takes_first_moments_away(gravity: str, first: list[str]) -> None:
+    rest = ["mx2", "my2", "Izz2", "mx3", "my3", "Izz3"]
+    assert names(arm(PARALLEL, gravity)) == first + rest
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_a_joint_across_the_first_one_shows_all_seven(convention: str) -> None:
+    rows = ["type: revolute, alpha: pi/2", "type: revolute, alpha: pi/2"]
+    seven = ["mx2", "my2", "Ixx2", "Izz2", "Ixy2", "Ixz2", "Iyz2"]
+    assert names(arm(rows, convention=convention))[-7:] == seven
+
+
+def test_sliding_joints_alone_show_masses_alone() -> None:
+    rows = ["type: prismatic", "type: prismatic, alpha: pi/2", "type: prismatic, alpha: al"]
+    assert names(arm(rows)) == ["m1", "m2", "m3"]
+
+
+def test_a_link_that_slides_at_an_angle_has_two_first_moments() -> None:
+    """Of the moment along the axis of joint 1 no torque tells; it is divided among the others by a tangent."""
+    base = base_set(arm(["type: revolute", "type: prismatic, alpha: al"], gravity=""))
+    assert [p.name for p in base.parameters] == ["Izz1", "m2", "mx2", "my2"]
+    (relation,) = [r for r in base.relations if r.parameter.name == "mz2"]
+    assert [(p.name, not c.denominator.is_constant) for p, c in relation.terms] == [("my2", True)]
+
+
+def test_a_rotor_beside_an_armature_is_no_parameter_of_its_own() -> None:
+    link = LINK.replace("{mass", "{motor: {mass: mm, inertia: Im, ratio: k}, armature: Ia, mass")
+    found = names(arm(["type: revolute", "type: revolute, alpha: al"], link=link))
+    assert "Ia2" in found
+    assert not {"Im1", "Im2", "mm1", "mm2", "Ia1"} & set(found)
+
+
+def test_friction_is_always_identifiable() -> None:
+    link = LINK.replace("{mass", "{friction: {viscous: b, coulomb: f}, mass")
+    assert {"b1", "f1", "b2", "f2"} <= set(names(arm(["type: revolute", "type: revolute"], link=link)))
+
+
+def test_numbers_decide_where_they_are_given() -> None:
+    rows = ["type: revolute", "type: revolute, alpha: al, a: l"]
+    generic = arm(rows, "[0, -9.81, 0]")
+    text = (
+        "name: arm\ntitle: arm\nconvention: modified\njoints:\n  - {type: revolute}\n  - {type: revolute, alpha: al}\n"
+    )
+    parallel = Robot.from_text(f"{text}gravity: [0, -9.81, 0]\nlinks:\n  - {LINK}\n  - {LINK}\nparameters: {{al: 0}}\n")
+    assert "Ixx2" in names(generic)
+    assert names(parallel) == ["mx1", "my1", "Izz1", "mx2", "my2", "Izz2"]
+
+
+@pytest.mark.parametrize("make", [lambda: Robot.load("scara-perugia"), lambda: arm(PARALLEL)])
+def test_the_set_does_not_depend_on_the_order_of_calls(make: Callable[[], Robot]) -> None:
+    first = base_set(make())
+    base_set.cache_clear()
+    second = base_set(make())
+    assert first.parameters == second.parameters
+    assert [r.parameter for r in first.relations] == [r.parameter for r in second.relations]

@@ -1,0 +1,180 @@
+"""Networks of polynomials: what is shared, written out and redefined keeps its value; the cost kept is the cost."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from hypothesis import given, settings
+
+from derive.programs.optimise.convert import graph_of, network_of
+from derive.programs.optimise.improve import improve
+from derive.programs.optimise.network import Network
+from derive.programs.optimise.resubstitute import Resubstitution
+from derive.programs.optimise.search import Search
+from derive.programs.tape.build import cost, cut
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.schedule import live, schedule
+from derive.programs.tape.tape import PARAMETER, Operations, evaluate
+from derive.programs.tape.value import Value
+from tests.programs.tape.test_tape import points, rational_functions
+from tests.programs.tape_programs import INPUTS, RATIONAL, RandomProgram, programs
+
+
+def names(count: int = 6) -> tuple[Graph, list[Value], list[Value]]:
+    """A graph with arguments and parameters."""
+    graph = Graph()
+    arguments = [Value(graph, graph.input("q", i)) for i in range(count)]
+    return graph, arguments, [Value(graph, graph.input(PARAMETER, i)) for i in range(count)]
+
+
+def improved(*values: Value) -> Operations:
+    """What the values cost after improvement."""
+    return cut(*improve(values[0].graph, [value.ref for value in values])).operations
+
+
+def counted(network: Network) -> int:
+    """The cost of a network, definition by definition."""
+    return sum(network.cost_of(definition) for definition in network.definition.values())
+
+
+@given(program=programs(), point=points)
+@settings(max_examples=80, deadline=None)
+def test_reading_searching_and_redefining_keep_the_values(program: RandomProgram, point: list[Fraction]) -> None:
+    inputs, parameters = point[:INPUTS], point[INPUTS:]
+    wanted = program.evaluate(inputs, parameters)
+    graph = Graph()
+    with rational_functions():
+        results = program.trace(graph)
+        network = network_of(graph, results)
+        search = Search(network)
+        stages = []
+        for step in (lambda: None, lambda: search.run(300), lambda: search.resubstitute(3000)):
+            step()
+            assert network.cost == counted(network)
+            stages.append(cut(*graph_of(network, graph)))
+    for tape in stages:
+        assert evaluate(tape, {"q": inputs, PARAMETER: parameters}, RATIONAL) == wanted
+
+
+@given(program=programs())
+@settings(max_examples=60, deadline=None)
+def test_changes_can_be_taken_back(program: RandomProgram) -> None:
+    graph = Graph()
+    network = network_of(graph, program.trace(graph))
+    before, price, mark = dict(network.definition), network.cost, network.mark()
+    Search(network).run(500)
+    network.undo(mark)
+    assert network.definition == before
+    assert network.cost == price == counted(network)
+
+
+@given(program=programs())
+@settings(max_examples=60, deadline=None)
+def test_the_network_counts_what_the_tape_costs(program: RandomProgram) -> None:
+    graph = Graph()
+    network = network_of(graph, program.trace(graph))
+    Search(network).run(500)
+    assert cut(*graph_of(network, graph)).operations.arithmetic <= network.cost
+
+
+def test_pairs_of_terms_are_shared_whatever_their_sign() -> None:
+    _, (x, y, z, w, *_), _ = names()
+    assert improved(x + y + z, w - x - y) == Operations(add=3)
+
+
+def test_pairs_of_factors_are_shared() -> None:
+    _, (x, y, z, w, *_), _ = names()
+    assert improved(x * y * z, x * w * y) == Operations(mul=3)
+
+
+def test_sums_with_factors_are_shared_without_them() -> None:
+    _, (x, y, z, w, *_), _ = names()
+    assert improved(x * z + y * z, x * w - -(y * w)) == Operations(mul=2, add=1)
+
+
+def test_numeric_multiples_of_a_sum_are_one_sum() -> None:
+    _, (x, y, z, *_), _ = names()
+    sums = [2 * x + 3 * y, 4 * x + 6 * y + z, 6 * x + 9 * y - z]
+    assert improved(*sums).total <= 7
+
+
+def test_a_difference_of_squares_is_a_product() -> None:
+    _, (x, y, z, w, *_), _ = names()
+    assert improved(x * x - y * y, (x + y) * z, (x - y) * w) == Operations(mul=3, add=2)
+
+
+def test_sine_and_cosine_squared_are_one() -> None:
+    _, (x, y, *_), _ = names()
+    s, c = x.sin(), x.cos()
+    assert improved(s * s * y + c * c * y).arithmetic == 0
+
+
+def test_sums_that_cancel_leave_no_hoisted_work() -> None:
+    _, (x, *_), (a, b, *_) = names()
+    tape = cut(*improve(x.graph, [(((a + b) - b) * x).ref, ((a + b - a) * x * x).ref]))
+    assert tape.hoisted_operations == Operations()
+
+
+def test_factors_of_parameters_are_gathered_even_inside_sums() -> None:
+    _, (x, y, *_), (a, b, c, *_) = names()
+    assert improved(a * (b * x + c * y)) == Operations(mul=2, add=1)
+
+
+def test_a_trace_is_the_same_in_every_frame() -> None:
+    _, (angle, x, y, z, *_), _ = names()
+    s, c = angle.sin(), angle.cos()
+    first = c * c * x + s * s * y - 2 * s * c * z
+    second = s * s * x + c * c * y + 2 * s * c * z
+    found = improved(first, second)
+    assert found.arithmetic <= 9
+
+
+def test_no_difference_brings_in_what_a_value_does_not_depend_on() -> None:
+    graph, (x, y, *_), (light, heavy, *_) = names()
+    small = light * x * y
+    both = (light + heavy) * x * y
+    large = heavy * x * y
+    network = network_of(graph, [value.ref for value in (small, both, large)])
+    others = Resubstitution(network)
+    for variable, _ in network.polynomials():
+        for definition in others.alternatives(variable):
+            if len(definition) > 1:
+                assert not others.fits(variable, definition) or network.residue[variable] == network.evaluate(
+                    definition
+                )
+    root = network.definition[-1]
+    target = root.operands[0].variable
+    minus = {(root.operands[1].variable,): 2, (root.operands[2].variable,): 3}
+    assert network.evaluate(minus) == network.residue[target]
+    assert not others.fits(target, minus)
+
+
+@given(program=programs())
+@settings(max_examples=40, deadline=None)
+def test_results_do_not_depend_on_the_run(program: RandomProgram) -> None:
+    tapes = []
+    for _ in range(2):
+        graph = Graph()
+        tapes.append(cut(*improve(graph, program.trace(graph))))
+    assert tapes[0] == tapes[1]
+    assert cost(graph, program.trace(graph)) >= cost(*improve(graph, program.trace(graph)))
+
+
+def test_hoisted_work_is_shared_like_the_body() -> None:
+    _, (x, y, *_), (a, b, c, d, *_) = names()
+    tape = cut(*improve(x.graph, [((a * b + a * c) * x).ref, ((d * b + d * c) * y).ref]))
+    assert tape.operations == Operations(mul=2)
+    assert tape.hoisted_operations == Operations(mul=2, add=1)
+
+
+def test_few_values_are_alive_where_an_order_allows_it() -> None:
+    _, variables, _ = names(40)
+    squares = [v * v for v in variables]
+    total = squares[-1]
+    for square in squares[-2::-1]:
+        total = square + total
+    graph, outputs = improve(total.graph, [total.ref])
+    order = schedule(graph, outputs)
+    assert live(graph, order)[0] <= 2
+    places = {i: step for step, i in enumerate(order)}
+    assert all(places[k] < places[i] for i in order for k in graph.operands[i])

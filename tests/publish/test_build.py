@@ -1,0 +1,203 @@
+"""Building a robot: what is written, when nothing is, and what a check finds."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import derive
+from derive.errors import OutputError, TargetError, VerificationError
+from derive.publish import build
+from derive.publish.build import build_robot, check_robot, folder_of
+from derive.publish.many import build_many, check_many
+from derive.publish.results import BuildFailure, BuildResult, CheckResult
+from derive.publish.targets import targets_named
+from derive.robot.robot import Robot
+from derive.targets.compiler import find_compiler
+from tests.places import ROOT
+
+ALL_FILES = {name for target in targets_named() for name in target.files} | {"MANIFEST.json", "__init__.py"}
+ARM = """\
+name: two-bars
+title: Two bars
+convention: standard
+joints:
+  - {type: revolute, a: a1, limits: [-pi, pi]}
+  - {type: prismatic, alpha: pi/2}
+gravity: [0, -g, 0]
+links:
+  - {mass: m1, com: [l1, 0, 0], inertia: {zz: I1}, friction: {viscous: b1, coulomb: f1}}
+  - {mass: 2.5, motor: {mass: 0.1, inertia: Im2, ratio: 50}}
+parameters: {a1: 0.5, Im2: 1e-4}
+"""
+
+
+@pytest.fixture
+def arm() -> Robot:
+    """A small robot with everything that a folder can show."""
+    return Robot.from_text(ARM)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file of a folder."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_build_writes_every_target_verified(arm: Robot, tmp_path: Path) -> None:
+    """Files, manifest and report agree with each other and with the registry."""
+    result = build_robot(arm, tmp_path)
+    found = contents(tmp_path / "two_bars")
+    assert result.folder == folder_of(arm, tmp_path) == tmp_path / "two_bars"
+    assert set(found) == set(result.files)
+    assert set(found) == ALL_FILES
+    assert result.report is not None
+    assert result.report.worst < 1e-9
+    assert {row.target for row in result.report.rows} == {"numpy", "casadi"} | ({"c"} if find_compiler() else set())
+
+
+def test_the_manifest_tells_what_the_folder_is(arm: Robot, tmp_path: Path) -> None:
+    """Hash of the robot file, version, operations of every function, hashes of the files; keys sorted."""
+    build_robot(arm, tmp_path)
+    found = contents(tmp_path / "two_bars")
+    text = found.pop("MANIFEST.json").decode()
+    manifest = json.loads(text)
+    assert text == json.dumps(manifest, indent=2, sort_keys=True) + "\n"
+    assert manifest["robot"] == "two-bars"
+    assert manifest["robot_file_sha256"] == hashlib.sha256(ARM.encode()).hexdigest()
+    assert manifest["version"] == derive.__version__
+    assert manifest["targets"] == [target.name for target in targets_named()]
+    assert manifest["dof"] == 2
+    assert manifest["parameters"]["free"] == ["g", "m1", "l1", "I1", "b1", "f1"]
+    assert manifest["files"] == {name: hashlib.sha256(data).hexdigest() for name, data in found.items()}
+    assert set(manifest["operations"]["inverse_dynamics"]) == {"mul", "add", "div", "sin", "cos", "sqrt"}
+
+
+def test_the_folder_is_a_package(arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The dash of a robot's name becomes an underscore, and the modules import from there."""
+    build_robot(arm, tmp_path, verified=False)
+    monkeypatch.syspath_prepend(tmp_path)
+    model = importlib.import_module("two_bars.model_numpy")
+    assert model.forward_kinematics([0.0, 0.0]).shape == (4, 4)
+    assert "two-bars" in (importlib.import_module("two_bars").__doc__ or "")
+
+
+def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> None:
+    """A changed robot file, a touched or missing file, other targets or force make it anew."""
+    assert not build_robot(arm, tmp_path, verified=False).unchanged
+    again = build_robot(arm, tmp_path, verified=False)
+    assert again.unchanged
+    assert set(again.files) == set(contents(again.folder))
+    assert not build_robot(arm, tmp_path, verified=False, force=True).unchanged
+    assert not build_robot(replace(arm, digest="0" * 64), tmp_path, verified=False).unchanged
+    assert not build_robot(arm, tmp_path, ["numpy"], verified=False).unchanged
+    assert set(contents(again.folder)) == {"MANIFEST.json", "__init__.py", "model_numpy.py"}
+    assert not build_robot(arm, tmp_path, verified=False).unchanged
+    (again.folder / "sheet.tex").write_text("edited")
+    assert not build_robot(arm, tmp_path, verified=False).unchanged
+    (again.folder / "sheet.tex").unlink()
+    assert not build_robot(arm, tmp_path, verified=False).unchanged
+    assert check_robot(arm, tmp_path).is_current
+
+
+def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path: Path) -> None:
+    """Stale, missing and no longer written files."""
+    empty = check_robot(arm, tmp_path)
+    assert set(empty.missing) == ALL_FILES
+    assert not list(tmp_path.iterdir())
+    build_robot(arm, tmp_path, verified=False)
+    assert check_robot(arm, tmp_path).is_current
+    folder = tmp_path / "two_bars"
+    (folder / "model_numpy.py").write_text("edited")
+    (folder / "README.md").unlink()
+    (folder / "mine.txt").write_text("")
+    before = contents(folder)
+    found = check_robot(arm, tmp_path, ["numpy", "readme"])
+    assert found.stale == ("MANIFEST.json", "model_numpy.py")
+    assert found.missing == ("README.md",)
+    assert found.extra == ("model.c", "model.h", "model_casadi.py", "sheet.tex")
+    assert contents(folder) == before
+
+
+def test_a_failed_verification_keeps_the_old_folder(
+    arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The new files are gone without a trace."""
+    build_robot(arm, tmp_path)
+    before = contents(tmp_path / "two_bars")
+
+    def wrong(robot: Robot, folder: Path) -> None:
+        assert (folder / "model_numpy.py").is_file()
+        raise VerificationError("wrong by 1e-3")
+
+    monkeypatch.setattr(build, "verify", wrong)
+    with pytest.raises(VerificationError):
+        build_robot(replace(arm, title="Another title"), tmp_path, force=True)
+    assert contents(tmp_path / "two_bars") == before
+    assert os.listdir(tmp_path) == ["two_bars"]
+
+
+def test_unknown_targets_are_refused_before_anything_is_written(arm: Robot, tmp_path: Path) -> None:
+    """The message lists the targets there are."""
+    with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, latex, readme"):
+        build_robot(arm, tmp_path / "out", ["fortran"])
+    with pytest.raises(TargetError):
+        build_robot(arm, tmp_path / "out", [])
+    assert not (tmp_path / "out").exists()
+
+
+def test_one_failure_does_not_stop_the_rest_and_order_is_kept(arm: Robot, tmp_path: Path) -> None:
+    """With one process and with several."""
+    names = ["arm-a", "arm-b", "arm-c"]
+    robots = [replace(arm, name=name) for name in names]
+    for jobs in (1, 2):
+        out = tmp_path / str(jobs)
+        (out / "arm_b").mkdir(parents=True)
+        (out / "arm_b" / "thesis.txt").write_text("")
+        told: list[tuple[str, str]] = []
+        results = build_many(robots, out, ["numpy"], jobs=jobs, progress=lambda *event: told.append(event))  # noqa: B023
+        assert [result.robot for result in results] == names
+        assert [type(result) for result in results] == [BuildResult, BuildFailure, BuildResult]
+        failure = results[1]
+        assert isinstance(failure, BuildFailure)
+        assert isinstance(failure.error, OutputError)
+        assert "arm_b" in str(failure.error)
+        assert ("arm-b", "failed") in told
+        assert {("arm-a", "done"), ("arm-c", "done")} <= set(told)
+        checks = check_many(robots, out, ["numpy"], jobs=jobs)
+        assert [isinstance(check, CheckResult) and check.is_current for check in checks] == [True, False, True]
+
+
+def test_two_robots_of_one_name_are_refused(arm: Robot, tmp_path: Path) -> None:
+    """They would overwrite each other."""
+    with pytest.raises(OutputError, match="same name"):
+        build_many([arm, replace(arm, digest="0" * 64)], tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def build_in_subprocess(robot: str, out: Path, hash_seed: str) -> dict[str, bytes]:
+    """A build by a fresh interpreter."""
+    program = (
+        "import sys; from pathlib import Path; from derive.publish.build import build_robot; "
+        "from derive.robot.robot import Robot; "
+        "build_robot(Robot.load(sys.argv[1]), Path(sys.argv[2]), verified=False)"
+    )
+    environment = {**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", program, robot, str(out)], env=environment, check=True, cwd=out.parent)
+    return contents(next(out.iterdir()))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["scara-perugia", "puma560-corke", "human-body"])
+def test_output_does_not_depend_on_hash_seeds_or_places(robot: str, tmp_path: Path) -> None:
+    """Byte-identical files from three interpreters, in folders of different names."""
+    builds = [build_in_subprocess(robot, tmp_path / f"out{seed}", seed) for seed in ("0", "1", "4711")]
+    assert builds[0] == builds[1] == builds[2]
+    assert not any(str(tmp_path).encode() in data for data in builds[0].values())

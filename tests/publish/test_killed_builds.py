@@ -1,0 +1,53 @@
+"""A build killed at any moment leaves the complete old folder or the complete new one."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.places import ROOT
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="kills are tested on POSIX systems")
+
+
+def states(mode: str, folder: Path, swap: str) -> list[str]:
+    """Runs the driver; what the folder was after every kill."""
+    command = [sys.executable, "tests/publish/kill_driver.py", mode, str(folder / "arm"), swap]
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=240, check=False)
+    assert done.returncode == 0, done.stderr
+    found: list[str] = json.loads(done.stdout)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("swap", "allowed"), [("swap", {"old", "new"}), ("rename", {"old", "new", "backup"})])
+def test_death_before_any_operation_on_files_is_harmless(tmp_path: Path, swap: str, allowed: set[str]) -> None:
+    """Every operation in turn is the last one; without an atomic exchange the next build puts the old folder back."""
+    found = states("steps", tmp_path, swap)
+    assert len(found) > 50
+    assert set(found) <= allowed
+    assert {"old", "new"} <= set(found)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm"]
+
+
+@pytest.mark.slow
+def test_kills_from_outside_are_harmless(tmp_path: Path) -> None:
+    """Sixty kills of processes that publish all the time; nothing stays beside the folder."""
+    found = states("moments", tmp_path, "swap")
+    assert len(found) > 50
+    assert set(found) == {"old", "new"}
+
+
+@pytest.mark.slow
+def test_killed_builds_leave_a_whole_folder(tmp_path: Path) -> None:
+    """Whole builds, verification included, killed on the way."""
+    found = states("builds", tmp_path, "swap")
+    assert len(found) == 25
+    assert set(found) <= {"old", "new"}
+    assert "old" in found

@@ -1,0 +1,97 @@
+"""Every printer gets every operation right: floats, recorded columns and CasADi, on one list of expressions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from derive.algebra import constants
+from derive.programs.program import Program
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.value import Value
+from derive.robot.robot import Robot
+from derive.targets.compiler import find_compiler
+from tests.targets.c_models import c_model, needs_compiler
+from tests.targets.generated_models import casadi_model, numpy_model, small_program
+
+Build = Callable[[Value, Value], Value]
+Check = Callable[[float, float], float]
+
+EXPRESSIONS: dict[str, tuple[Build, Check]] = {
+    "sum": (lambda x, y: x + y + 2, lambda x, y: x + y + 2),
+    "difference of sums": (lambda x, y: (x - y) - (x + 3), lambda x, y: (x - y) - (x + 3)),
+    "nested difference": (lambda x, y: x - (y - (x * y - 1)), lambda x, y: x - (y - (x * y - 1))),
+    "product of sums": (lambda x, y: (x + 1) * (y - 2) * x, lambda x, y: (x + 1) * (y - 2) * x),
+    "product of products": (lambda x, y: x * (y * (x + 4)), lambda x, y: x * (y * (x + 4))),
+    "quotient": (lambda x, y: x / (y * x + 9), lambda x, y: x / (y * x + 9)),
+    "quotient of quotients": (lambda x, y: (x / y) / (y / (x + 3)), lambda x, y: (x / y) / (y / (x + 3))),
+    "divided product": (lambda x, y: (x * y) / (y + 5), lambda x, y: (x * y) / (y + 5)),
+    "product with quotient": (lambda x, y: y * (x / (y + 5)), lambda x, y: y * (x / (y + 5))),
+    "negative output": (lambda x, y: -(x * y), lambda x, y: -(x * y)),
+    "negative sum": (lambda x, y: -(x + y), lambda x, y: -(x + y)),
+    "negative quotient": (lambda x, y: -(x / (y + 7)), lambda x, y: -(x / (y + 7))),
+    "third": (lambda x, y: x * Fraction(1, 3), lambda x, y: x / 3),
+    "large number": (lambda x, y: x * 10**20 + y, lambda x, y: x * 1e20 + y),
+    "small number": (lambda x, y: x * Fraction(1, 10**30), lambda x, y: x * 1e-30),
+    "number": (lambda x, y: x - x - Fraction(5, 2), lambda x, y: -2.5),
+    "zero": (lambda x, y: x - x, lambda x, y: 0.0),
+    "pi": (lambda x, y: x * Value(x.graph, x.graph.number(constants.pi())), lambda x, y: x * math.pi),
+    "power": (lambda x, y: x**5 + y**-2, lambda x, y: x**5 + y**-2),
+    "sine": (lambda x, y: x.sin() * (x + y).sin(), lambda x, y: math.sin(x) * math.sin(x + y)),
+    "cosine": (lambda x, y: y.cos() + (x * 2).cos(), lambda x, y: math.cos(y) + math.cos(2 * x)),
+    "root": (lambda x, y: (x * x + 1).sqrt(), lambda x, y: math.sqrt(x * x + 1)),
+    "root of a negative": (lambda x, y: (-(x * x) + 90).sqrt(), lambda x, y: math.sqrt(90 - x * x)),
+    "root under minus": (lambda x, y: (-(-(x * x) - 1)).sqrt(), lambda x, y: math.sqrt(x * x + 1)),
+    "sign": (lambda x, y: x.sign() * y + (x - x).sign(), lambda x, y: math.copysign(y, x) * math.copysign(1, y)),
+    "shared value": (lambda x, y: (x + y).sin() * (x + y) + (x + y), lambda x, y: (math.sin(x + y) + 1) * (x + y)),
+}
+TWO = Robot.from_text("name: two\nconvention: standard\njoints: [{type: revolute}, {type: revolute}]\n")
+POINTS = [(0.3, 0.7), (-1.2, 0.4), (2.5, -0.6), (-0.1, -3.0)]
+
+
+@pytest.fixture(scope="module")
+def values() -> dict[str, np.ndarray]:
+    """Values of all expressions at all points, by way of evaluation."""
+    graph = Graph()
+    x, y = (Value(graph, graph.input("q", i)) for i in range(2))
+    program = small_program(graph, [build(x, y) for build, _ in EXPRESSIONS.values()])
+    numpy, casadi = numpy_model(TWO, program), casadi_model(TWO, program)
+    return {
+        "floats": np.array([numpy.gravity_vector(list(point)) for point in POINTS]),
+        "columns": numpy.gravity_vector(np.array(POINTS)),
+        **({} if find_compiler() is None else c_values(program)),
+        "casadi": np.array([np.array(casadi.gravity_vector(list(point)))[:, 0] for point in POINTS]),
+    }
+
+
+def c_values(program: Program) -> dict[str, np.ndarray]:
+    """The same in C, one by one and as a batch."""
+    model = c_model(TWO, program)
+    ones = [model.call("gravity_vector", [np.array(point)], {}) for point in POINTS]
+    return {"c": np.array(ones), "c batch": model.call("gravity_vector", [np.array(POINTS)], {})}
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        "floats",
+        "columns",
+        "casadi",
+        pytest.param("c", marks=needs_compiler),
+        pytest.param("c batch", marks=needs_compiler),
+    ],
+)
+@pytest.mark.parametrize("name", list(EXPRESSIONS))
+def test_printed_expressions_evaluate_right(values: dict[str, np.ndarray], way: str, name: str) -> None:
+    column = list(EXPRESSIONS).index(name)
+    wanted = [EXPRESSIONS[name][1](*point) for point in POINTS]
+    assert values[way][:, column] == pytest.approx(wanted, rel=1e-14, abs=1e-15)
+
+
+def test_one_configuration_and_a_batch_round_alike(values: dict[str, np.ndarray]) -> None:
+    exact = [i for i, name in enumerate(EXPRESSIONS) if not any(f in name for f in ("sine", "shared"))]
+    assert np.array_equal(values["floats"][:, exact], values["columns"][:, exact])
