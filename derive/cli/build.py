@@ -11,7 +11,7 @@ from derive.cli.terminal import positive
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from derive.publish.results import BuildFailure, BuildResult, CheckResult
+    from derive.publish.build import BuildFailure, BuildResult, CheckResult
     from derive.robot.robot import Robot
 
 
@@ -73,7 +73,7 @@ def _targets(given: list[str] | None) -> tuple[str, ...] | None:
 
 def _report(results: Sequence[BuildResult | CheckResult | BuildFailure]) -> None:
     from derive.cli.terminal import print_columns
-    from derive.publish.results import BuildResult, CheckResult
+    from derive.publish.build import BuildResult, CheckResult
 
     built = [_built_row(result) for result in results if isinstance(result, BuildResult)]
     if built:
@@ -106,7 +106,7 @@ def _check_lines(result: CheckResult) -> list[str]:
 def _status(robots: Sequence[Robot], results: Sequence[BuildResult | CheckResult | BuildFailure]) -> int:
     """The gravest status; failures are told on standard error, each with the file that it belongs to."""
     from derive.cli.terminal import FAILED, explain, print_error
-    from derive.publish.results import BuildFailure, CheckResult
+    from derive.publish.build import BuildFailure, CheckResult
 
     status = 0
     for robot, result in zip(robots, results, strict=True):

@@ -17,7 +17,7 @@ from derive.errors import listed, near_miss, quoted
 from derive.robot.handout import PARTS, Derivation, HandoutOptions, NotationOptions
 
 if TYPE_CHECKING:
-    from derive.publish.handout import Format, Handout
+    from derive.handout.render import Format, Handout
     from derive.robot.robot import Robot
 
 
@@ -137,8 +137,8 @@ def _at_configuration(robot: Robot, name: str, text: str | None) -> Robot:
 
 
 def _fragment(robot: Robot, arguments: argparse.Namespace) -> int:
-    from derive.publish.files import write_files
-    from derive.publish.fragments import fragment_text
+    from derive.handout.fragment import fragment_text
+    from derive.publish.publish import write_files
 
     text = fragment_text(robot, chosen_options(robot, arguments), arguments.fragment)
     target: Path | None = arguments.fragment_file
@@ -151,8 +151,8 @@ def _fragment(robot: Robot, arguments: argparse.Namespace) -> int:
 
 def _handout(robot: Robot, arguments: argparse.Namespace) -> int:
     from derive.cli.terminal import print_json
-    from derive.publish.files import write_files
-    from derive.publish.handout import handout_files
+    from derive.handout.render import handout_files
+    from derive.publish.publish import write_files
 
     started = time.perf_counter()
     options = chosen_options(robot, arguments)
@@ -167,7 +167,7 @@ def _handout(robot: Robot, arguments: argparse.Namespace) -> int:
 
 
 def _formats(arguments: argparse.Namespace) -> tuple[Format, ...]:
-    from derive.publish.handout import Format
+    from derive.handout.render import Format
 
     chosen = [form for form in Format if getattr(arguments, form.value)]
     if not chosen or Format.PDF in chosen:

@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.workspace and arguments.q is not None:
         raise DeriveError("-q beside --workspace", remedy="leave one of them out")
     from derive.handout.figure.matplotlib_writer import require_matplotlib
-    from derive.publish.files import write_files
+    from derive.publish.publish import write_files
     from derive.robot.robot import Robot
 
     require_matplotlib()

@@ -1,93 +1,127 @@
-"""From a robot to its verified folder: render in memory, write beside the target, verify there, take its place.
-
-Compiles what targets hand to the C compiler, in the folder in which they were written.
-"""
+"""From a robot to its verified folder: render in memory, write beside the target, verify there, take its place."""
 
 from __future__ import annotations
 
-import filecmp
-import os
-import shutil
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from derive.errors import OutputError, TargetError
 from derive.programs.effort import effort_named, uncollected
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, is_current, read_manifest
 from derive.publish.publish import heal, publish
-from derive.publish.render import render_robot
-from derive.publish.results import BuildResult, CheckResult, Progress
+from derive.publish.render import compile_libraries, library_names, render_robot
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
-from derive.targets.compiler import Command, compile_shared, require_compiler
-from derive.targets.readme import package_name
-from derive.targets.target import Target
+from derive.targets.compiler import require_compiler
+from derive.targets.target import package_name
 from derive.verify.report import Report
 from derive.verify.verify import verify
 from derive.version import __version__
 
-OPTIONS = ("-std=c99", "-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
-"""Products and sums may be fused and nobody reads `errno` or traps; nothing here changes the order of operations."""
-
-PROCESSORS = (("-march=native",), ("-mcpu=native",), ())
-"""Names that compilers have for the processor at hand, tried in this order."""
+Progress = Callable[[str, str], None]
+"""Called with the robot's name and a stage: derive, compile, verify, done or failed."""
 
 
-def library_names(targets: Iterable[Target]) -> tuple[str, ...]:
-    """Names of the libraries of some targets."""
-    return tuple(name for target in targets for name in target.compiled)
+@dataclass(frozen=True, slots=True)
+class BuildResult:
+    """A robot that was built, or need not be.
 
-
-def compile_libraries(folder: Path, targets: Iterable[Target], compiler: Command, former: Path | None = None) -> None:
-    """Compile the libraries of some targets.
-
-    Args:
-        folder: Where the sources are and the libraries go.
-        targets: The targets.
-        compiler: The compiler's command.
-        former: A folder built earlier: what has the same sources there is taken from there.
-
-    Raises:
-        TargetError: The compiler refused.
-        OutputError: A library cannot be written.
+    Attributes:
+        robot: Its name.
+        folder: Where its files are.
+        files: Their names.
+        unchanged: Whether nothing had to be done.
+        operations: Operation counts by function; empty if nothing was done.
+        report: What the verification found; None if it was off or nothing was done.
+        seconds: Wall time.
     """
-    try:
-        for target in targets:
-            for name, sources in target.compiled.items():
-                if former and _is_same(folder, former, name, sources):
-                    shutil.copy2(former / name, folder / name)
-                else:
-                    _compile(compiler, folder / sources[0], folder / name)
-                _flush(folder / name)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
+
+    robot: str
+    folder: Path
+    files: tuple[str, ...]
+    unchanged: bool
+    operations: dict[str, dict[str, int]]
+    report: Report | None
+    seconds: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return {
+            "robot": self.robot,
+            "folder": str(self.folder),
+            "files": list(self.files),
+            "status": "unchanged" if self.unchanged else "built",
+            "operations": self.operations,
+            "verification": self.report.as_dict() if self.report else None,
+            "seconds": round(self.seconds, 3),
+        }
 
 
-def _is_same(folder: Path, former: Path, name: str, sources: Iterable[str]) -> bool:
-    paths = [former / name, *(former / source for source in sources)]
-    if any(path.is_symlink() or not path.is_file() for path in paths):
-        return False
-    return all(filecmp.cmp(folder / source, former / source, shallow=False) for source in sources)
+@dataclass(frozen=True, slots=True)
+class BuildFailure:
+    """A robot that could not be built.
+
+    Attributes:
+        robot: Its name.
+        error: Why.
+    """
+
+    robot: str
+    error: Exception
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return {"robot": self.robot, "status": "failed", "error": str(self.error)}
 
 
-def _compile(compiler: Command, source: Path, library: Path) -> None:
-    for place, processor in enumerate(PROCESSORS):
-        try:
-            return compile_shared(compiler, [source], library, (*OPTIONS, *processor))
-        except TargetError:
-            if place + 1 == len(PROCESSORS):
-                raise
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """How a folder differs from what a build would write.
 
+    Attributes:
+        robot: Name of the robot.
+        folder: The folder.
+        stale: Files with other contents.
+        missing: Files that are not there.
+        extra: Files of an earlier build that this one would not write.
+    """
 
-def _flush(path: Path) -> None:
-    with open(path, "rb+") as file:
-        os.fsync(file.fileno())
+    robot: str
+    folder: Path
+    stale: tuple[str, ...]
+    missing: tuple[str, ...]
+    extra: tuple[str, ...]
+
+    @property
+    def is_current(self) -> bool:
+        """Whether there is no difference."""
+        return not (self.stale or self.missing or self.extra)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return {
+            "robot": self.robot,
+            "folder": str(self.folder),
+            "status": "current" if self.is_current else "stale",
+            "stale": list(self.stale),
+            "missing": list(self.missing),
+            "extra": list(self.extra),
+        }
 
 
 def folder_of(robot: Robot, out: Path) -> Path:
-    """The folder of a robot below ``out``: its name as Python can import it."""
+    """The folder of a robot.
+
+    Args:
+        robot: The robot.
+        out: Parent folder of all robots.
+
+    Returns:
+        The robot's name, as Python can import it, below ``out``.
+    """
     return out / package_name(robot)
 
 
@@ -106,11 +140,14 @@ def build_robot(
     Args:
         robot: The robot.
         out: Parent folder; made if there is none.
-        targets: Names of targets; None for all.
+        targets: Names of targets; None for those of a usual build.
         verified: Whether every generated function is compared with the independent recursion first.
         force: Whether to build even what has not changed.
         effort: See `effort_named`.
         progress: Told the stages.
+
+    Returns:
+        What was built, how many operations its functions take, and how far off they are.
 
     Raises:
         TargetError: An unknown target, or no C compiler for one that needs it.
@@ -118,13 +155,15 @@ def build_robot(
         VerificationError: A generated function is wrong; the old folder stays.
     """
     started = time.perf_counter()
-    tell = progress or _silent
+    tell = progress or (lambda robot, stage: None)
     chosen, spent = targets_named(targets), effort_named(effort)
     target = folder_of(robot, out)
     heal(out)
     if not force and is_current(target, robot.digest, __version__, chosen, spent):
         tell(robot.name, "unchanged")
-        return BuildResult(robot.name, target, _files_in(target), True, {}, None, _since(started))
+        texts, libraries = _listed_files(target)
+        files = (*texts, MANIFEST, *libraries)
+        return BuildResult(robot.name, target, files, True, {}, None, time.perf_counter() - started)
     libraries = library_names(chosen)
     compiler = require_compiler() if libraries else None
     tell(robot.name, "derive")
@@ -135,23 +174,15 @@ def build_robot(
         if compiler:
             tell(robot.name, "compile")
             compile_libraries(folder, chosen, compiler, None if force else target)
-        return _verified(robot, folder, tell) if verified else None
+        if not verified:
+            return None
+        tell(robot.name, "verify")
+        return verify(robot, folder)
 
     report = publish(rendered.files, target, robot.name, check, libraries)
     tell(robot.name, "built")
     files = (*rendered.files, *libraries)
-    return BuildResult(robot.name, target, files, False, rendered.operations, report, _since(started))
-
-
-def _verified(robot: Robot, folder: Path, tell: Progress) -> Report:
-    tell(robot.name, "verify")
-    return verify(robot, folder)
-
-
-def _files_in(folder: Path) -> tuple[str, ...]:
-    """The files of a folder that is current."""
-    manifest = read_manifest(folder) or {"files": {}}
-    return (*manifest["files"], MANIFEST, *compiled_files(manifest))
+    return BuildResult(robot.name, target, files, False, rendered.operations, report, time.perf_counter() - started)
 
 
 def check_robot(
@@ -161,36 +192,42 @@ def check_robot(
 
     Of compiled libraries only the presence is checked: what a compiler makes of the same text is its own affair.
 
+    Args:
+        robot: The robot.
+        out: Parent folder.
+        targets: Names of targets; None for those of a usual build.
+        effort: See `effort_named`.
+
+    Returns:
+        The names of the files that differ.
+
     Raises:
         TargetError: An unknown target.
     """
-    target = folder_of(robot, out)
-    chosen = targets_named(targets)
+    target, chosen = folder_of(robot, out), targets_named(targets)
     wanted = render_robot(robot, chosen, effort_named(effort)).files
     found = {name: _contents(target / name) for name in wanted}
     libraries = library_names(chosen)
     absent = [name for name in libraries if not (target / name).is_file()]
-    manifest = read_manifest(target) or {"files": {}}
-    listed = (*manifest["files"], *compiled_files(manifest))
+    listed = [name for names in _listed_files(target) for name in names]
     return CheckResult(
         robot=robot.name,
         folder=target,
-        stale=tuple(sorted(name for name, data in found.items() if data is not None and data != wanted[name])),
+        stale=tuple(sorted(name for name, data in found.items() if data not in (None, wanted[name]))),
         missing=tuple(sorted([*(name for name, data in found.items() if data is None), *absent])),
         extra=tuple(sorted(name for name in listed if name not in (*wanted, *libraries) and (target / name).is_file())),
     )
 
 
+def _listed_files(folder: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Texts and libraries of a folder by its manifest."""
+    manifest = read_manifest(folder) or {"files": {}}
+    return tuple(manifest["files"]), compiled_files(manifest)
+
+
 def _contents(path: Path) -> bytes | None:
+    """What a file holds; None if there is none of ours, or it cannot be read."""
     try:
         return None if path.is_symlink() else path.read_bytes()
     except OSError:
         return None
-
-
-def _since(started: float) -> float:
-    return time.perf_counter() - started
-
-
-def _silent(robot: str, stage: str) -> None:
-    """Progress that nobody asked for."""

@@ -23,7 +23,17 @@ LARGEST = 10_000_000
 def manifest_text(
     source: Source, targets: Collection[Target], files: Mapping[str, bytes], effort: Effort = Effort.FULL
 ) -> str:
-    """The manifest of a build; keys sorted, one entry a line."""
+    """The manifest of a build.
+
+    Args:
+        source: The robot and its program.
+        targets: What was written.
+        files: Contents by file name.
+        effort: How long the fewest operations were looked for.
+
+    Returns:
+        JSON, keys sorted, one entry a line.
+    """
     robot = source.robot
     content = {
         "generator": GENERATOR,
@@ -48,7 +58,14 @@ def manifest_text(
 
 
 def read_manifest(folder: Path) -> dict[str, Any] | None:
-    """The manifest of a folder; None if there is none of ours."""
+    """The manifest of a folder.
+
+    Args:
+        folder: The folder.
+
+    Returns:
+        Its content; None if there is none of ours.
+    """
     path = folder / FILE
     try:
         if path.is_symlink() or not path.is_file() or path.stat().st_size > LARGEST:
@@ -61,7 +78,14 @@ def read_manifest(folder: Path) -> dict[str, Any] | None:
 
 
 def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
-    """Libraries of a folder: compiled from its files, and of other bytes with every compiler."""
+    """Libraries of a folder: compiled from its files, and of other bytes with every compiler.
+
+    Args:
+        manifest: From `read_manifest`.
+
+    Returns:
+        Their names.
+    """
     names = manifest.get("compiled", ())
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
 
@@ -69,7 +93,18 @@ def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
 def is_current(
     folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort = Effort.FULL
 ) -> bool:
-    """Whether a folder holds, untouched, what these targets of this version make of this robot file."""
+    """Whether a folder holds, untouched, what these targets of this version make of this robot file.
+
+    Args:
+        folder: The folder.
+        robot_digest: SHA-256 of the robot file.
+        version: Version of the tool.
+        targets: What a build would write.
+        effort: How long it would look for the fewest operations.
+
+    Returns:
+        False also where there is no such folder.
+    """
     manifest = read_manifest(folder)
     if manifest is None:
         return False
@@ -84,6 +119,7 @@ def is_current(
 
 
 def _is_untouched(path: Path, expected: object) -> bool:
+    """Whether a file has the hash that the manifest says."""
     try:
         return not path.is_symlink() and hashlib.sha256(path.read_bytes()).hexdigest() == expected
     except OSError:

@@ -9,34 +9,16 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
-from derive.publish.build import build_robot, check_robot
-from derive.publish.results import BuildFailure, BuildResult, CheckResult, Progress
+from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, check_robot
 from derive.robot.robot import Robot
-from derive.targets.readme import package_name
+from derive.targets.target import package_name
 
 R = TypeVar("R", BuildResult, CheckResult)
-
-
-@dataclass(frozen=True, slots=True)
-class _Task(Generic[R]):
-    """One robot's work as a value that another process can read."""
-
-    work: Callable[..., R]
-    out: Path
-    targets: tuple[str, ...] | None
-    options: tuple[tuple[str, bool | str | None], ...]
-
-    def __call__(self, robot: Robot, progress: Progress | None = None) -> R | BuildFailure:
-        extra = {"progress": progress} if progress else {}
-        try:
-            return self.work(robot, self.out, self.targets, **dict(self.options), **extra)
-        except Exception as error:  # a fault of one robot, or of derive, must not take the others along
-            return BuildFailure(robot.name, error)
 
 
 def build_many(
@@ -50,25 +32,35 @@ def build_many(
     effort: str | None = None,
     progress: Progress | None = None,
 ) -> list[BuildResult | BuildFailure]:
-    """Builds robots; results come in the order of ``robots``, whatever finished first.
+    """Builds robots as `build_robot` does.
 
     Args:
         robots: The robots.
         out: Parent folder.
-        targets: Names of targets; None for all.
+        targets: Names of targets; None for those of a usual build.
         jobs: Robots built at once, each in a process of its own.
         verified: See `build_robot`.
         force: See `build_robot`.
         effort: See `build_robot`.
         progress: Told the stages; with several jobs only the end of each robot.
 
+    Returns:
+        Results in the order of ``robots``, whatever finished first.
+
     Raises:
         OutputError: Two different robots would share a folder.
     """
     _require_distinct(robots)
-    options = (("verified", verified), ("force", force), ("effort", effort))
-    task = _Task(build_robot, out, None if targets is None else tuple(targets), options)
-    return _run(task, robots, jobs, progress, hears=True)
+    work = partial(
+        build_robot,
+        out=out,
+        targets=None if targets is None else tuple(targets),
+        verified=verified,
+        force=force,
+        effort=effort,
+        progress=None if min(jobs, len(robots)) > 1 else progress,
+    )
+    return _run(work, robots, jobs, progress)
 
 
 def check_many(
@@ -80,9 +72,21 @@ def check_many(
     effort: str | None = None,
     progress: Progress | None = None,
 ) -> list[CheckResult | BuildFailure]:
-    """Checks robots as `check_robot` does; results come in the order of ``robots``."""
-    task = _Task(check_robot, out, None if targets is None else tuple(targets), (("effort", effort),))
-    return _run(task, robots, jobs, progress, hears=False)
+    """Checks robots as `check_robot` does.
+
+    Args:
+        robots: The robots.
+        out: Parent folder.
+        targets: Names of targets; None for those of a usual build.
+        jobs: Robots checked at once, each in a process of its own.
+        effort: See `build_robot`.
+        progress: Told the end of each robot.
+
+    Returns:
+        Results in the order of ``robots``.
+    """
+    names = None if targets is None else tuple(targets)
+    return _run(partial(check_robot, out=out, targets=names, effort=effort), robots, jobs, progress)
 
 
 def _require_distinct(robots: Sequence[Robot]) -> None:
@@ -99,44 +103,56 @@ def _require_distinct(robots: Sequence[Robot]) -> None:
 
 
 def _run(
-    task: _Task[R], robots: Sequence[Robot], jobs: int, progress: Progress | None, *, hears: bool
+    work: Callable[[Robot], R], robots: Sequence[Robot], jobs: int, progress: Progress | None
 ) -> list[R | BuildFailure]:
-    if jobs <= 1 or len(robots) <= 1:
+    """The work on every robot, here or in processes of their own."""
+    if min(jobs, len(robots)) <= 1:
         with _interrupts_noted() as interrupted:
-            return [_one(task, robot, progress, hears, interrupted) for robot in robots]
-    results = _in_processes(task, robots, jobs, progress)
+            done: list[R | BuildFailure] = []
+            for robot in robots:
+                done.append(_attempt(work, robot))
+                if interrupted:  # somebody on the way has swallowed it
+                    raise KeyboardInterrupt
+                _tell(done[-1], progress)
+        return done
+    results = _in_processes(work, robots, jobs, progress)
     lost = [index for index in range(len(robots)) if index not in results]
     for index in lost:  # a process died: each robot that it may have been gets one of its own
-        alone = _in_processes(task, [robots[index]], 1, progress)
+        alone = _in_processes(work, [robots[index]], 1, progress)
         results[index] = alone.get(0) or BuildFailure(robots[index].name, DeriveError("the process that built it died"))
     return [results[index] for index in range(len(robots))]
 
 
-def _one(
-    task: _Task[R], robot: Robot, progress: Progress | None, hears: bool, interrupted: list[int]
-) -> R | BuildFailure:
-    """One robot; an interrupt that somebody on the way has swallowed counts after it."""
-    result = task(robot, progress if hears else None)
-    if interrupted:
-        raise KeyboardInterrupt
-    return _told(result, progress)
+def _attempt(work: Callable[[Robot], R], robot: Robot) -> R | BuildFailure:
+    """One robot: a fault of it, or of derive, must not take the others along."""
+    try:
+        return work(robot)
+    except Exception as error:
+        return BuildFailure(robot.name, error)
+
+
+def _tell(result: BuildResult | CheckResult | BuildFailure, progress: Progress | None) -> None:
+    """Tells the end of a robot."""
+    if progress is not None:
+        progress(result.robot, "failed" if isinstance(result, BuildFailure) else "done")
 
 
 def _in_processes(
-    task: _Task[R], robots: Sequence[Robot], jobs: int, progress: Progress | None
+    work: Callable[[Robot], R], robots: Sequence[Robot], jobs: int, progress: Progress | None
 ) -> dict[int, R | BuildFailure]:
     """Results by index; robots whose process died are missing."""
     results: dict[int, R | BuildFailure] = {}
     with _pool(min(jobs, len(robots))) as pool:
         with _interrupts_ignored():
             futures: dict[Future[R | BuildFailure], int] = {
-                pool.submit(task, robot): index for index, robot in enumerate(robots)
+                pool.submit(_attempt, work, robot): index for index, robot in enumerate(robots)
             }
         for future in as_completed(futures):
             try:
-                results[futures[future]] = _told(future.result(), progress)
+                results[futures[future]] = future.result()
             except BrokenProcessPool:
                 continue
+            _tell(results[futures[future]], progress)
     return results
 
 
@@ -187,10 +203,3 @@ def _interrupts_ignored() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-def _told(result: R | BuildFailure, progress: Progress | None) -> R | BuildFailure:
-    """Tells the end of a robot; a build that ran in this process has told its own success."""
-    if progress is not None:
-        progress(result.robot, "failed" if isinstance(result, BuildFailure) else "done")
-    return result

@@ -1,15 +1,14 @@
-"""Writes a folder as a whole or not at all.
+"""Puts folders and files in place, each as a whole or not at all, and replaces nothing that derive did not write.
 
-The new folder is written and checked beside the target and then takes its name in one step, so that a kill at any
-moment, a full disk or two builds at once leave the complete old folder or the complete new one. Files of the user's
-in it are kept.
-
-Whether a folder may be replaced, and which of the files in it are the user's.
+A new folder is written and checked beside the target and then takes its name in one step, so that a kill at any moment,
+a full disk or two builds at once leave the complete old folder or the complete new one. Files of the user's in it are
+kept. Single files are all written beside their targets before the first takes its name.
 """
 
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -32,6 +31,116 @@ from derive.publish.staging import (
 )
 
 _CACHE = "__pycache__"
+
+MARKS = (b"written by derive", b"/Creator (derive")
+"""One of these stands in every single file that derive writes to be handed out."""
+
+R = TypeVar("R")
+
+
+def publish(
+    files: Mapping[str, bytes],
+    target: Path,
+    robot_name: str,
+    check: Callable[[Path], R],
+    further: Iterable[str] = (),
+) -> R:
+    """Writes files into a folder that replaces ``target``.
+
+    Args:
+        files: Contents by file name.
+        target: The folder; its parent is made if there is none.
+        robot_name: The robot that the folder is for.
+        check: Called with the finished temporary folder; what it raises stops the build, and the old folder stays.
+        further: Names of the files that ``check`` adds.
+
+    Returns:
+        What ``check`` returned.
+
+    Raises:
+        OutputError: The target is not ours to replace, or the system refused to write.
+    """
+    names = (*files, *further)
+    with _system_errors(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with exclusively(target.parent) as locks_work:
+            recover(target.parent, locks_work)
+            require_replaceable(target, robot_name, names)
+            staging = make_staging(target)
+            lock = hold(staging)
+    try:
+        with _system_errors(target):
+            for name, data in files.items():
+                _write_new(staging / name, data)
+            flush_folder(staging)
+        result = check(staging)
+        with _system_errors(target), exclusively(target.parent):
+            require_replaceable(target, robot_name, names)
+            carry_over(target, staging)
+            _take_place(staging, target)
+        return result
+    finally:
+        remove(staging)
+        release(lock)
+
+
+def heal(parent: Path) -> None:
+    """Puts in order what a killed build left in a folder of robots.
+
+    Args:
+        parent: The folder; nothing happens if there is none.
+
+    Raises:
+        OutputError: The system refused.
+    """
+    if parent.is_dir():
+        with _system_errors(parent), exclusively(parent) as locks_work:
+            recover(parent, locks_work)
+
+
+@contextmanager
+def _system_errors(target: Path) -> Iterator[None]:
+    """Refusals of the system as ours."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(
+            f"cannot write {target}: {reason}",
+            remedy="what was there before is unchanged; make room, or choose another --out",
+        ) from error
+
+
+def _write_new(path: Path, data: bytes) -> None:
+    """A file that was not there before, safe against a power cut."""
+    with open(path, "xb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _take_place(staging: Path, target: Path) -> None:
+    """Gives the new folder the target's name; afterwards ``staging`` is the old one, or nothing.
+
+    Where folders cannot be exchanged, two renames do it, and a kill between them is healed by the next build.
+    """
+    backup = backup_of(target)
+    if not os.path.lexists(target):
+        staging.rename(target)
+    elif not exchange(staging, target):
+        target.rename(backup)
+        try:
+            staging.rename(target)
+        except OSError:
+            backup.rename(target)
+            raise
+        try:
+            flush_folder(target.parent)
+        except OSError:  # keep both until a build finds the disk in order
+            return
+        remove(backup)
+    with suppress(OSError):  # the new folder is in place; what fails now is how long it outlives a power cut
+        flush_folder(target.parent)
 
 
 def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> None:
@@ -65,7 +174,14 @@ def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> 
 
 
 def users_files(target: Path) -> list[str]:
-    """Names in a generated folder that no build has written: they are kept."""
+    """Names in a generated folder that no build has written: they are kept.
+
+    Args:
+        target: The folder.
+
+    Returns:
+        Names of files, links and folders, sorted.
+    """
     if target.is_symlink() or not target.is_dir():
         return []
     manifest = read_manifest(target) or {"files": {}}
@@ -74,7 +190,12 @@ def users_files(target: Path) -> list[str]:
 
 
 def carry_over(target: Path, staging: Path) -> None:
-    """Takes the user's files from the old folder into the new one; the old one keeps them until it is removed."""
+    """Takes the user's files from the old folder into the new one; the old one keeps them until it is removed.
+
+    Args:
+        target: The old folder.
+        staging: The new one.
+    """
     for name in users_files(target):
         source, copy = target / name, staging / name
         if source.is_symlink():
@@ -86,6 +207,7 @@ def carry_over(target: Path, staging: Path) -> None:
 
 
 def _link_or_copy(source: str, copy: str) -> str:
+    """A second name for the same file where the file system can, else a copy."""
     try:
         os.link(source, copy, follow_symlinks=False)
     except OSError:
@@ -97,108 +219,51 @@ def _refusal(path: Path, found: str, remedy: str) -> OutputError:
     return OutputError(f"{path} {found}", allowed="derive replaces only folders that it wrote itself", remedy=remedy)
 
 
-R = TypeVar("R")
-
-
-def publish(
-    files: Mapping[str, bytes],
-    target: Path,
-    robot_name: str,
-    check: Callable[[Path], R],
-    further: Iterable[str] = (),
-) -> R:
-    """Writes files into a folder that replaces ``target``.
+def write_files(files: Mapping[str, bytes], folder: Path, *, force: bool = False) -> list[Path]:
+    """Writes files into a folder, which is made if there is none.
 
     Args:
         files: Contents by file name.
-        target: The folder; its parent is made if there is none.
-        robot_name: The robot that the folder is for.
-        check: Called with the finished temporary folder; what it raises stops the build, and the old folder stays.
-        further: Names of the files that ``check`` adds.
+        folder: Where to.
+        force: Whether to overwrite files that derive did not write.
 
     Returns:
-        What ``check`` returned.
+        Their paths, in the order of ``files``.
 
     Raises:
-        OutputError: The target is not ours to replace, or the system refused to write.
+        OutputError: A file is there that derive did not write, or the system refused to write.
     """
-    with _system_errors(target):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        names = (*files, *further)
-        staging, lock = _begin(target, robot_name, names)
+    targets = {folder / name: data for name, data in files.items()}
     try:
-        with _system_errors(target):
-            _write(files, staging)
-        result = check(staging)
-        with _system_errors(target):
-            _finish(staging, target, robot_name, names)
-        return result
-    finally:
-        remove(staging)
-        release(lock)
-
-
-def heal(parent: Path) -> None:
-    """Puts in order what a killed build left in a folder of robots."""
-    if parent.is_dir():
-        with _system_errors(parent), exclusively(parent) as locks_work:
-            recover(parent, locks_work)
-
-
-@contextmanager
-def _system_errors(target: Path) -> Iterator[None]:
-    try:
-        yield
+        folder.mkdir(parents=True, exist_ok=True)
+        foreign = [path for path in targets if os.path.lexists(path) and not (force or _is_ours(path))]
+        if foreign:
+            raise OutputError(
+                f"{foreign[0]} was not written by derive",
+                remedy="move it away, choose another --out, or overwrite it with --force",
+            )
+        written: dict[Path, Path] = {}
+        try:
+            for target, data in targets.items():
+                written[target] = target.with_name(f".derive-{secrets.token_hex(4)}-{target.name}")
+                _write_new(written[target], data)
+            for target, temporary in written.items():
+                os.replace(temporary, target)
+        finally:
+            for temporary in written.values():
+                with suppress(OSError):
+                    temporary.unlink(missing_ok=True)
     except OSError as error:
         reason = error.strerror or str(error)
         raise OutputError(
-            f"cannot write {target}: {reason}",
-            remedy="what was there before is unchanged; make room, or choose another --out",
+            f"cannot write {error.filename or folder}: {reason}", remedy="make room, or choose another --out"
         ) from error
+    return list(targets)
 
 
-def _begin(target: Path, robot_name: str, files: Iterable[str]) -> tuple[Path, int | None]:
-    """A locked, empty folder beside the target."""
-    with exclusively(target.parent) as locks_work:
-        recover(target.parent, locks_work)
-        require_replaceable(target, robot_name, files)
-        staging = make_staging(target)
-        return staging, hold(staging)
-
-
-def _write(files: Mapping[str, bytes], staging: Path) -> None:
-    for name, data in files.items():
-        with open(staging / name, "xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-    flush_folder(staging)
-
-
-def _finish(staging: Path, target: Path, robot_name: str, files: Iterable[str]) -> None:
-    """Gives the new folder the target's name; afterwards ``staging`` is the old one, or nothing."""
-    with exclusively(target.parent):
-        require_replaceable(target, robot_name, files)
-        carry_over(target, staging)
-        if not os.path.lexists(target):
-            staging.rename(target)
-        elif not exchange(staging, target):
-            _replace_in_two_steps(staging, target)
-        with suppress(OSError):  # the new folder is in place; what fails now is how long it outlives a power cut
-            flush_folder(target.parent)
-
-
-def _replace_in_two_steps(staging: Path, target: Path) -> None:
-    """Where folders cannot be exchanged: a kill between the renames is healed by the next build."""
-    backup = backup_of(target)
-    target.rename(backup)
-    try:
-        staging.rename(target)
-    except OSError:
-        backup.rename(target)
-        raise
-    try:
-        flush_folder(target.parent)
-    except OSError:  # keep both until a build finds the disk in order
-        return
-    remove(backup)
+def _is_ours(path: Path) -> bool:
+    """Whether derive wrote a single file; an empty one is nobody's."""
+    if path.is_symlink() or not path.is_file():
+        return False
+    data = path.read_bytes()
+    return not data or any(mark in data for mark in MARKS)

@@ -1,10 +1,15 @@
-"""All files of one robot, in memory: a pure function of the robot file and the tool's version."""
+"""All files of one robot: texts, a pure function of the robot file and the tool's version, and libraries from them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import filecmp
+import os
+import shutil
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+from derive.errors import OutputError, TargetError
 from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
 from derive.programs.interface import operations_of
@@ -12,12 +17,18 @@ from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
 from derive.robot.robot import Robot
 from derive.targets import templating
+from derive.targets.compiler import Command, compile_shared
 from derive.targets.escape import python_docstring
-from derive.targets.readme import package_name
 from derive.targets.target import Source, Target
 from derive.version import __version__
 
 PACKAGE = "__init__.py"
+
+OPTIONS = ("-std=c99", "-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
+"""Products and sums may be fused and nobody reads `errno` or traps; nothing here changes the order of operations."""
+
+PROCESSORS = (("-march=native",), ("-mcpu=native",), ())
+"""Names that compilers have for the processor at hand, tried in this order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,46 +36,100 @@ class Rendered:
     """The contents of a generated folder.
 
     Attributes:
-        robot: The robot.
         files: Contents by file name, the manifest included, in the order of writing.
         operations: Operation counts by function.
     """
 
-    robot: Robot
     files: dict[str, bytes]
     operations: dict[str, dict[str, int]]
 
-    @property
-    def folder(self) -> str:
-        """Name of the folder: the robot's name as Python can import it."""
-        return package_name(self.robot)
-
 
 def render_robot(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Rendered:
-    """Every file of every target, the package file and the manifest."""
+    """Every file of every target, the package file and the manifest.
+
+    Args:
+        robot: The robot.
+        targets: What to write.
+        effort: How long the fewest operations are looked for.
+
+    Returns:
+        The files in memory.
+    """
     source = source_of(robot, targets, effort)
-    files = {PACKAGE: _package(source).encode()}
+    heading = {"title": python_docstring(robot.title), "name": robot.name, "version": __version__}
+    files = {PACKAGE: templating.render("package/__init__.py.jinja", **heading).encode()}
     for target in targets:
         files |= {name: text.encode() for name, text in target.render(source).items()}
     files[MANIFEST] = manifest_text(source, targets, files, effort).encode()
-    return Rendered(robot, files, operations_of(source.program))
+    return Rendered(files, operations_of(source.program))
 
 
 def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Source:
-    """What the targets are rendered from."""
+    """What the targets are rendered from.
+
+    Args:
+        robot: The robot.
+        targets: What will be written, for the page that lists the files.
+        effort: How long the fewest operations are looked for.
+
+    Returns:
+        The robot with its program.
+    """
     names = (PACKAGE, *(name for target in targets for name in target.files), MANIFEST)
-    return Source(
-        robot,
-        build_program(robot, effort),
-        __version__,
-        tuple(sorted(names)),
-    )
+    return Source(robot, build_program(robot, effort), __version__, tuple(sorted(names)))
 
 
-def _package(source: Source) -> str:
-    context = {
-        "title": python_docstring(source.robot.title),
-        "name": source.robot.name,
-        "version": source.version,
-    }
-    return templating.render("package/__init__.py.jinja", **context)
+def library_names(targets: Iterable[Target]) -> tuple[str, ...]:
+    """Names of the libraries that a build compiles.
+
+    Args:
+        targets: The targets of the build.
+
+    Returns:
+        File names, in the order of the targets.
+    """
+    return tuple(name for target in targets for name in target.compiled)
+
+
+def compile_libraries(folder: Path, targets: Iterable[Target], compiler: Command, former: Path | None = None) -> None:
+    """Compile the libraries of some targets.
+
+    Args:
+        folder: Where the sources are and the libraries go.
+        targets: The targets.
+        compiler: The compiler's command.
+        former: A folder built earlier: what has the same sources there is taken from there.
+
+    Raises:
+        TargetError: The compiler refused.
+        OutputError: A library cannot be written.
+    """
+    try:
+        for target in targets:
+            for name, sources in target.compiled.items():
+                if former and _is_same(folder, former, name, sources):
+                    shutil.copy2(former / name, folder / name)
+                else:
+                    _compile(compiler, folder / sources[0], folder / name)
+                with open(folder / name, "rb+") as file:
+                    os.fsync(file.fileno())
+    except OSError as error:
+        raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
+
+
+def _is_same(folder: Path, former: Path, library: str, sources: Iterable[str]) -> bool:
+    """Whether an earlier folder holds a library of the same sources."""
+    paths = [former / library, *(former / source for source in sources)]
+    if any(path.is_symlink() or not path.is_file() for path in paths):
+        return False
+    return all(filecmp.cmp(folder / source, former / source, shallow=False) for source in sources)
+
+
+def _compile(compiler: Command, source: Path, library: Path) -> None:
+    """Compile for the processor at hand, by the first option that the compiler knows."""
+    for processor in PROCESSORS:
+        try:
+            return compile_shared(compiler, [source], library, (*OPTIONS, *processor))
+        except TargetError:
+            if not processor:
+                raise

@@ -4,9 +4,8 @@
 so that one without a lock belongs to nobody. ``.derive-NAME.old`` is the old folder in the instant between two
 renames, on systems that cannot exchange folders.
 
-Swaps two folders in one step where the system can, and says so where it cannot.
-
-Locks on folders, released by the system when their holder dies, however it dies.
+Two calls of the system make this safe: folders are exchanged in one step where the file system can, and locks on
+folders are released when their holder dies, however it dies.
 """
 
 from __future__ import annotations
@@ -21,13 +20,26 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+try:
+    import fcntl
+except ImportError:  # not a POSIX system
+    fcntl = None  # type: ignore[assignment]
+
+_STAGING = re.compile(r"\.derive-([a-z0-9_]+)-[0-9a-f]{8}")
+_BACKUP = re.compile(r"\.derive-([a-z0-9_]+)\.old")
+
 _AT_FDCWD = -100
 _RENAME_EXCHANGE = 2
-_UNSUPPORTED = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM)
+_NO_EXCHANGE = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM)
+_NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 
 
 def exchange(one: Path, other: Path) -> bool:
     """Swaps two folders atomically (``renameat2`` with ``RENAME_EXCHANGE``, Linux).
+
+    Args:
+        one: A folder.
+        other: Another one of the same file system.
 
     Returns:
         False, with nothing done, where the system or the file system has no such call.
@@ -42,13 +54,20 @@ def exchange(one: Path, other: Path) -> bool:
     if call(_AT_FDCWD, os.fsencode(one), _AT_FDCWD, os.fsencode(other), ctypes.c_uint(_RENAME_EXCHANGE)) == 0:
         return True
     number = ctypes.get_errno()
-    if number in _UNSUPPORTED:
+    if number in _NO_EXCHANGE:
         return False
     raise OSError(number, os.strerror(number), str(one), None, str(other))
 
 
 def flush_folder(folder: Path) -> None:
-    """Makes the names in a folder durable."""
+    """Makes the names in a folder durable.
+
+    Args:
+        folder: The folder.
+
+    Raises:
+        OSError: The disk refused; not where folders cannot be flushed at all.
+    """
     try:
         descriptor = os.open(folder, os.O_RDONLY)
     except OSError:  # folders cannot be opened on every system
@@ -62,16 +81,11 @@ def flush_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
-try:
-    import fcntl
-except ImportError:  # not a POSIX system
-    fcntl = None  # type: ignore[assignment]
-
-_NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
-
-
 def hold(folder: Path) -> int | None:
     """Locks a folder of our own until the descriptor is closed.
+
+    Args:
+        folder: The folder.
 
     Returns:
         The descriptor; None where folders cannot be locked.
@@ -84,7 +98,14 @@ def hold(folder: Path) -> int | None:
 
 @contextmanager
 def exclusively(folder: Path) -> Iterator[bool]:
-    """Waits for the lock on a folder; yields whether there are locks here at all."""
+    """Waits for the lock on a folder.
+
+    Args:
+        folder: The folder.
+
+    Yields:
+        Whether there are locks here at all.
+    """
     descriptor = _locked(folder, wait=True)
     try:
         yield descriptor is not None
@@ -93,12 +114,17 @@ def exclusively(folder: Path) -> Iterator[bool]:
 
 
 def release(descriptor: int | None) -> None:
-    """Gives a lock back."""
+    """Gives a lock back.
+
+    Args:
+        descriptor: From `hold`; None is fine.
+    """
     if descriptor is not None:
         os.close(descriptor)
 
 
 def _locked(folder: Path, *, wait: bool) -> int | None:
+    """The descriptor of a locked folder; None where there are no locks."""
     if fcntl is None:
         return None
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW if not wait else os.O_RDONLY)
@@ -112,44 +138,54 @@ def _locked(folder: Path, *, wait: bool) -> int | None:
     return descriptor
 
 
-_STAGING = re.compile(r"\.derive-([a-z0-9_]+)-[0-9a-f]{8}")
-_BACKUP = re.compile(r"\.derive-([a-z0-9_]+)\.old")
-
-
 def make_staging(target: Path) -> Path:
-    """A new, empty folder beside the target."""
+    """A new, empty folder beside the target.
+
+    Args:
+        target: The folder that it will replace.
+
+    Returns:
+        Its path.
+    """
     path = target.with_name(f".derive-{target.name}-{secrets.token_hex(4)}")
     path.mkdir()
     return path
 
 
 def backup_of(target: Path) -> Path:
-    """Where the old folder waits between two renames."""
+    """Where the old folder waits between two renames.
+
+    Args:
+        target: The folder.
+
+    Returns:
+        A path beside it.
+    """
     return target.with_name(f".derive-{target.name}.old")
 
 
 def recover(parent: Path, locks_work: bool) -> None:
     """Puts back what a killed build left half-way, and removes the temporary folders of the dead.
 
-    The caller holds the lock on ``parent``. Without working locks nobody can tell the dead from the living, and
-    temporary folders stay.
+    Without working locks nobody can tell the dead from the living, and temporary folders stay.
+
+    Args:
+        parent: The folder of all robots; the caller holds the lock on it.
+        locks_work: Whether there are locks here at all.
     """
     for path in sorted(parent.iterdir()):
         if path.is_symlink() or not path.is_dir():
             continue
         backup = _BACKUP.fullmatch(path.name)
         if backup:
-            _put_back(path, parent / backup.group(1))
+            target = parent / backup.group(1)
+            if target.is_symlink() or target.exists():
+                remove(path)
+            else:
+                path.rename(target)
+                flush_folder(parent)
         elif locks_work and _STAGING.fullmatch(path.name):
             _remove_if_dead(path)
-
-
-def _put_back(backup: Path, target: Path) -> None:
-    if target.is_symlink() or target.exists():
-        remove(backup)
-    else:
-        backup.rename(target)
-        flush_folder(target.parent)
 
 
 def _remove_if_dead(path: Path) -> None:
@@ -165,5 +201,9 @@ def _remove_if_dead(path: Path) -> None:
 
 
 def remove(folder: Path) -> None:
-    """Removes a folder of ours as far as possible; what is left is found again by the next build."""
+    """Removes a folder of ours as far as possible; what is left is found again by the next build.
+
+    Args:
+        folder: The folder; it need not be there.
+    """
     shutil.rmtree(folder, ignore_errors=True)

@@ -22,7 +22,13 @@ TARGETS: dict[str, Target] = {target.name: target for target in _ALL}
 
 
 def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
-    """Targets by name and those that they require, in the registry's order; for None what a build writes unasked.
+    """Targets by name and those that they require.
+
+    Args:
+        names: What the user says; None for what a build writes unasked.
+
+    Returns:
+        The targets, in the registry's order.
 
     Raises:
         TargetError: An unknown name, or none at all.

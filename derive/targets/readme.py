@@ -10,7 +10,7 @@ from derive.robot.printer import to_text
 from derive.robot.robot import Robot
 from derive.targets import templating
 from derive.targets.escape import markdown_text
-from derive.targets.target import Source, Target
+from derive.targets.target import Source, Target, package_name
 
 FILES = {
     "model_numpy.py": "the functions for one configuration or any batch; imports NumPy alone",
@@ -66,11 +66,6 @@ def readme_context(source: Source) -> dict[str, Any]:
         "example": ", ".join(["0.1"] * robot.n),
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free_symbols(robot)),
     }
-
-
-def package_name(robot: Robot) -> str:
-    """Name of the folder, importable by Python."""
-    return robot.name.replace("-", "_")
 
 
 def _functions(source: Source) -> list[dict[str, str]]:

@@ -1,9 +1,4 @@
-"""A target: the files that it writes and the function that renders them.
-
-What every target is rendered from.
-
-Joint limits as numbers.
-"""
+"""A target, the files that it writes and the function that renders them, and what it is rendered from: a source."""
 
 from __future__ import annotations
 
@@ -56,6 +51,18 @@ class Target:
     default: bool = True
     requires: tuple[str, ...] = ()
     compiled: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def package_name(robot: Robot) -> str:
+    """Name of a robot's folder, importable by Python.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Its name, with underscores for hyphens.
+    """
+    return robot.name.replace("-", "_")
 
 
 def joint_limits(robot: Robot) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.publish.pdf import LatexLog
+from derive.handout.pdf import LatexLog
 
 
 def require_latex() -> None:

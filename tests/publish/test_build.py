@@ -16,9 +16,8 @@ import pytest
 import derive
 from derive.errors import OutputError, TargetError, VerificationError
 from derive.publish import build
-from derive.publish.build import build_robot, check_robot, folder_of
+from derive.publish.build import BuildFailure, BuildResult, CheckResult, build_robot, check_robot, folder_of
 from derive.publish.many import build_many, check_many
-from derive.publish.results import BuildFailure, BuildResult, CheckResult
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler

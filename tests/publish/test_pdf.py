@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from derive.errors import LatexError
-from derive.publish.pdf import LatexLog, compile_latex
+from derive.handout.pdf import LatexLog, compile_latex
 from tests.handout.latex_runner import require_latex
 
 DOCUMENT = r"""\documentclass{{article}}

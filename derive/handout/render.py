@@ -1,8 +1,8 @@
-"""Assembles the handout of a robot: LaTeX, PDF and web page from one document."""
+"""The handout of a robot as files in memory: LaTeX, PDF and web page from one document."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -10,9 +10,9 @@ from derive.handout.assemble import context_of, document, exercise, solutions
 from derive.handout.context import Context
 from derive.handout.document import Document
 from derive.handout.latex_writer import latex
+from derive.handout.pdf import compile_latex
 from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
-from derive.publish.pdf import compile_latex
 from derive.robot.handout import HandoutOptions
 from derive.robot.robot import Robot
 
@@ -51,41 +51,36 @@ def handout_files(
         formats: Which forms.
         exercise_sheets: Whether an exercise and its solutions are made instead of one sheet.
 
+    Returns:
+        The files, named after the robot.
+
     Raises:
         TargetError: There is no such language, or a package for the web page is missing.
         LatexError: LaTeX is missing or refused the document.
     """
     context = context_of(robot, options)
     whole = document(context)
+    sheets = {robot.name: whole}
+    if exercise_sheets:
+        sheets = {
+            f"{robot.name}-exercise": exercise(whole, context.text),
+            f"{robot.name}-solutions": solutions(whole, context.text),
+        }
     handout = Handout(parts=tuple(section.part for section in whole.sections))
-    for name, sheet in _sheets(whole, context, exercise_sheets):
-        for form in (form for form in Format if form in formats):
-            _add(handout, f"{name}.{form.value}", form, sheet, context)
+    for name, sheet in sheets.items():
+        tex = latex(sheet, context.text) if {Format.TEX, Format.PDF}.intersection(formats) else ""
+        if Format.TEX in formats:
+            handout.files[f"{name}.tex"] = tex.encode()
+        if Format.PDF in formats:
+            compiled = compile_latex(tex, name)
+            handout.files[f"{name}.pdf"], handout.pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
+        if Format.HTML in formats:
+            handout.files[f"{name}.html"] = _page(sheet, context).encode()
     return handout
 
 
-def _sheets(whole: Document, context: Context, exercise_sheets: bool) -> Iterator[tuple[str, Document]]:
-    """File names without their endings, and what stands on each sheet."""
-    name = context.robot.name
-    if not exercise_sheets:
-        yield name, whole
-        return
-    yield f"{name}-exercise", exercise(whole, context.text)
-    yield f"{name}-solutions", solutions(whole, context.text)
-
-
-def _add(handout: Handout, name: str, form: Format, sheet: Document, context: Context) -> None:
-    match form:
-        case Format.TEX:
-            handout.files[name] = latex(sheet, context.text).encode()
-        case Format.PDF:
-            compiled = compile_latex(latex(sheet, context.text), name.removesuffix(".pdf"))
-            handout.files[name], handout.pages[name] = compiled.pdf, compiled.log.pages
-        case Format.HTML:
-            handout.files[name] = _page(sheet, context).encode()
-
-
 def _page(sheet: Document, context: Context) -> str:
+    """The web page of a sheet, with the arm to move where it can be drawn."""
     from derive.handout.page.viewer import viewer
     from derive.handout.page.writer import page
 

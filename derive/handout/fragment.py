@@ -56,11 +56,16 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str) -> str:
         options: What the handout shows; language and notation count here too.
         name: A part such as ``inertia`` or a quantity such as ``B``, ``A[1]`` or ``T[0,2]``.
 
+    Returns:
+        The text, headed by a comment that names the packages it needs.
+
     Raises:
         QuantityError: Neither a part nor a quantity, or one that this robot does not have.
     """
     context = context_of(robot, options)
-    section = _part(context, name) if name in PARTS else _quantity(context, name)
+    section = section_of(context, name) if name in PARTS else _quantity(context, name)
+    if section is None:
+        raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed="its file gives no links")
     needed = "".join(f"\\usepackage{{{package}}}" for package in _packages(section))
     shown = f"% {name} of {robot.name}: written by derive {context.version}; needs {needed}\n"
     body = fragment(section, context.text)
@@ -71,6 +76,7 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str) -> str:
 
 
 def _packages(section: Section) -> Iterator[str]:
+    """LaTeX packages that a section needs."""
     yield "amsmath"
     blocks = list(blocks_of(section))
     if any(isinstance(block, Table) for block in blocks):
@@ -87,33 +93,22 @@ def _rows(block: Block) -> tuple[Rows, ...]:
     return (block,) if isinstance(block, Rows) else getattr(block, "rows", ()) if not isinstance(block, Table) else ()
 
 
-def _part(context: Context, name: str) -> Section:
-    section = section_of(context, name)
-    if section is None:
-        raise QuantityError(f"{context.robot.name} has no part {quoted(name)}", allowed="its file gives no links")
-    return section
-
-
 def _quantity(context: Context, name: str) -> Section:
+    """A section that holds one quantity, as the handout prints it where it does."""
     model: Model = getattr(context.quantities, "model", None) or Model(context.robot)
-    _require_known(name)
+    word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
+    if word not in REGISTRY:  # what is meant may be a part or a quantity
+        raise TargetError(
+            f"no part and no quantity {quoted(name)}",
+            allowed=f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
+            remedy=near_miss(word, (*PARTS, *REGISTRY)),
+        )
     row, indices, entry = parse(model, name)
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
     layout = _known(context, row.name, indices) if entry is None else None
     layout = layout or _written(context, name, row.name, indices, model)
     return Section("", "", (formula(context, layout, _FUNCTIONS.get(row.name, "")),))
-
-
-def _require_known(name: str) -> None:
-    """A word that is neither: what is meant may be either."""
-    word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
-    if word not in REGISTRY:
-        raise TargetError(
-            f"no part and no quantity {quoted(name)}",
-            allowed=f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
-            remedy=near_miss(word, (*PARTS, *REGISTRY)),
-        )
 
 
 def _known(context: Context, name: str, indices: tuple[int, ...]) -> Layout | None:

@@ -1,9 +1,8 @@
 """From LaTeX to PDF with latexmk, in a folder of its own that nobody else sees.
 
 The same text gives the same bytes: no time of day, no path and no configuration of the user's enters the PDF. TeX may
-run no program and write nowhere else.
-
-Reads what pdflatex wrote into its log: errors with their lines, overfull boxes, pages.
+run no program and write nowhere else. What went wrong, what does not fit and how many pages there are is read in the
+log.
 """
 
 from __future__ import annotations
@@ -20,6 +19,32 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from derive.errors import LatexError, Location
+
+PROGRAMS = ("latexmk", "pdflatex")
+PACKAGES = "texlive-latex-recommended latexmk"
+"""Debian packages that bring the programs."""
+
+TIME_LIMIT = 120.0
+"""Seconds after which LaTeX is stopped; the longest handout takes a few."""
+
+_OPTIONS = ("-interaction=nonstopmode", "-halt-on-error", "-file-line-error", "-no-shell-escape")
+_SECTION = re.compile(r"\\section\*\{(.*)\}")
+
+_SHOWN = 160
+"""Characters of a line of LaTeX in a message."""
+
+_ENVIRONMENT = {
+    "SOURCE_DATE_EPOCH": "0",
+    "FORCE_SOURCE_DATE": "1",
+    "TZ": "UTC",
+    "LC_ALL": "C",
+    "max_print_line": "10000",
+    "error_line": "254",
+    "half_error_line": "238",
+    "openin_any": "p",
+    "openout_any": "p",
+}
+"""No time of day in the PDF, no line of the log cut, no file read or written outside."""
 
 _FAULT = re.compile(r"^(?:! (?!\s*==>)(?P<plain>.+)|(?P<file>[^\s:][^:\n]*):(?P<line>\d+): (?P<message>.+))$", re.M)
 _PLACE = re.compile(r"^l\.(\d+) ", re.M)
@@ -70,7 +95,15 @@ class LatexLog:
     @property
     def faults(self) -> list[Fault]:
         """All errors, in their order."""
-        return [self._fault(match) for match in _FAULT.finditer(self.text)]
+        found = []
+        for match in _FAULT.finditer(self.text):
+            if match["message"]:
+                found.append(Fault(match["message"].strip(), int(match["line"])))
+                continue
+            following = _FAULT.search(self.text, match.end())  # the plain form has its line further down
+            place = _PLACE.search(self.text, match.end(), following.start() if following else len(self.text))
+            found.append(Fault(match["plain"].strip(), int(place[1]) if place else 0))
+        return found
 
     @property
     def errors(self) -> list[str]:
@@ -93,28 +126,6 @@ class LatexLog:
         """Pages of the document; 0 if none was written."""
         match = _PAGES.search(self.text.replace("\n", ""))
         return int(match.group(1)) if match else 0
-
-    def _fault(self, match: re.Match[str]) -> Fault:
-        """An error in either form; the plain one has its line further down."""
-        if match["message"]:
-            return Fault(match["message"].strip(), int(match["line"]))
-        following = _FAULT.search(self.text, match.end())
-        place = _PLACE.search(self.text, match.end(), following.start() if following else len(self.text))
-        return Fault(match["plain"].strip(), int(place[1]) if place else 0)
-
-
-PROGRAMS = ("latexmk", "pdflatex")
-PACKAGES = "texlive-latex-recommended latexmk"
-"""Debian packages that bring the programs."""
-
-TIME_LIMIT = 120.0
-"""Seconds after which LaTeX is stopped; the longest handout takes a few."""
-
-_OPTIONS = ("-interaction=nonstopmode", "-halt-on-error", "-file-line-error", "-no-shell-escape")
-_SECTION = re.compile(r"\\section\*\{(.*)\}")
-
-_SHOWN = 160
-"""Characters of a line of LaTeX in a message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,43 +151,42 @@ def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_
         name: Name of the file without its ending, for messages and for the PDF.
         time_limit: Seconds after which LaTeX is stopped.
 
+    Returns:
+        The PDF and its log.
+
     Raises:
         LatexError: The programs are missing, LaTeX refused the document or took too long. The document stays in a
             temporary folder that the message names.
     """
-    _require_programs()
-    started = time.perf_counter()
-    folder = Path(tempfile.mkdtemp(prefix="derive-latex-"))
-    (folder / f"{name}.tex").write_bytes(text.encode())
-    status = _run([PROGRAMS[0], "-norc", "-pdf", *_OPTIONS, f"{name}.tex"], folder, time_limit)
-    log = LatexLog(_text(folder / f"{name}.log"), -1 if status is None else status)
-    if status is None:
-        raise LatexError(
-            f"LaTeX was stopped after {time_limit:g} s", remedy=f"see what it was doing in {folder / f'{name}.log'}"
-        )
-    if status or log.errors:
-        raise _refusal(text, log, folder / f"{name}.tex")
-    pdf = (folder / f"{name}.pdf").read_bytes()
-    shutil.rmtree(folder, ignore_errors=True)
-    return Compiled(pdf, log, time.perf_counter() - started)
-
-
-def _require_programs() -> None:
     missing = [program for program in PROGRAMS if shutil.which(program) is None]
     if missing:
         raise LatexError(
             f"no PDF without LaTeX: {' and '.join(missing)} not found",
             remedy=f"on Debian and Ubuntu: apt install {PACKAGES}; or write the .tex and compile it elsewhere",
         )
+    started = time.perf_counter()
+    folder = Path(tempfile.mkdtemp(prefix="derive-latex-"))
+    source, log_file = folder / f"{name}.tex", folder / f"{name}.log"
+    source.write_bytes(text.encode())
+    status = _run([PROGRAMS[0], "-norc", "-pdf", *_OPTIONS, source.name], folder, time_limit)
+    written = log_file.read_text(encoding="latin-1") if log_file.is_file() else ""
+    log = LatexLog(written, -1 if status is None else status)
+    if status is None:
+        raise LatexError(f"LaTeX was stopped after {time_limit:g} s", remedy=f"see what it was doing in {log_file}")
+    if status or log.errors:
+        raise _refusal(text, log, source)
+    pdf = (folder / f"{name}.pdf").read_bytes()
+    shutil.rmtree(folder, ignore_errors=True)
+    return Compiled(pdf, log, time.perf_counter() - started)
 
 
 def _run(command: list[str], folder: Path, time_limit: float) -> int | None:
-    """The exit status, None after the time limit; no process is left behind."""
+    """The exit status, None after the time limit; neither latexmk nor the TeX that it started is left behind."""
     with open(folder / "output.txt", "wb") as output:
         process = subprocess.Popen(
             command,
             cwd=folder,
-            env={**os.environ, **_environment()},
+            env={**os.environ, **_ENVIRONMENT},
             stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=subprocess.STDOUT,
@@ -187,64 +197,33 @@ def _run(command: list[str], folder: Path, time_limit: float) -> int | None:
         except subprocess.TimeoutExpired:
             return None
         finally:
-            _end(process)
-
-
-def _environment() -> dict[str, str]:
-    """No time of day in the PDF, no line of the log cut, no file read or written outside."""
-    return {
-        "SOURCE_DATE_EPOCH": "0",
-        "FORCE_SOURCE_DATE": "1",
-        "TZ": "UTC",
-        "LC_ALL": "C",
-        "max_print_line": "10000",
-        "error_line": "254",
-        "half_error_line": "238",
-        "openin_any": "p",
-        "openout_any": "p",
-    }
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """Ends latexmk and the TeX that it started, if they still run."""
-    if process.poll() is None:
-        with suppress(OSError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-
-
-def _text(path: Path) -> str:
-    return path.read_text(encoding="latin-1") if path.is_file() else ""
+            if process.poll() is None:
+                with suppress(OSError):
+                    os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
 
 
 def _refusal(text: str, log: LatexLog, kept: Path) -> LatexError:
-    """What LaTeX said, where, and what we had written there."""
-    fault = _first(log)
-    if fault is None:
-        return LatexError("latexmk failed without a word of LaTeX", remedy=f"see {kept.with_name('output.txt')}")
-    remedy = f"it is kept as {kept}"
-    if "not found" in fault.message and ".sty'" in fault.message:
-        remedy = f"on Debian and Ubuntu: apt install {PACKAGES} texlive-fonts-recommended; {remedy}"
-    place = Location(kept.name, fault.line) if fault.line else None
-    return LatexError(f"LaTeX: {fault.message}", allowed=_written_there(text, fault), remedy=remedy, location=place)
-
-
-def _first(log: LatexLog) -> Fault | None:
-    """The first error; where LaTeX gives no line with it, the line at which it gave up."""
+    """What LaTeX said first, the line at which it says so or gave up, and what we had written there."""
     faults = log.faults
     if not faults:
-        return None
-    line = next((fault.line for fault in faults if fault.line), 0)
-    return Fault(faults[0].message.removeprefix("LaTeX Error: ").rstrip("."), line)
+        return LatexError("latexmk failed without a word of LaTeX", remedy=f"see {kept.with_name('output.txt')}")
+    message = faults[0].message.removeprefix("LaTeX Error: ").rstrip(".")
+    number = next((fault.line for fault in faults if fault.line), 0)
+    remedy = f"it is kept as {kept}"
+    if "not found" in message and ".sty'" in message:
+        remedy = f"on Debian and Ubuntu: apt install {PACKAGES} texlive-fonts-recommended; {remedy}"
+    place = Location(kept.name, number) if number else None
+    return LatexError(f"LaTeX: {message}", allowed=_written_there(text, number), remedy=remedy, location=place)
 
 
-def _written_there(text: str, fault: Fault) -> str:
-    """The line of the document and the heading that it stands under."""
+def _written_there(text: str, number: int) -> str:
+    """A line of the document and the heading that it stands under."""
     lines = text.splitlines()
-    if not 0 < fault.line <= len(lines):
+    if not 0 < number <= len(lines):
         return ""
-    line = lines[fault.line - 1].strip()
+    line = lines[number - 1].strip()
     shown = line if len(line) <= _SHOWN else f"{line[:_SHOWN]} ..."
-    titles = (_SECTION.fullmatch(x) for x in reversed(lines[: fault.line]))
+    titles = (_SECTION.fullmatch(x) for x in reversed(lines[:number]))
     title = next((match[1] for match in titles if match), "")
-    return f"line {fault.line} is '{shown}'" + (f", under '{title}'" if title else "")
+    return f"line {number} is '{shown}'" + (f", under '{title}'" if title else "")
