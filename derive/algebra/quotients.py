@@ -14,8 +14,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError
-from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, substitute
-from derive.robot.printer import to_text
+from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, substitute, to_text
 from derive.robot.robot import Robot
 
 MAX_TERMS = 50_000

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.errors import listed, near_miss, quoted
-from derive.robot.handout import PARTS, Derivation, HandoutOptions, NotationOptions
+from derive.robot.style import PARTS, Derivation, HandoutOptions, NotationOptions
 
 if TYPE_CHECKING:
     from derive.handout.render import Format, Handout

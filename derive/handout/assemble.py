@@ -28,8 +28,8 @@ from derive.handout.parts import (
     table,
 )
 from derive.handout.quantities import ModelQuantities
-from derive.robot.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
+from derive.robot.style import PARTS, HandoutOptions
 from derive.version import __version__
 
 Part = Callable[[Context], Section | None]

@@ -17,8 +17,8 @@ from derive.handout.notation.symbols import Symbols
 from derive.handout.quantity import Quantities
 from derive.handout.rate_forms import RateForms
 from derive.handout.tables import DataPrinter
-from derive.robot.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
+from derive.robot.style import Derivation, HandoutOptions
 
 Pose = tuple[tuple[float, ...], ...]
 """A 4x4 transform."""

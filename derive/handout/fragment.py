@@ -20,8 +20,8 @@ from derive.handout.notation.symbols import EntryNamer, bold
 from derive.handout.quantities import Written, expanded_terms
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY, parse
-from derive.robot.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
+from derive.robot.style import PARTS, HandoutOptions
 
 _WIDEST = 10
 """Columns that amsmath's matrices have unless told otherwise."""

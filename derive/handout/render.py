@@ -13,8 +13,8 @@ from derive.handout.latex_writer import latex
 from derive.handout.pdf import compile_latex
 from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
-from derive.robot.handout import HandoutOptions
 from derive.robot.robot import Robot
+from derive.robot.style import HandoutOptions
 
 
 class Format(StrEnum):

@@ -29,11 +29,11 @@ from derive.robot.expression import (
     names,
     power,
     substitute,
+    to_text,
 )
 from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
 from derive.robot.parser import FORMULA_FUNCTIONS, Token, TokenKind, parse_expression, place, tokenize
-from derive.robot.printer import to_text
 from derive.robot.robot import Robot
 
 MAX_TOKEN_DIGITS = 24

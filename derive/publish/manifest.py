@@ -10,8 +10,8 @@ from typing import Any
 
 from derive.programs.effort import Effort
 from derive.programs.interface import hoisted_operations_of, operations_of
+from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of
-from derive.robot.printer import to_text
 from derive.targets.target import Source, Target
 
 FILE = "MANIFEST.json"

@@ -1,8 +1,4 @@
-"""Reads cells of a document as exact expressions in SI units and radians.
-
-Which texts may be a symbol.
-
-Degrees and millimetres to radians and metres, exactly.
+"""Reads cells of a document as exact expressions in SI units and radians, and which texts may be a symbol.
 
 A *plain number* is an additive term of a cell in which no name occurs: in ``q1 + 90`` it is 90, in ``2*a1 - 20`` it is
 20. A number that multiplies a name is a factor without a unit, and names themselves are always in SI units and radians.
@@ -12,19 +8,18 @@ Arguments of sin, cos and tan are angles too, in every cell; where pi occurs in 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from derive.errors import ExpressionError, Location, path_text, quoted
-from derive.robot.document import Document, KeyPath, YamlScalar
+from derive.errors import DeriveError, ExpressionError, Location, path_text, quoted
+from derive.robot.description import Description, FileUnits
+from derive.robot.document import Document, KeyPath
 from derive.robot.expression import (
     ZERO,
     Call,
     Expression,
     Pi,
-    Power,
-    Product,
-    Sum,
     add,
     contains_pi,
     is_constant,
@@ -32,30 +27,29 @@ from derive.robot.expression import (
     multiply,
     names,
     number,
-    power,
+    rebuilt,
 )
 from derive.robot.limits import FILE_LIMITS
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
 
 _DEGREE = multiply(number(Fraction(1, 180)), Pi())
 _MILLIMETRE = number(Fraction(1, 1000))
-_ANGULAR = frozenset({"sin", "cos", "tan"})
+_SYMBOL = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}")
 
 
 class MixedUnitsError(ValueError):
     """pi stands in an angle cell whose plain numbers are degrees."""
 
 
-@dataclass(frozen=True, slots=True)
-class Units:
-    """Units of plain numbers in a file."""
-
-    degrees: bool = False
-    millimetres: bool = False
-
-
-def angle_in_radians(expression: Expression, units: Units) -> Expression:
+def angle_in_radians(expression: Expression, units: FileUnits) -> Expression:
     """An angle cell in radians.
+
+    Args:
+        expression: The cell as written.
+        units: Units of its plain numbers.
+
+    Returns:
+        The angle [rad].
 
     Raises:
         MixedUnitsError: pi outside the arguments of functions while angles are degrees.
@@ -64,18 +58,40 @@ def angle_in_radians(expression: Expression, units: Units) -> Expression:
         return expression
     if contains_pi(expression):
         raise MixedUnitsError
-    return _scaled(_arguments_in_radians(expression), _DEGREE)
+    return _scaled(plain_number(expression, units), _DEGREE)
 
 
-def length_in_metres(expression: Expression, units: Units) -> Expression:
-    """A length cell in metres."""
+def length_in_metres(expression: Expression, units: FileUnits) -> Expression:
+    """A length cell in metres.
+
+    Args:
+        expression: The cell as written.
+        units: Units of its plain numbers.
+
+    Returns:
+        The length [m].
+    """
     converted = plain_number(expression, units)
     return _scaled(converted, _MILLIMETRE) if units.millimetres else converted
 
 
-def plain_number(expression: Expression, units: Units) -> Expression:
-    """A cell that is neither angle nor length: only arguments of functions change."""
-    return _arguments_in_radians(expression) if units.degrees else expression
+def plain_number(expression: Expression, units: FileUnits) -> Expression:
+    """A cell that is neither angle nor length: only arguments of sin, cos and tan change.
+
+    Args:
+        expression: The cell as written.
+        units: Units of the plain numbers in those arguments.
+
+    Returns:
+        The cell with angles in radians.
+    """
+    if not units.degrees:
+        return expression
+    converted = rebuilt(expression, lambda part: plain_number(part, units))
+    if isinstance(converted, Call) and converted.function in ("sin", "cos", "tan"):
+        angles = (a if contains_pi(a) else _scaled(a, _DEGREE) for a in converted.arguments)
+        return Call(converted.function, tuple(angles))
+    return converted
 
 
 def _scaled(expression: Expression, unit: Expression) -> Expression:
@@ -86,21 +102,41 @@ def _scaled(expression: Expression, unit: Expression) -> Expression:
     return add(*(multiply(number(c), term, unit if is_constant(term) else number(1)) for c, term in pairs))
 
 
-def _arguments_in_radians(expression: Expression) -> Expression:
-    match expression:
-        case Call(function, arguments):
-            converted = tuple(_arguments_in_radians(argument) for argument in arguments)
-            if function in _ANGULAR:
-                converted = tuple(a if contains_pi(a) else _scaled(a, _DEGREE) for a in converted)
-            return Call(function, converted)
-        case Sum(parts):
-            return add(*(_arguments_in_radians(part) for part in parts))
-        case Product(parts):
-            return multiply(*(_arguments_in_radians(part) for part in parts))
-        case Power(base, exponent):
-            return power(_arguments_in_radians(base), exponent)
-        case _:
-            return expression
+def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, ...]:
+    """Values of all joint variables that a user types beside the file, in the units of the file.
+
+    Args:
+        robot: The robot.
+        texts: One cell per joint, such as ``pi/2`` or, in a file with degrees, ``90``.
+
+    Returns:
+        The configuration [rad or m].
+
+    Raises:
+        DeriveError: Not one cell per joint, a cell outside the grammar, or one with a name in it.
+    """
+    if len(texts) != robot.n:
+        variables = ", ".join(joint.variable for joint in robot.joints)
+        raise DeriveError(
+            f"{len(texts)} joint values for {robot.n} joints", allowed=f"allowed: one value for each of {variables}"
+        )
+    allowed = "allowed: a number, or an expression in numbers and pi"
+    values = []
+    for joint, typed in zip(robot.joints, texts, strict=True):
+        value = f"value {quoted(typed.strip())} of {joint.variable}"
+        try:
+            expression = parse_expression(typed.strip(), Location("-q"))
+            if not is_constant(expression):
+                raise DeriveError(f"{value} holds a name", allowed=allowed)
+            convert = angle_in_radians if joint.is_revolute else length_in_metres
+            values.append(convert(expression, robot.units))
+        except ExpressionError as error:
+            raise DeriveError(f"{value}: {error.found}", allowed=allowed) from None
+        except MixedUnitsError:
+            raise DeriveError(
+                f"pi in the {value}, but angles of this robot file are in degrees", remedy="write 90 for pi/2"
+            ) from None
+    return tuple(values)
 
 
 @dataclass(slots=True)
@@ -114,23 +150,84 @@ class Cells:
     """
 
     document: Document
-    units: Units
+    units: FileUnits
     first_use: dict[str, Location] = field(default_factory=dict)
 
     def angle(self, path: KeyPath, default: Expression = ZERO) -> Expression:
-        """An angle [rad]."""
+        """An angle.
+
+        Args:
+            path: Place of the cell in the file.
+            default: What stands for a cell that is left out.
+
+        Returns:
+            The angle [rad].
+
+        Raises:
+            RobotFileError: pi in a file whose angles are degrees.
+            ExpressionError: Outside the grammar.
+        """
         return self.to_radians(path, self.raw(path, default))
 
     def length(self, path: KeyPath, default: Expression = ZERO) -> Expression:
-        """A length [m]."""
-        return self.to_metres(self.raw(path, default))
+        """A length.
+
+        Args:
+            path: Place of the cell in the file.
+            default: What stands for a cell that is left out.
+
+        Returns:
+            The length [m].
+
+        Raises:
+            ExpressionError: Outside the grammar.
+        """
+        return length_in_metres(self.raw(path, default), self.units)
 
     def plain(self, path: KeyPath, default: Expression = ZERO) -> Expression:
-        """A quantity that is always in SI units, such as a mass."""
+        """A quantity that is always in SI units, such as a mass.
+
+        Args:
+            path: Place of the cell in the file.
+            default: What stands for a cell that is left out.
+
+        Returns:
+            The quantity [SI units].
+
+        Raises:
+            ExpressionError: Outside the grammar.
+        """
         return plain_number(self.raw(path, default), self.units)
+
+    def constant(self, path: KeyPath, value: Expression, found: str, allowed: str) -> Expression:
+        """A cell that is a number, without any name.
+
+        Args:
+            path: Place of the cell in the file.
+            value: What was read there.
+            found: Where a name was found, for the message.
+            allowed: What is allowed, for the message.
+
+        Returns:
+            The value.
+
+        Raises:
+            RobotFileError: A name is in it.
+        """
+        if not is_constant(value):
+            name = next(names(value))
+            raise self.document.error(path, f"name '{name}' in {found}", allowed, "write its number")
+        return value
 
     def to_radians(self, path: KeyPath, expression: Expression) -> Expression:
         """The expression of an angle cell in radians.
+
+        Args:
+            path: Place of the cell in the file.
+            expression: The cell as written.
+
+        Returns:
+            The angle [rad].
 
         Raises:
             RobotFileError: pi in a file whose angles are degrees.
@@ -145,12 +242,15 @@ class Cells:
                 "write 90 for pi/2, or remove angle: deg",
             ) from None
 
-    def to_metres(self, expression: Expression) -> Expression:
-        """The expression of a length cell in metres."""
-        return length_in_metres(expression, self.units)
-
     def raw(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """The expression as written, before units.
+
+        Args:
+            path: Place of the cell in the file.
+            default: What stands for a cell that is left out.
+
+        Returns:
+            The exact tree; its names are noted in `first_use`.
 
         Raises:
             ExpressionError: Outside the grammar; the message names the cell.
@@ -158,14 +258,8 @@ class Cells:
         scalar = self.document.scalar(path)
         if scalar is None:
             return default
-        expression = self._parsed(path, scalar)
-        for name in names(expression):
-            self.first_use.setdefault(name, scalar.location)
-        return expression
-
-    def _parsed(self, path: KeyPath, scalar: YamlScalar) -> Expression:
         try:
-            return parse_expression(scalar.text, scalar.inner)
+            expression = parse_expression(scalar.text, scalar.inner)
         except ExpressionError as error:
             raise ExpressionError(
                 f"{path_text(path)}: {error.found}",
@@ -173,13 +267,18 @@ class Cells:
                 remedy=error.remedy,
                 location=error.location if scalar.verbatim else scalar.location,
             ) from None
-
-
-_SYMBOL = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}")
+        for name in names(expression):
+            self.first_use.setdefault(name, scalar.location)
+        return expression
 
 
 def check_symbol(document: Document, path: KeyPath, name: str) -> None:
     """Refuse a name that is not ``[A-Za-z][A-Za-z0-9_]*``, too long, or means something else.
+
+    Args:
+        document: The file.
+        path: Place of the name in the file.
+        name: The name.
 
     Raises:
         RobotFileError: At the place of the name.

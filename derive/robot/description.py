@@ -1,18 +1,24 @@
-"""What a robot file says: the rows of the table, the links, and what is around them; exact, in SI units and radians."""
+"""What a robot file says: the rows of the table, the links, and what is around them; exact, in SI units and radians.
+
+The parts show themselves in the words of the file (``Joint(revolute, theta=q1 + pi/2, a=a1)``), not as trees.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from derive.robot.expression import ONE, ZERO, Expression
-from derive.robot.handout import FigureOptions, HandoutOptions
-from derive.robot.style import Contraction, Style
+from derive.robot.expression import ONE, ZERO, Expression, to_text
+from derive.robot.style import Contraction, FigureOptions, HandoutOptions, Style
 
 Vector = tuple[Expression, Expression, Expression]
+"""Three cells: a point, or a vector in space."""
+
 Matrix = tuple[tuple[Expression, ...], ...]
+"""Rows of cells; a homogeneous transform has four of four."""
 
 IDENTITY: Matrix = tuple(tuple(ONE if i == j else ZERO for j in range(4)) for i in range(4))
+"""The transform that changes nothing."""
 
 
 class Convention(StrEnum):
@@ -30,6 +36,31 @@ class JointType(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class FileUnits:
+    """Units of plain numbers in a file; the robot itself is always in radians and metres.
+
+    Attributes:
+        degrees: Whether plain numbers in angle cells are degrees.
+        millimetres: Whether plain numbers in length cells are millimetres.
+    """
+
+    degrees: bool = False
+    millimetres: bool = False
+
+
+def cells_text(**cells: Expression) -> str:
+    """Cells that are not zero as ``name=text``, separated by commas.
+
+    Args:
+        **cells: The cells by name.
+
+    Returns:
+        Text such as ``d=d1, alpha=pi/2``.
+    """
+    return ", ".join(f"{name}={to_text(cell)}" for name, cell in cells.items() if cell != ZERO)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Joint:
     """One row of the table.
 
@@ -62,8 +93,24 @@ class Joint:
         """Whether the variable is an angle."""
         return self.type is JointType.REVOLUTE
 
+    @property
+    def row(self) -> dict[str, str]:
+        """The cells theta, d, a, alpha as text, the variable in its own: ``{"theta": "-q1 + pi/2", ...}``."""
+        moving = "theta" if self.is_revolute else "d"
+        cells = {"theta": self.theta, "d": self.d, "a": self.a, "alpha": self.alpha}
+        row = {name: to_text(cell) for name, cell in cells.items()}
+        variable = self.variable if self.sign > 0 else f"-{self.variable}"
+        constant = row[moving]
+        rest = f" - {constant[1:]}" if constant.startswith("-") else f" + {constant}"
+        return row | {moving: variable if constant == "0" else variable + rest}
 
-@dataclass(frozen=True, slots=True)
+    def __repr__(self) -> str:
+        cells = ", ".join(f"{name}={text}" for name, text in self.row.items() if text != "0")
+        limits = f", limits=[{', '.join(map(to_text, self.limits))}]" if self.limits else ""
+        return f"Joint({self.type.value}, {cells}{limits})"
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Motor:
     """A rotor on the axis of joint i, carried by link i-1, spinning at ``ratio * qd_i``.
 
@@ -80,10 +127,13 @@ class Motor:
     inertia: Expression = ZERO
     ratio: Expression = ZERO
 
+    def __repr__(self) -> str:
+        return f"Motor({cells_text(mass=self.mass, inertia=self.inertia, ratio=self.ratio)})"
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Inertia:
-    """Inertia tensor about the centre of mass, axes of link frame i [kg m^2]."""
+    """Inertia tensor about the centre of mass, axes of link frame i [kg m^2]; ``xy`` is the matrix entry I[1,2]."""
 
     xx: Expression = ZERO
     yy: Expression = ZERO
@@ -92,8 +142,12 @@ class Inertia:
     xz: Expression = ZERO
     yz: Expression = ZERO
 
+    def __repr__(self) -> str:
+        cells = {"xx": self.xx, "yy": self.yy, "zz": self.zz, "xy": self.xy, "xz": self.xz, "yz": self.yz}
+        return f"Inertia({cells_text(**cells)})"
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Link:
     """Inertial parameters of one link, in its own DH frame i.
 
@@ -115,6 +169,13 @@ class Link:
     viscous: Expression = ZERO
     coulomb: Expression = ZERO
 
+    def __repr__(self) -> str:
+        parts = [f"com=[{', '.join(map(to_text, self.com))}]"] if any(cell != ZERO for cell in self.com) else []
+        parts += [repr(self.inertia)] if self.inertia != Inertia() else []
+        parts += [repr(self.motor)] if self.motor is not None else []
+        rest = cells_text(armature=self.armature, viscous=self.viscous, coulomb=self.coulomb)
+        return f"Link({', '.join([f'mass={to_text(self.mass)}', *parts, *([rest] if rest else [])])})"
+
 
 @dataclass(frozen=True, slots=True)
 class Description:
@@ -131,10 +192,11 @@ class Description:
         links: One per joint, or empty when the file has no dynamics.
         parameters: Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
         runtime: Names that stay free in generated code though they have a number.
-        style: How expressions are grouped in print, see `derive.robot.style`.
+        style: How expressions are grouped in print.
         contraction: Which sums of angles are contracted in print.
-        handout: What the handout shows and how, see `derive.robot.handout`.
+        handout: What the handout shows and how.
         figure: Which configuration is drawn.
+        units: Units of plain numbers in the file; needed only for numbers that a user types beside it.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages only; never written to an output.
     """
@@ -153,6 +215,7 @@ class Description:
     contraction: Contraction = Contraction.ALIGNED
     handout: HandoutOptions = field(default_factory=HandoutOptions)
     figure: FigureOptions = field(default_factory=FigureOptions)
+    units: FileUnits = FileUnits()
     digest: str = ""
     source: str = ""
 

@@ -1,6 +1,4 @@
-"""A file as a tree of texts, each with its place.
-
-YAML text to a tree of texts with positions.
+"""A YAML file as a tree of texts, each with its place.
 
 Only YAML's events are used (safe loader): no object is ever constructed, and a scalar is the text that stands in the
 file, so ``0.10``, ``1e3``, ``no`` and ``0o17`` never change their meaning.
@@ -18,6 +16,7 @@ from derive.errors import Location, RobotFileError, path_text, quoted
 from derive.robot.limits import FILE_LIMITS
 
 KeyPath = tuple[str | int, ...]
+"""A place in the tree by keys and positions from 0: ``("joints", 0, "theta")``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,51 +70,101 @@ class Document:
     digest: str
 
     def find(self, path: KeyPath) -> Node | None:
-        """The node at a path such as ``("joints", 0, "theta")``, or None."""
+        """What stands at a place.
+
+        Args:
+            path: Keys and positions such as ``("joints", 0, "theta")``.
+
+        Returns:
+            The node, or None where the file has none.
+        """
         node: Node | None = self.root
         for part in path:
-            node = _child(node, part)
+            if isinstance(node, YamlMapping):
+                node = node.entries[str(part)][1] if str(part) in node.entries else None
+            elif isinstance(node, YamlSequence) and isinstance(part, int) and 0 <= part < len(node.items):
+                node = node.items[part]
+            else:
+                return None
         return node
 
     def scalar(self, path: KeyPath) -> YamlScalar | None:
-        """The text at a path, or None where the file has none."""
+        """The text at a place.
+
+        Args:
+            path: Keys and positions.
+
+        Returns:
+            The text with its position, or None where the file has none.
+        """
         node = self.find(path)
         return node if isinstance(node, YamlScalar) else None
 
+    def text(self, *path: str | int) -> str:
+        """The text at a place, without its position.
+
+        Args:
+            *path: Keys and positions.
+
+        Returns:
+            The text, empty where the file has none.
+        """
+        scalar = self.scalar(path)
+        return scalar.text if scalar else ""
+
     def length(self, path: KeyPath) -> int:
-        """Number of items of the list at a path; 0 where there is none."""
+        """Number of items of the list at a place.
+
+        Args:
+            path: Keys and positions.
+
+        Returns:
+            The number, 0 where there is no list.
+        """
         node = self.find(path)
         return len(node.items) if isinstance(node, YamlSequence) else 0
 
     def key_location(self, path: KeyPath) -> Location:
-        """Where the key (or list item) at the end of a path stands."""
+        """Where the key (or list item) at the end of a path stands.
+
+        Args:
+            path: Keys and positions.
+
+        Returns:
+            The place of the key, not of its value.
+        """
         parent = self.find(path[:-1])
         if isinstance(parent, YamlMapping) and path[-1] in parent.entries:
             return parent.entries[str(path[-1])][0].location
         return self.location(path)
 
     def location(self, path: KeyPath) -> Location:
-        """Where the value at a path begins, or the nearest place around it that exists."""
-        for end in range(len(path), -1, -1):
-            node = self.find(path[:end])
-            if node is not None:
-                return node.location
-        return self.root.location
+        """Where the value at the end of a path stands.
+
+        Args:
+            path: Keys and positions.
+
+        Returns:
+            The place of the value, or the nearest place around it that exists.
+        """
+        found = (self.find(path[:end]) for end in range(len(path), -1, -1))
+        return next(node.location for node in found if node is not None)
 
     def error(self, path: KeyPath, found: str, allowed: str = "", remedy: str = "") -> RobotFileError:
-        """An error at the value of a path, which the message names."""
+        """An error at the value of a path, which the message names.
+
+        Args:
+            path: Keys and positions.
+            found: What was found.
+            allowed: What is allowed there.
+            remedy: What to do about it.
+
+        Returns:
+            The error, to be raised.
+        """
         return RobotFileError(
             f"{path_text(path)}: {found}", allowed=allowed, remedy=remedy, location=self.location(path)
         )
-
-
-def _child(node: Node | None, part: str | int) -> Node | None:
-    if isinstance(node, YamlMapping):
-        entry = node.entries.get(str(part))
-        return entry[1] if entry else None
-    if isinstance(node, YamlSequence) and isinstance(part, int) and 0 <= part < len(node.items):
-        return node.items[part]
-    return None
 
 
 def read_document(data: bytes, source: str) -> Document:
@@ -125,19 +174,43 @@ def read_document(data: bytes, source: str) -> Document:
         data: Bytes of the file, UTF-8.
         source: Name for messages.
 
+    Returns:
+        The tree with its digest.
+
     Raises:
         RobotFileError: Not UTF-8, too large, not YAML, or YAML outside the plain subset that robot files use.
     """
     root = read_tree(data, source)
-    return Document(_robot_block(root, Location(source)), source, hashlib.sha256(data).hexdigest())
+    remedy = "see derive new NAME"
+    if root is None:
+        raise RobotFileError("empty file", allowed="allowed: a robot", remedy=remedy, location=Location(source))
+    if not isinstance(root, YamlMapping):
+        allowed = "allowed: keys such as name, convention, joints"
+        raise RobotFileError("the file is not a mapping", allowed=allowed, remedy=remedy, location=root.location)
+    if "robot" in root.entries:
+        block = root.entries["robot"][1]
+        if clash := [key for key in ("joints", "convention", "links") if key in root.entries]:
+            raise RobotFileError(
+                f"'{clash[0]}' beside the block 'robot'",
+                allowed="allowed: one robot, either in the block 'robot' or at the top level",
+                remedy=f"move '{clash[0]}' into the block",
+                location=root.entries[clash[0]][0].location,
+            )
+        if not isinstance(block, YamlMapping):
+            raise RobotFileError("'robot' is not a mapping", remedy=remedy, location=block.location)
+        root = block
+    return Document(root, source, hashlib.sha256(data).hexdigest())
 
 
 def read_tree(data: bytes, source: str) -> Node | None:
-    """Parse a file to its tree of texts; None where it is empty.
+    """Parse a file to its tree of texts.
 
     Args:
         data: Bytes of the file, UTF-8.
         source: Name for messages.
+
+    Returns:
+        The root, or None where the file is empty.
 
     Raises:
         RobotFileError: Not UTF-8, too large, not YAML, or YAML outside the plain subset that robot files use.
@@ -148,60 +221,25 @@ def read_tree(data: bytes, source: str) -> Node | None:
             remedy="a robot file holds one robot",
             location=Location(source),
         )
-    text = _decoded(data, source)
+    remedy = "save the file as UTF-8 text"
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        place = Location(source, before.count(b"\n") + 1, error.start - before.rfind(b"\n"))
+        raise RobotFileError(f"byte 0x{data[error.start]:02x} is not UTF-8", remedy=remedy, location=place) from None
+    for index, character in enumerate(text):
+        if ord(character) < 32 and character not in "\t\n\r":
+            found, place = f"control character U+{ord(character):04X}", _location(text, index, source)
+            raise RobotFileError(found, allowed="allowed: plain text", remedy=remedy, location=place)
     try:
         return _Builder(text, source).build()
     except yaml.YAMLError as error:
         raise _yaml_error(error, text, source) from None
 
 
-def _decoded(data: bytes, source: str) -> str:
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = data[: error.start]
-        place = Location(source, before.count(b"\n") + 1, error.start - before.rfind(b"\n"))
-        raise RobotFileError(
-            f"byte 0x{data[error.start]:02x} is not UTF-8", remedy="save the file as UTF-8 text", location=place
-        ) from None
-    for index, character in enumerate(text):
-        if ord(character) < 32 and character not in "\t\n\r":
-            raise RobotFileError(
-                f"control character U+{ord(character):04X}",
-                allowed="allowed: plain text",
-                remedy="save the file as UTF-8 text",
-                location=_location(text, index, source),
-            )
-    return text
-
-
 def _location(text: str, index: int, source: str) -> Location:
     return Location(source, text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index))
-
-
-def _robot_block(root: Node | None, start: Location) -> YamlMapping:
-    if root is None:
-        raise RobotFileError("empty file", allowed="allowed: a robot", remedy="see derive new NAME", location=start)
-    if not isinstance(root, YamlMapping):
-        raise RobotFileError(
-            "the file is not a mapping",
-            allowed="allowed: keys such as name, convention, joints",
-            remedy="see derive new NAME",
-            location=root.location,
-        )
-    inner = root.entries.get("robot")
-    if inner is None:
-        return root
-    if clash := [key for key in ("joints", "convention", "links") if key in root.entries]:
-        raise RobotFileError(
-            f"'{clash[0]}' beside the block 'robot'",
-            allowed="allowed: one robot, either in the block 'robot' or at the top level",
-            remedy=f"move '{clash[0]}' into the block",
-            location=root.entries[clash[0]][0].location,
-        )
-    if not isinstance(inner[1], YamlMapping):
-        raise RobotFileError("'robot' is not a mapping", remedy="see derive new NAME", location=inner[1].location)
-    return inner[1]
 
 
 class _Builder:
@@ -217,7 +255,8 @@ class _Builder:
     def build(self) -> Node | None:
         """The root node, or None for an empty document."""
         documents = 0
-        for event in self._events():
+        events: Iterator[yaml.Event] = yaml.parse(self._text, Loader=yaml.SafeLoader)
+        for event in events:
             if isinstance(event, yaml.DocumentStartEvent):
                 documents += 1
                 if documents > 1:
@@ -225,16 +264,18 @@ class _Builder:
             elif isinstance(event, yaml.AliasEvent):
                 raise self._refuse(event, "YAML alias", "write the value out")
             elif isinstance(event, yaml.NodeEvent):
-                self._open(event)
+                self._check(event)
+                if isinstance(event, yaml.ScalarEvent):
+                    self._add(self._scalar(event))
+                else:
+                    kind = YamlSequence if isinstance(event, yaml.SequenceStartEvent) else YamlMapping
+                    self._stack.append((kind(self._location(event.start_mark)), None))
             elif isinstance(event, yaml.CollectionEndEvent):
-                self._close()
+                self._add(self._stack.pop()[0])
         return self._root
 
-    def _events(self) -> Iterator[yaml.Event]:
-        events: Iterator[yaml.Event] = yaml.parse(self._text, Loader=yaml.SafeLoader)
-        return events
-
-    def _open(self, event: yaml.NodeEvent) -> None:
+    def _check(self, event: yaml.NodeEvent) -> None:
+        """Refuse what robot files do not need, and what is too much of it."""
         if event.anchor is not None:
             raise self._refuse(event, "YAML anchor", "write the value out where it is needed")
         tag = getattr(event, "tag", None)
@@ -244,69 +285,47 @@ class _Builder:
         if self._nodes > FILE_LIMITS.nodes:
             raise self._refuse(event, f"more than {FILE_LIMITS.nodes} values", "a robot file holds one robot")
         if isinstance(event, yaml.ScalarEvent):
-            self._add(self._scalar(event))
             return
-        place = self._location(event.start_mark)
         if len(self._stack) >= FILE_LIMITS.depth:
             raise self._refuse(event, "lists and mappings nested too deeply", f"at most {FILE_LIMITS.depth} levels")
-        if self._key_expected():
+        if self._stack and isinstance(self._stack[-1][0], YamlMapping) and self._stack[-1][1] is None:
             raise self._refuse(event, "key that is not a text", "write plain keys such as joints")
-        self._stack.append(
-            (YamlSequence(place) if isinstance(event, yaml.SequenceStartEvent) else YamlMapping(place), None)
-        )
-
-    def _close(self) -> None:
-        node, _ = self._stack.pop()
-        self._add(node)
-
-    def _key_expected(self) -> bool:
-        return bool(self._stack) and isinstance(self._stack[-1][0], YamlMapping) and self._stack[-1][1] is None
 
     def _add(self, node: Node) -> None:
+        """Put a finished node into the list or mapping around it; in a mapping, texts are keys and values by turns."""
         if not self._stack:
             self._root = node
             return
         parent, key = self._stack[-1]
         if isinstance(parent, YamlSequence):
             parent.items.append(node)
-        elif key is None and isinstance(node, YamlScalar):
-            self._stack[-1] = (parent, self._new_key(parent, node))
         elif key is not None:
             parent.entries[key.text] = (key, node)
             self._stack[-1] = (parent, None)
-
-    def _new_key(self, parent: YamlMapping, key: YamlScalar) -> YamlScalar:
-        if key.text in parent.entries:
-            first = parent.entries[key.text][0].location
-            raise RobotFileError(
-                f"key {quoted(key.text)} twice",
-                remedy=f"remove one; the first is in line {first.line}",
-                location=key.location,
-            )
-        return key
+        elif isinstance(node, YamlScalar):
+            if node.text in parent.entries:
+                first = parent.entries[node.text][0].location
+                remedy = f"remove one; the first is in line {first.line}"
+                raise RobotFileError(f"key {quoted(node.text)} twice", remedy=remedy, location=node.location)
+            self._stack[-1] = (parent, node)
 
     def _scalar(self, event: yaml.ScalarEvent) -> YamlScalar:
-        start = self._location(event.start_mark)
-        value = _joined_surrogates(event.value)
+        start, text = self._location(event.start_mark), event.value
+        if not text.isascii() and any(0xD800 <= ord(character) < 0xE000 for character in text):
+            # JSON writes characters beyond U+FFFF as two escapes; YAML reads them as two halves
+            text = text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "surrogatepass")
         if event.start_mark is None or event.end_mark is None:
-            return YamlScalar(value, start, start, False)
+            return YamlScalar(text, start, start, False)
         quotes = 1 if event.style in ("'", '"') else 0
         raw = self._text[event.start_mark.index + quotes : event.end_mark.index - quotes]
         inner = Location(start.source, start.line, start.column + quotes)
-        return YamlScalar(value, start, inner, raw == value)
+        return YamlScalar(text, start, inner, raw == text)
 
     def _location(self, mark: yaml.error.Mark | yaml._yaml.Mark | None) -> Location:
         return Location(self._source, mark.line + 1, mark.column + 1) if mark else Location(self._source)
 
     def _refuse(self, event: yaml.Event, found: str, remedy: str) -> RobotFileError:
         return RobotFileError(found, remedy=remedy, location=self._location(event.start_mark))
-
-
-def _joined_surrogates(text: str) -> str:
-    """JSON writes characters beyond U+FFFF as two escapes; YAML reads them as two halves."""
-    if text.isascii() or not any(0xD800 <= ord(character) < 0xE000 for character in text):
-        return text
-    return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "surrogatepass")
 
 
 def _yaml_error(error: yaml.YAMLError, text: str, source: str) -> RobotFileError:

@@ -1,16 +1,13 @@
-"""The exact expression tree that the cell grammar yields.
+"""The exact expression tree that the cell grammar yields, its constructors, and its text.
 
 A tree holds rationals, pi, names and the functions of the grammar; it is data, and nothing in it can be executed.
-Division is a negative power, subtraction a product with -1.
-
-Constructors of expression trees that flatten sums and products and fold numbers, and nothing else.
-
-How many terms an expression may have when it is multiplied out: an upper bound, found without doing it.
+Division is a negative power, subtraction a product with -1. The constructors `add`, `multiply` and `power` flatten
+sums and products and fold numbers, and nothing else; `to_text` writes what the parser reads back.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import comb, prod
@@ -72,70 +69,79 @@ ONE = Number(Fraction(1))
 MINUS_ONE = Number(Fraction(-1))
 
 
-def children(expression: Expression) -> tuple[Expression, ...]:
-    """The direct subexpressions."""
-    match expression:
-        case Sum(terms):
-            return terms
-        case Product(factors):
-            return factors
-        case Power(base, _):
-            return (base,)
-        case Call(_, arguments):
-            return arguments
-        case _:
-            return ()
-
-
-def names(expression: Expression) -> Iterator[str]:
-    """Every name in the tree, in order of appearance, repeats included."""
-    stack = [expression]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, Name):
-            yield node.name
-        stack.extend(reversed(children(node)))
-
-
 def number(value: int | Fraction | str) -> Number:
-    """An exact number from an integer, a fraction or decimal text."""
+    """An exact number.
+
+    Args:
+        value: An integer, a fraction or decimal text such as ``"0.4318"``.
+
+    Returns:
+        The leaf that holds it.
+    """
     return Number(Fraction(value))
 
 
 def add(*terms: Expression) -> Expression:
-    """Sum with nested sums flattened; all numbers become one, at the place of the first."""
+    """Sum with nested sums flattened; all numbers become one, at the place of the first.
+
+    Args:
+        *terms: The terms; none of them gives zero.
+
+    Returns:
+        Their sum; a sum of one term is the term.
+    """
     flat: list[Expression] = []
     place: int | None = None
     total = Fraction(0)
-    for term in _flatten_sums(terms):
-        if isinstance(term, Number):
-            total += term.value
-            place = len(flat) if place is None else place
-        else:
-            flat.append(term)
+    for term in terms:
+        for part in term.terms if isinstance(term, Sum) else (term,):
+            if isinstance(part, Number):
+                total += part.value
+                place = len(flat) if place is None else place
+            else:
+                flat.append(part)
     if place is not None and total != 0:
         flat.insert(place, Number(total))
-    return _single(flat, ZERO) or Sum(tuple(flat))
+    if not flat:
+        return ZERO
+    return flat[0] if len(flat) == 1 else Sum(tuple(flat))
 
 
 def multiply(*factors: Expression) -> Expression:
-    """Product with nested products flattened; all numbers become one coefficient in front."""
+    """Product with nested products flattened; all numbers become one coefficient in front.
+
+    Args:
+        *factors: The factors; none of them gives one.
+
+    Returns:
+        Their product; a product of one factor is the factor.
+    """
     coefficient = Fraction(1)
     flat: list[Expression] = []
-    for factor in _flatten_products(factors):
-        if isinstance(factor, Number):
-            coefficient *= factor.value
-        else:
-            flat.append(factor)
+    for factor in factors:
+        for part in factor.factors if isinstance(factor, Product) else (factor,):
+            if isinstance(part, Number):
+                coefficient *= part.value
+            else:
+                flat.append(part)
     if coefficient == 0:
         return ZERO
     if coefficient != 1:
         flat.insert(0, Number(coefficient))
-    return _single(flat, ONE) or Product(tuple(flat))
+    if not flat:
+        return ONE
+    return flat[0] if len(flat) == 1 else Product(tuple(flat))
 
 
 def power(base: Expression, exponent: int) -> Expression:
     """Integer power; numbers are folded and powers of powers joined.
+
+    Args:
+        base: Any tree.
+        exponent: Any integer.
+
+    Returns:
+        ``base ** exponent``.
 
     Raises:
         ZeroDivisionError: The base is zero and the exponent negative.
@@ -152,14 +158,124 @@ def power(base: Expression, exponent: int) -> Expression:
 
 
 def negate(expression: Expression) -> Expression:
-    """Minus the expression."""
+    """Minus the expression.
+
+    Args:
+        expression: Any tree.
+
+    Returns:
+        Its product with -1.
+    """
     return multiply(MINUS_ONE, expression)
+
+
+def children(expression: Expression) -> tuple[Expression, ...]:
+    """The direct subexpressions.
+
+    Args:
+        expression: Any tree.
+
+    Returns:
+        Terms, factors, the base of a power or arguments, in their order; none of a leaf.
+    """
+    match expression:
+        case Sum(parts) | Product(parts) | Call(_, parts):
+            return parts
+        case Power(base, _):
+            return (base,)
+        case _:
+            return ()
+
+
+def rebuilt(expression: Expression, change: Callable[[Expression], Expression]) -> Expression:
+    """The expression with each direct subexpression replaced.
+
+    Args:
+        expression: Any tree; a leaf stays as it is.
+        change: What comes in the place of a subexpression.
+
+    Returns:
+        The node built anew from what ``change`` gives, flattened and folded.
+    """
+    match expression:
+        case Sum(terms):
+            return add(*map(change, terms))
+        case Product(factors):
+            return multiply(*map(change, factors))
+        case Power(base, exponent):
+            return power(change(base), exponent)
+        case Call(function, arguments):
+            return Call(function, tuple(map(change, arguments)))
+        case _:
+            return expression
+
+
+def substitute(expression: Expression, values: Mapping[str, Expression]) -> Expression:
+    """The expression with names replaced by other expressions, all at once.
+
+    Args:
+        expression: Any tree.
+        values: What stands for a name; other names stay.
+
+    Returns:
+        The tree after substitution, flattened and folded.
+    """
+    if isinstance(expression, Name):
+        return values.get(expression.name, expression)
+    return rebuilt(expression, lambda part: substitute(part, values))
+
+
+def names(expression: Expression) -> Iterator[str]:
+    """Every name in the tree.
+
+    Args:
+        expression: Any tree.
+
+    Yields:
+        The names in order of appearance, repeats included.
+    """
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Name):
+            yield node.name
+        stack.extend(reversed(children(node)))
+
+
+def is_constant(expression: Expression) -> bool:
+    """Whether no name occurs in the expression.
+
+    Args:
+        expression: Any tree.
+
+    Returns:
+        True for numbers and for ``sqrt(2)*pi``.
+    """
+    return next(names(expression), None) is None
+
+
+def contains_pi(expression: Expression) -> bool:
+    """Whether pi occurs outside the arguments of functions.
+
+    Args:
+        expression: Any tree.
+
+    Returns:
+        True for ``q1 + pi/2``, False for ``a1*sin(pi/4)``.
+    """
+    if isinstance(expression, Call):
+        return False
+    return isinstance(expression, Pi) or any(map(contains_pi, children(expression)))
 
 
 def linear_terms(expression: Expression) -> tuple[tuple[Fraction, Expression], ...]:
     """Pairs (coefficient, term) whose sum is the expression; a numeric factor is carried into a sum.
 
-    ``-(q1 + 90)`` gives ``(-1, q1), (-90, 1)``.
+    Args:
+        expression: Any tree, for instance ``-(q1 + 90)``.
+
+    Returns:
+        The pairs, for instance ``(-1, q1), (-90, 1)``.
     """
     match expression:
         case Number(value):
@@ -172,77 +288,25 @@ def linear_terms(expression: Expression) -> tuple[tuple[Fraction, Expression], .
             return ((Fraction(1), expression),)
 
 
-def is_constant(expression: Expression) -> bool:
-    """Whether no name occurs in the expression."""
-    return next(names(expression), None) is None
-
-
-def contains_pi(expression: Expression) -> bool:
-    """Whether pi occurs outside the arguments of functions."""
-    match expression:
-        case Pi():
-            return True
-        case Sum(parts) | Product(parts):
-            return any(contains_pi(part) for part in parts)
-        case Power(base, _):
-            return contains_pi(base)
-        case _:
-            return False
-
-
-def substitute(expression: Expression, values: dict[str, Expression]) -> Expression:
-    """The expression with names replaced by other expressions."""
-    match expression:
-        case Name(name):
-            return values.get(name, expression)
-        case Sum(parts):
-            return add(*(substitute(part, values) for part in parts))
-        case Product(parts):
-            return multiply(*(substitute(part, values) for part in parts))
-        case Power(base, exponent):
-            return power(substitute(base, values), exponent)
-        case Call(function, arguments):
-            return Call(function, tuple(substitute(a, values) for a in arguments))
-        case _:
-            return expression
-
-
-def _flatten_sums(terms: Iterable[Expression]) -> Iterable[Expression]:
-    for term in terms:
-        if isinstance(term, Sum):
-            yield from term.terms
-        else:
-            yield term
-
-
-def _flatten_products(factors: Iterable[Expression]) -> Iterable[Expression]:
-    for factor in factors:
-        if isinstance(factor, Product):
-            yield from factor.factors
-        else:
-            yield factor
-
-
-def _single(parts: list[Expression], empty: Expression) -> Expression | None:
-    if not parts:
-        return empty
-    return parts[0] if len(parts) == 1 else None
-
-
 def expanded_terms(expression: Expression, stop: int) -> int:
-    """Upper bound of the number of terms of the expanded expression, and of any function's argument.
+    """Upper bound of the number of terms after multiplying out, found without doing it.
 
-    A power of a sum of t terms has ``comb(t + e - 1, e)`` terms; denominators count like numerators.
+    A power of a sum of t terms has ``comb(t + e - 1, e)`` terms; denominators and arguments of functions count too.
 
     Args:
         expression: Any tree.
         stop: Results beyond it are returned as ``stop + 1``.
+
+    Returns:
+        The bound, at most ``stop + 1``.
     """
     match expression:
         case Sum(terms):
             count = sum(expanded_terms(term, stop) for term in terms)
         case Product(factors):
-            count = _bounded_product([expanded_terms(factor, stop) for factor in factors], stop)
+            widths = [width for factor in factors if (width := expanded_terms(factor, stop)) > 1]
+            bits = sum(width.bit_length() - 1 for width in widths)
+            count = stop + 1 if bits > stop.bit_length() else prod(widths)
         case Power(base, exponent):
             width = expanded_terms(base, stop)
             count = 1 if width == 1 else comb(width + abs(exponent) - 1, abs(exponent))
@@ -254,7 +318,56 @@ def expanded_terms(expression: Expression, stop: int) -> int:
     return min(count, stop + 1)
 
 
-def _bounded_product(counts: list[int], stop: int) -> int:
-    large = [count for count in counts if count > 1]
-    bits = sum(count.bit_length() - 1 for count in large)
-    return stop + 1 if bits > stop.bit_length() else prod(large)
+def to_text(expression: Expression) -> str:
+    """The expression as a user would write it in a cell; parsing the text gives the tree back.
+
+    Args:
+        expression: Any tree.
+
+    Returns:
+        Text of the cell grammar such as ``a1 + 2*pi/3 - sqrt(b)/2``.
+    """
+    match expression:
+        case Number(value):
+            return str(value)
+        case Pi():
+            return "pi"
+        case Name(name):
+            return name
+        case Sum(terms):
+            first, *rest = map(to_text, terms)
+            return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in rest)
+        case Product(factors):
+            return _product_text(factors)
+        case Power(base, exponent):
+            return f"{_base_text(base)}**{exponent}" if exponent > 0 else _product_text((expression,))
+        case Call(function, arguments):
+            return f"{function}({', '.join(map(to_text, arguments))})"
+    raise TypeError(expression)
+
+
+def _product_text(factors: tuple[Expression, ...]) -> str:
+    """A product with a fraction's denominator and negative powers behind slashes: ``-2*a1/(3*b)`` as ``-2*a1/b/3``."""
+    coefficient = Fraction(1)
+    if isinstance(factors[0], Number):
+        coefficient, factors = factors[0].value, factors[1:]
+    sign = "-" if coefficient < 0 else ""
+    text = "" if abs(coefficient.numerator) == 1 else str(abs(coefficient.numerator))
+    for factor in factors:
+        if isinstance(factor, Power) and factor.exponent < 0:
+            exponent = "" if factor.exponent == -1 else f"**{-factor.exponent}"
+            text = f"{text or '1'}/{_base_text(factor.base)}{exponent}"
+        else:
+            shown = f"({to_text(factor)})" if isinstance(factor, Sum) else to_text(factor)
+            text += ("*" if text else "") + shown
+    if coefficient.denominator != 1:
+        text = f"{text}/{coefficient.denominator}"
+    return sign + text
+
+
+def _base_text(expression: Expression) -> str:
+    """The base of a power, in parentheses unless it binds by itself."""
+    plain = isinstance(expression, Name | Pi | Call)
+    if isinstance(expression, Number):
+        plain = expression.value.denominator == 1 and expression.value >= 0
+    return to_text(expression) if plain else f"({to_text(expression)})"

@@ -1,36 +1,82 @@
-"""Names of velocities and accelerations, labels of joints, and the symbols of a robot."""
+"""Names of velocities and accelerations, labels of joints, and the symbols of a robot with their numbers."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
-from derive.robot.description import Description, Joint, Link, Matrix
+from derive.robot.description import Description
 from derive.robot.expression import Expression, names
-
-_STEM_AND_DIGITS = re.compile(r"(.*?)([0-9]*)")
 
 
 def velocity_name(variable: str) -> str:
-    """Name of the velocity of a joint variable: ``q1`` -> ``qd1``, ``theta`` -> ``thetad``."""
-    return _with_dots(variable, 1)
+    """Name of the velocity of a joint variable.
+
+    Args:
+        variable: Name of the joint variable, ``q1`` or ``theta``.
+
+    Returns:
+        The name with a d before its digits, ``qd1`` or ``thetad``.
+    """
+    digits = joint_label(variable)
+    return f"{variable.removesuffix(digits)}d{digits}"
 
 
 def acceleration_name(variable: str) -> str:
-    """Name of the acceleration of a joint variable: ``q1`` -> ``qdd1``, ``d3`` -> ``ddd3``."""
-    return _with_dots(variable, 2)
+    """Name of the acceleration of a joint variable.
+
+    Args:
+        variable: Name of the joint variable, ``q1`` or ``d3``.
+
+    Returns:
+        The name with dd before its digits, ``qdd1`` or ``ddd3``.
+    """
+    return velocity_name(velocity_name(variable))
 
 
 def joint_label(variable: str) -> str:
-    """The digits at the end of a joint variable's name, empty if there are none: ``q12`` -> ``12``."""
-    return _split(variable)[1]
+    """What tells a joint from others of its letter.
+
+    Args:
+        variable: Name of the joint variable, ``q12``.
+
+    Returns:
+        The digits at its end, ``12``; empty if there are none.
+    """
+    return variable[len(variable.rstrip("0123456789")) :]
+
+
+def expressions(robot: Description) -> Iterator[Expression]:
+    """Every expression that enters a quantity; limits enter none.
+
+    Args:
+        robot: The robot.
+
+    Yields:
+        Cells of the base, the joint rows (theta, d, a, alpha), the tool, gravity and the links.
+    """
+    for row in robot.base:
+        yield from row
+    for joint in robot.joints:
+        yield from (joint.theta, joint.d, joint.a, joint.alpha)
+    for row in robot.tool:
+        yield from row
+    yield from robot.gravity or ()
+    for link in robot.links:
+        inertia, motor = link.inertia, link.motor
+        yield from (link.mass, *link.com)
+        yield from (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
+        yield from (motor.mass, motor.inertia, motor.ratio) if motor else ()
+        yield from (link.armature, link.viscous, link.coulomb)
 
 
 def robot_symbols(robot: Description) -> tuple[str, ...]:
-    """Parameters of kinematics and dynamics, in order of first appearance.
+    """Parameters of kinematics and dynamics; joint variables are none.
 
-    The order is base, joint rows (theta, d, a, alpha), tool, gravity, links. Joint variables are not parameters, and
-    limits enter no quantity.
+    Args:
+        robot: The robot.
+
+    Returns:
+        Their names in order of first appearance in `expressions`.
     """
     variables = {joint.variable for joint in robot.joints}
     found = dict.fromkeys(name for expression in expressions(robot) for name in names(expression))
@@ -38,57 +84,38 @@ def robot_symbols(robot: Description) -> tuple[str, ...]:
 
 
 def limit_symbols(robot: Description) -> tuple[str, ...]:
-    """Symbols in the limits of joints, in order of first appearance."""
+    """Symbols in the limits of joints.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Their names in order of first appearance.
+    """
     limits = [limit for joint in robot.joints for limit in joint.limits or ()]
     return tuple(dict.fromkeys(name for limit in limits for name in names(limit)))
 
 
 def number_of(robot: Description) -> dict[str, Expression]:
-    """The exact numbers that the file gives to symbols."""
+    """The exact numbers that the file gives to symbols.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Numbers by name, in the file's order [SI units, rad].
+    """
     return dict(robot.parameters)
 
 
 def free_symbols(robot: Description) -> tuple[str, ...]:
-    """Symbols that stay arguments of generated code: without a number, or named in ``runtime``."""
+    """Symbols that stay arguments of generated code: without a number, or named in ``runtime``.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Their names in the order of `robot_symbols`.
+    """
     baked = number_of(robot).keys() - set(robot.runtime)
     return tuple(name for name in robot_symbols(robot) if name not in baked)
-
-
-def expressions(robot: Description) -> Iterator[Expression]:
-    """Every expression that enters a quantity, in the order of `robot_symbols`."""
-    yield from _entries(robot.base)
-    for joint in robot.joints:
-        yield from _cells(joint)
-    yield from _entries(robot.tool)
-    yield from robot.gravity or ()
-    for link in robot.links:
-        yield from _inertial(link)
-
-
-def _with_dots(variable: str, order: int) -> str:
-    stem, digits = _split(variable)
-    return stem + "d" * order + digits
-
-
-def _split(variable: str) -> tuple[str, str]:
-    match = _STEM_AND_DIGITS.fullmatch(variable)
-    return (match.group(1), match.group(2)) if match else (variable, "")
-
-
-def _entries(matrix: Matrix) -> Iterator[Expression]:
-    for row in matrix:
-        yield from row
-
-
-def _cells(joint: Joint) -> Iterator[Expression]:
-    yield from (joint.theta, joint.d, joint.a, joint.alpha)
-
-
-def _inertial(link: Link) -> Iterator[Expression]:
-    inertia = link.inertia
-    yield link.mass
-    yield from link.com
-    yield from (inertia.xx, inertia.yy, inertia.zz, inertia.xy, inertia.xz, inertia.yz)
-    if link.motor is not None:
-        yield from (link.motor.mass, link.motor.inertia, link.motor.ratio)
-    yield from (link.armature, link.viscous, link.coulomb)

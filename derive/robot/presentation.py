@@ -1,4 +1,4 @@
-"""The blocks ``handout:`` and ``figure:`` of a robot file: what is shown, and which configuration is drawn."""
+"""Reads the blocks ``handout:`` and ``figure:`` of a robot file: what is shown, and which configuration is drawn."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Joint
 from derive.robot.document import Document, KeyPath, YamlMapping
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import Expression, names
-from derive.robot.handout import (
+from derive.robot.expression import Expression
+from derive.robot.style import (
     PARTS,
     AngleLetter,
     FigureOptions,
@@ -28,8 +28,7 @@ from derive.robot.handout import (
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 """How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated."""
 
-_Q: KeyPath = ("figure", "q")
-_NUMBERS = "allowed: numbers and constant expressions such as pi/6"
+_NOTATION: KeyPath = ("handout", "notation")
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
@@ -37,47 +36,40 @@ Choice = TypeVar("Choice", bound=StrEnum)
 def read_handout(document: Document) -> HandoutOptions:
     """What the handout shows and how; a key that is left out has its default.
 
+    Args:
+        document: The file, of checked structure.
+
+    Returns:
+        The options.
+
     Raises:
         RobotFileError: An unknown part, a part twice, or a language that is none.
     """
+
+    def choice(path: KeyPath, default: Choice) -> Choice:
+        scalar = document.scalar(path)
+        return type(default)(scalar.text) if scalar else default
+
     default = HandoutOptions()
-    return HandoutOptions(
-        parts=_parts(document),
-        derivation=_choice(document, ("handout", "derivation"), default.derivation),
-        language=_language(document, default.language),
-        notation=_notation(document),
-    )
-
-
-def _notation(document: Document) -> NotationOptions:
-    block: KeyPath = ("handout", "notation")
-    return NotationOptions(
-        angle=_choice(document, (*block, "angle"), AngleLetter.NAME),
-        prismatic=_choice(document, (*block, "prismatic"), SliderLetter.NAME),
-        functions=_choice(document, (*block, "functions"), Functions.SHORT),
-        frames=_choice(document, (*block, "frames"), FrameIndices.RIGHT),
-        inertia=_choice(document, (*block, "inertia"), InertiaLetter.B),
-    )
-
-
-def _choice(document: Document, path: KeyPath, default: Choice) -> Choice:
-    scalar = document.scalar(path)
-    return type(default)(scalar.text) if scalar else default
-
-
-def _language(document: Document, default: str) -> str:
+    parts = _parts(document)
+    derivation = choice(("handout", "derivation"), default.derivation)
     path: KeyPath = ("handout", "language")
-    scalar = document.scalar(path)
-    if scalar is None:
-        return default
-    if LANGUAGE.fullmatch(scalar.text) is None:
+    language = document.scalar(path)
+    if language is not None and LANGUAGE.fullmatch(language.text) is None:
         raise document.error(
             path,
-            f"{quoted(scalar.text)} is not a language code",
+            f"{quoted(language.text)} is not a language code",
             "allowed: two lower-case letters, with a country if need be",
             "write for instance en, it, pt or pt_BR",
         )
-    return scalar.text
+    notation = NotationOptions(
+        angle=choice((*_NOTATION, "angle"), AngleLetter.NAME),
+        prismatic=choice((*_NOTATION, "prismatic"), SliderLetter.NAME),
+        functions=choice((*_NOTATION, "functions"), Functions.SHORT),
+        frames=choice((*_NOTATION, "frames"), FrameIndices.RIGHT),
+        inertia=choice((*_NOTATION, "inertia"), InertiaLetter.B),
+    )
+    return HandoutOptions(parts, derivation, language.text if language else default.language, notation)
 
 
 def _parts(document: Document) -> tuple[str, ...]:
@@ -85,15 +77,13 @@ def _parts(document: Document) -> tuple[str, ...]:
     path: KeyPath = ("handout", "parts")
     if document.find(path) is None:
         return PARTS
-    scalars = [document.scalar((*path, index)) for index in range(document.length(path))]
-    chosen = [scalar.text for scalar in scalars if scalar]
+    chosen = [document.text(*path, index) for index in range(document.length(path))]
+    allowed = f"allowed: {listed(PARTS)}"
     if not chosen:
-        raise document.error(path, "no parts", f"allowed: {listed(PARTS)}", "leave parts out to have all")
+        raise document.error(path, "no parts", allowed, "leave parts out to have all")
     for index, name in enumerate(chosen):
         if name not in PARTS:
-            raise document.error(
-                (*path, index), f"unknown part {quoted(name)}", f"allowed: {listed(PARTS)}", near_miss(name, PARTS)
-            )
+            raise document.error((*path, index), f"unknown part {quoted(name)}", allowed, near_miss(name, PARTS))
         if name in chosen[:index]:
             raise document.error((*path, index), f"'{name}' twice", remedy="remove one")
     return tuple(part for part in PARTS if part in chosen)
@@ -113,63 +103,48 @@ def read_figure(
         joints: Rows of the table.
         parameters: Symbols with a number.
 
+    Returns:
+        The configuration and numbers for symbols that have none.
+
     Raises:
         RobotFileError: Not one number per joint, or a value for what is no symbol or has a number.
         ExpressionError: A cell is outside the grammar.
     """
     own = Cells(document, cells.units)
-    symbols = cells.first_use.keys() - {joint.variable for joint in joints}
-    numbered = {name for name, _ in parameters}
-    return FigureOptions(_configuration(document, own, joints), _values(document, own, joints, symbols, numbered))
+    variables, numbered = {joint.variable for joint in joints}, {name for name, _ in parameters}
+    q = _configuration(own, joints) if document.find(("figure", "q")) is not None else None
+    block = document.find(("figure", "values"))
+    values = list(block.entries) if isinstance(block, YamlMapping) else []
+    for name in values:
+        path: KeyPath = ("figure", "values", name)
+        allowed = "allowed: symbols of the robot without a number"
+        check_symbol(document, path, name)
+        if name in variables:
+            raise document.error(path, "a joint variable", allowed, "write the configuration: figure: {q: [...]}")
+        if name in numbered:
+            raise document.error(path, "a parameter, which has a number already", allowed, "remove it")
+        if name not in cells.first_use:
+            known = cells.first_use.keys() - variables - numbered
+            raise document.error(path, "no cell uses this symbol", allowed, near_miss(name, known))
+    return FigureOptions(q, tuple((name, _number(own, ("figure", "values", name), own.plain)) for name in values))
 
 
-def _configuration(document: Document, cells: Cells, joints: tuple[Joint, ...]) -> tuple[Expression, ...] | None:
-    if document.find(_Q) is None:
-        return None
-    count = document.length(_Q)
+def _configuration(cells: Cells, joints: tuple[Joint, ...]) -> tuple[Expression, ...]:
+    path: KeyPath = ("figure", "q")
+    count = cells.document.length(path)
     if count != len(joints):
-        entries = "1 entry" if count == 1 else f"{count} entries"
-        raise document.error(
-            _Q, entries, f"allowed: exactly {len(joints)}", "write one number per joint, in the order of the table"
-        )
-    return tuple(
-        _number(document, (*_Q, row), cells.angle if joint.is_revolute else cells.length)
-        for row, joint in enumerate(joints)
-    )
+        found, allowed = "1 entry" if count == 1 else f"{count} entries", f"allowed: exactly {len(joints)}"
+        raise cells.document.error(path, found, allowed, "write one number per joint, in the order of the table")
+    reads = (cells.angle if joint.is_revolute else cells.length for joint in joints)
+    return tuple(_number(cells, (*path, row), read) for row, read in enumerate(reads))
 
 
-def _values(
-    document: Document, cells: Cells, joints: tuple[Joint, ...], symbols: set[str], numbered: set[str]
-) -> tuple[tuple[str, Expression], ...]:
-    node = document.find(("figure", "values"))
-    if not isinstance(node, YamlMapping):
-        return ()
-    for name in node.entries:
-        _check_open(document, name, joints, symbols, numbered)
-    return tuple((name, _number(document, ("figure", "values", name), cells.plain)) for name in node.entries)
-
-
-def _check_open(
-    document: Document, name: str, joints: tuple[Joint, ...], symbols: set[str], numbered: set[str]
-) -> None:
-    """Refuse what needs no value for the figure: joint variables, symbols with a number, names that nothing uses."""
-    path: KeyPath = ("figure", "values", name)
-    allowed = "allowed: symbols of the robot without a number"
-    check_symbol(document, path, name)
-    if any(name == joint.variable for joint in joints):
-        raise document.error(path, "a joint variable", allowed, "write the configuration: figure: {q: [...]}")
-    if name in numbered:
-        raise document.error(path, "a parameter, which has a number already", allowed, "remove it")
-    if name not in symbols:
-        raise document.error(path, "no cell uses this symbol", allowed, near_miss(name, symbols - numbered))
-
-
-def _number(document: Document, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:
-    value = read(path)
-    if others := list(names(value)):
-        raise document.error(path, f"name '{others[0]}' in a number", _NUMBERS, "write its number")
+def _number(cells: Cells, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:
+    """A cell without names whose value exists."""
+    allowed = "allowed: numbers and constant expressions such as pi/6"
+    value = cells.constant(path, read(path), "a number", allowed)
     try:
         evaluate(value, {})
     except ArithmeticError as error:
-        raise document.error(path, str(error), "allowed: expressions with a finite real value") from None
+        raise cells.document.error(path, str(error), "allowed: expressions with a finite real value") from None
     return value

@@ -2,27 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
 
-from derive.robot.description import Convention, Description, Joint
-from derive.robot.expression import ZERO, Expression
+from derive.robot.description import Convention, Description
+from derive.robot.expression import to_text
 from derive.robot.load import description_from_bytes, load_description
-from derive.robot.printer import to_text
+from derive.robot.names import free_symbols
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Robot(Description):
-    """A serial arm: the DH table, the frames around it and, if given, its dynamics.
+    """A serial arm: the Denavit-Hartenberg table, the frames around it and, if given, its dynamics.
 
-    Its attributes are those of `Description`; `load` and `from_text` make it.
+    `load` and `from_text` make one; it shows itself as its table. All cells are exact, in SI units and radians.
+
+    Attributes:
+        name: ``[a-z0-9-]+``.
+        title: Free text for people.
+        convention: Standard or modified.
+        joints: One row of the table per joint.
+        base: Constant 4x4 transform from the world frame to frame 0.
+        tool: Constant 4x4 transform from frame n to the end effector.
+        gravity: Acceleration of gravity in the world frame [m/s^2]; None where the file gives none.
+        links: Masses, centres of mass, inertias, motors and friction, one per joint; empty without dynamics.
+        parameters: Symbols with their exact numbers.
+        runtime: Names that stay arguments of generated functions though they have a number.
+        style: How printed expressions are grouped.
+        contraction: Which sums of angles are contracted in print.
+        handout: What the handout shows and how.
+        figure: Which configuration is drawn.
+        units: Units of plain numbers in the file.
+        digest: SHA-256 of the robot file's bytes, hexadecimal.
+        source: File name or catalogue name, for messages.
     """
 
+    def __repr__(self) -> str:
+        standard = self.convention is Convention.STANDARD
+        names = ("theta", "d", "a", "alpha") if standard else ("alpha[i-1]", "a[i-1]", "theta", "d")
+        table = [("i", "joint", *names, "limits"), *self._table()]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]
+        free = ", ".join(free_symbols(self)) or "none"
+        gravity = ", ".join(map(to_text, self.gravity or ()))
+        dynamics = f"{len(self.links)} links, gravity [{gravity}]" if self.links else "none"
+        title = " ".join(self.title.split())
+        head = f"Robot {self.name}: {title} ({self.convention.value} Denavit-Hartenberg convention)"
+        return "\n".join([head, *lines, f"dynamics: {dynamics}; free symbols: {free}"])
+
     def _repr_html_(self) -> str:
-        """The DH table, for notebooks."""
-        return html_table(self)
+        """The DH table for notebooks, in radians and metres; every text of the user's escaped."""
+        names = ("&theta;", "d", "a", "&alpha;")
+        if self.convention is not Convention.STANDARD:
+            names = ("&alpha;<sub>i&minus;1</sub>", "a<sub>i&minus;1</sub>", "&theta;", "d")
+        head = "".join(f"<th>{name}</th>" for name in ("i", "joint", *names, "limits"))
+        rows = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in self._table())
+        body = "".join(f"<tr>{row}</tr>" for row in rows)
+        caption = f"{escape(self.title)} ({self.convention.value} Denavit-Hartenberg convention)"
+        return f"<table><caption>{caption}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+    def _table(self) -> list[tuple[str, ...]]:
+        """Number, type, the four cells in the order of the convention, and limits of each joint, as text."""
+        order = ("theta", "d", "a", "alpha") if self.convention is Convention.STANDARD else ("alpha", "a", "theta", "d")
+        return [
+            (
+                str(i),
+                joint.type.value,
+                *(joint.row[cell] for cell in order),
+                " to ".join(map(to_text, joint.limits or ())),
+            )
+            for i, joint in enumerate(self.joints, 1)
+        ]
 
     @classmethod
     def load(cls, path_or_name: str | Path) -> Robot:
@@ -74,38 +125,5 @@ class Robot(Description):
 
     @classmethod
     def _of(cls, description: Description) -> Robot:
+        """The robot with the data of a description."""
         return cls(**{field.name: getattr(description, field.name) for field in fields(description)})
-
-
-def html_table(robot: Robot) -> str:
-    """The DH table with joint types and limits, in radians and metres; every text of the user's escaped."""
-    standard = robot.convention is Convention.STANDARD
-    names = ("&theta;", "d", "a", "&alpha;")
-    if not standard:
-        names = ("&alpha;<sub>i&minus;1</sub>", "a<sub>i&minus;1</sub>", "&theta;", "d")
-    head = "".join(f"<th>{name}</th>" for name in ("i", "joint", *names, "limits"))
-    body = "".join(_row(i, joint, standard) for i, joint in enumerate(robot.joints, 1))
-    caption = f"{escape(robot.title)} ({robot.convention.value} Denavit-Hartenberg convention)"
-    return f"<table><caption>{caption}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def _row(index: int, joint: Joint, standard: bool) -> str:
-    theta = _moving(joint, joint.theta) if joint.is_revolute else to_text(joint.theta)
-    d = to_text(joint.d) if joint.is_revolute else _moving(joint, joint.d)
-    a, alpha = to_text(joint.a), to_text(joint.alpha)
-    limits = "" if joint.limits is None else " to ".join(map(to_text, joint.limits))
-    cells = (theta, d, a, alpha) if standard else (alpha, a, theta, d)
-    return "<tr>" + "".join(_cells(str(index), joint.type.value, *cells, limits)) + "</tr>"
-
-
-def _cells(*texts: str) -> Iterator[str]:
-    return (f"<td>{escape(text)}</td>" for text in texts)
-
-
-def _moving(joint: Joint, constant: Expression) -> str:
-    """``sign*q + constant``."""
-    variable = joint.variable if joint.sign > 0 else f"-{joint.variable}"
-    if constant == ZERO:
-        return variable
-    rest = to_text(constant)
-    return f"{variable} - {rest[1:]}" if rest.startswith("-") else f"{variable} + {rest}"

@@ -14,8 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
 
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
-from derive.robot.handout import PARTS, AngleLetter, Derivation, FrameIndices, Functions, InertiaLetter, SliderLetter
 from derive.robot.limits import FILE_LIMITS
+from derive.robot.style import PARTS, AngleLetter, Derivation, FrameIndices, Functions, InertiaLetter, SliderLetter
 
 if TYPE_CHECKING:
     from pydantic import BaseModel

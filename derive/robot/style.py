@@ -1,17 +1,22 @@
-"""The ways in which books differ when they print the same expression."""
+"""How results are shown: how books group and write the same expression, and the parts of a handout.
+
+These are the keys ``style``, ``contraction``, ``handout`` and ``figure`` of a robot file.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeVar
 
 from derive.errors import QuantityError
+from derive.robot.expression import Expression
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
 
 class Style(StrEnum):
-    """How expressions are grouped.
+    """How printed expressions are grouped.
 
     Attributes:
         COMPACT: Kinematics nested from the base outwards, ``c1*(a2*c2 + a3*c23)``; dynamics grouped by mass and
@@ -28,6 +33,12 @@ class Style(StrEnum):
     @classmethod
     def named(cls, name: str) -> Style:
         """The style of that name.
+
+        Args:
+            name: ``compact``, ``by-geometry`` or ``expanded``.
+
+        Returns:
+            The style.
 
         Raises:
             QuantityError: No such style.
@@ -50,6 +61,12 @@ class Contraction(StrEnum):
     def named(cls, name: str) -> Contraction:
         """The contraction of that name.
 
+        Args:
+            name: ``aligned`` or ``opposed``.
+
+        Returns:
+            The contraction.
+
         Raises:
             QuantityError: No such contraction.
         """
@@ -62,3 +79,122 @@ def _named(kind: type[Choice], word: str, name: str) -> Choice:
     except ValueError:
         allowed = ", ".join(member.value for member in kind)
         raise QuantityError(f"{word} {name!r}", allowed=allowed) from None
+
+
+PARTS = (
+    "figure",
+    "table",
+    "convention",
+    "parameters",
+    "transforms",
+    "kinematics",
+    "orientation",
+    "jacobian",
+    "singularities",
+    "link-jacobians",
+    "energies",
+    "inertia",
+    "christoffel",
+    "coriolis",
+    "skew",
+    "gravity",
+    "motion",
+    "newton-euler",
+    "example",
+)
+"""Parts of a handout, in their order; title and footer are always there."""
+
+
+class Derivation(StrEnum):
+    """Whether the handout shows how a result is found."""
+
+    RESULT = "result"
+    STEPS = "steps"
+
+
+class AngleLetter(StrEnum):
+    """How the variable of a revolute joint is written."""
+
+    NAME = "name"
+    THETA = "theta"
+    VARTHETA = "vartheta"
+    Q = "q"
+
+
+class SliderLetter(StrEnum):
+    """How the variable of a prismatic joint is written."""
+
+    NAME = "name"
+    D = "d"
+    Q = "q"
+
+
+class Functions(StrEnum):
+    r"""Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2)."""
+
+    SHORT = "short"
+    FULL = "full"
+
+
+class FrameIndices(StrEnum):
+    """Where the frames of a transform are written: A_1^0, or {}^0A_1."""
+
+    RIGHT = "right"
+    LEFT = "left"
+
+
+class InertiaLetter(StrEnum):
+    """Letter of the inertia matrix."""
+
+    B = "B"
+    M = "M"
+    D = "D"
+
+
+@dataclass(frozen=True, slots=True)
+class NotationOptions:
+    """How symbols are written.
+
+    Attributes:
+        angle: Variables of revolute joints; ``name`` as in the robot file.
+        prismatic: Variables of prismatic joints.
+        functions: Sines and cosines.
+        frames: Frames of a transform.
+        inertia: The inertia matrix.
+    """
+
+    angle: AngleLetter = AngleLetter.NAME
+    prismatic: SliderLetter = SliderLetter.NAME
+    functions: Functions = Functions.SHORT
+    frames: FrameIndices = FrameIndices.RIGHT
+    inertia: InertiaLetter = InertiaLetter.B
+
+
+@dataclass(frozen=True, slots=True)
+class HandoutOptions:
+    """What a handout shows.
+
+    Attributes:
+        parts: Which parts, a subset of `PARTS`; printed in their order there.
+        derivation: Results only, or the steps to them.
+        language: Code of a language that has a message catalogue.
+        notation: How symbols are written.
+    """
+
+    parts: tuple[str, ...] = PARTS
+    derivation: Derivation = Derivation.RESULT
+    language: str = "en"
+    notation: NotationOptions = field(default_factory=NotationOptions)
+
+
+@dataclass(frozen=True, slots=True)
+class FigureOptions:
+    """The configuration that is drawn and computed.
+
+    Attributes:
+        q: Value of every joint variable [rad or m]; None for none but the zero configuration.
+        values: Numbers for symbols that have none [SI units, rad], for the drawing and the numeric example only.
+    """
+
+    q: tuple[Expression, ...] | None = None
+    values: tuple[tuple[str, Expression], ...] = ()

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from derive.programs.interface import ARGUMENTS, WORDING, cost_text, joint_lines
+from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
-from derive.robot.printer import to_text
 from derive.robot.robot import Robot
 from derive.targets import templating
 from derive.targets.escape import markdown_text

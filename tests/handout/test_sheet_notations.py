@@ -13,7 +13,8 @@ from derive.handout.latex_writer import latex
 from derive.programs.effort import Effort
 from derive.publish.render import source_of
 from derive.robot.catalogue import catalogue_names
-from derive.robot.handout import (
+from derive.robot.robot import Robot
+from derive.robot.style import (
     AngleLetter,
     Derivation,
     FrameIndices,
@@ -23,7 +24,6 @@ from derive.robot.handout import (
     NotationOptions,
     SliderLetter,
 )
-from derive.robot.robot import Robot
 from tests.handout.test_latex_writer import assert_is_clean
 from tests.random_robots import robot_text
 

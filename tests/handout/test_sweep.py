@@ -14,7 +14,8 @@ from derive.handout.latex_writer import latex
 from derive.programs.effort import Effort
 from derive.publish.render import source_of
 from derive.robot.catalogue import catalogue_names
-from derive.robot.handout import (
+from derive.robot.robot import Robot
+from derive.robot.style import (
     AngleLetter,
     Derivation,
     FrameIndices,
@@ -24,7 +25,6 @@ from derive.robot.handout import (
     NotationOptions,
     SliderLetter,
 )
-from derive.robot.robot import Robot
 from derive.targets.target import Source
 from tests.handout.latex_runner import run_latex
 from tests.random_robots import robot_text

@@ -9,9 +9,8 @@ import pytest
 
 from derive.errors import CheckError, Location
 from derive.lecture.shorthand import read_formula, resolve_tokens
-from derive.robot.expression import Call, Expression, Name
+from derive.robot.expression import Call, Expression, Name, to_text
 from derive.robot.parser import parse_expression
-from derive.robot.printer import to_text
 from derive.robot.robot import Robot
 
 

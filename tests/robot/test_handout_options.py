@@ -12,7 +12,9 @@ import yaml
 
 from derive.errors import DeriveError
 from derive.robot.evaluate import evaluate
-from derive.robot.handout import (
+from derive.robot.robot import Robot
+from derive.robot.schema import json_schema
+from derive.robot.style import (
     PARTS,
     AngleLetter,
     Derivation,
@@ -24,8 +26,6 @@ from derive.robot.handout import (
     NotationOptions,
     SliderLetter,
 )
-from derive.robot.robot import Robot
-from derive.robot.schema import json_schema
 from tests.robot.hostile import GOOD
 
 EVERYTHING = """\

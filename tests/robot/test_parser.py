@@ -29,9 +29,9 @@ from derive.robot.expression import (
     multiply,
     negate,
     power,
+    to_text,
 )
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
-from derive.robot.printer import to_text
 from tests.robot.expressions import NAMES, trees
 
 START = Location("cell", 7, 11)

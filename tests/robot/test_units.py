@@ -8,8 +8,7 @@ import pytest
 
 from derive.errors import RobotFileError
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import Expression, names
-from derive.robot.printer import to_text
+from derive.robot.expression import Expression, names, to_text
 from derive.robot.robot import Robot
 
 

@@ -15,9 +15,9 @@ from derive.handout.notation.names import Glyph, distinct, natural, variable_gly
 from derive.handout.notation.numbers import DIGITS
 from derive.handout.notation.pieces import Box, italic, script
 from derive.robot.expression import Number, Sum, names
-from derive.robot.handout import Functions, NotationOptions
 from derive.robot.names import acceleration_name, expressions, joint_label, limit_symbols, robot_symbols, velocity_name
 from derive.robot.robot import Robot
+from derive.robot.style import Functions, NotationOptions
 
 DATA_DIGITS = 15
 """Significant digits of the numbers in tables, which are the user's."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from derive.handout.notation.notation import Notation
 from derive.handout.notation.pieces import Box, concatenate, greek, italic, script, upright
-from derive.robot.handout import FrameIndices
+from derive.robot.style import FrameIndices
 
 _TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
 

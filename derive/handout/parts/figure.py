@@ -16,7 +16,7 @@ from derive.handout.figure.projection import View
 from derive.handout.figure.scene import arm_scene
 from derive.handout.notation.pieces import EMPTY
 from derive.robot.description import Convention
-from derive.robot.handout import Functions
+from derive.robot.style import Functions
 
 _DIGITS = 4
 

@@ -17,9 +17,8 @@ from derive.mechanics.vectors import S, Symmetric, Vector, scale, steiner
 from derive.model.identification.base_parameters import BaseSet, absorbed_rotors
 from derive.model.identification.column_relations import Coefficient
 from derive.robot.description import Link, Motor
-from derive.robot.expression import ZERO, Expression, add, multiply, power
+from derive.robot.expression import ZERO, Expression, add, multiply, power, to_text
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
-from derive.robot.printer import to_text
 from derive.robot.robot import Robot
 
 

@@ -18,8 +18,8 @@ from derive.handout.notation.pieces import italic, joined
 from derive.handout.notation.printer import LatexPrinter
 from derive.handout.notation.symbols import EntryNamer, Symbols
 from derive.robot.catalogue import catalogue_names
-from derive.robot.handout import AngleLetter, FrameIndices, Functions, InertiaLetter, NotationOptions, SliderLetter
 from derive.robot.robot import Robot
+from derive.robot.style import AngleLetter, FrameIndices, Functions, InertiaLetter, NotationOptions, SliderLetter
 from tests.handout.latex_runner import run_latex
 from tests.random_robots import robot_text
 

@@ -25,9 +25,9 @@ from derive.handout.quantities import ModelQuantities
 from derive.robot.catalogue import catalogue_names
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO
-from derive.robot.handout import Derivation, HandoutOptions, InertiaLetter, NotationOptions
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
 from derive.robot.robot import Robot
+from derive.robot.style import Derivation, HandoutOptions, InertiaLetter, NotationOptions
 from derive.verify.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from derive.verify.oracle.oracle import Oracle
 from tests.evaluate import evaluate

@@ -12,8 +12,8 @@ from derive.handout.language import Text
 from derive.handout.parts.figure import figure_section
 from derive.handout.quantities import ModelQuantities
 from derive.robot.expression import Number
-from derive.robot.handout import FigureOptions
 from derive.robot.robot import Robot
+from derive.robot.style import FigureOptions
 
 
 def _context(robot: Robot, drawn: bool = True) -> Context:

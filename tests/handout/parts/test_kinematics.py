@@ -24,9 +24,9 @@ from derive.handout.quantities import ModelQuantities
 from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.expression import Number, Pi, Product
-from derive.robot.handout import Derivation, FrameIndices, HandoutOptions, NotationOptions
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
+from derive.robot.style import Derivation, FrameIndices, HandoutOptions, NotationOptions
 from derive.verify.oracle.oracle import Oracle
 from tests.evaluate import evaluate
 from tests.handout.latex_runner import run_latex

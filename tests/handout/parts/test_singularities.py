@@ -12,8 +12,8 @@ from derive.handout.language import Text
 from derive.handout.parts.singularities import section
 from derive.handout.quantities import ModelQuantities
 from derive.robot.catalogue import catalogue_names
-from derive.robot.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
+from derive.robot.style import Derivation, HandoutOptions
 from tests.random_robots import random_robot
 
 
