@@ -130,9 +130,9 @@ def _at_configuration(robot: Robot, name: str, text: str | None) -> Robot:
     """The robot with another configuration to draw."""
     if text is None:
         return robot
-    from derive.robot.typed_values import file_units, joint_values
+    from derive.robot.cells import joint_values
 
-    q = joint_values(robot, file_units(name), text.split(","))
+    q = joint_values(robot, text.split(","))
     return replace(robot, figure=replace(robot.figure, q=q))
 
 

@@ -88,9 +88,9 @@ def _arm(robot: Robot, arguments: argparse.Namespace, suffix: str) -> tuple[byte
 def _configuration(robot: Robot, poses: RobotPoses, arguments: argparse.Namespace) -> tuple[float, ...]:
     if arguments.q is None:
         return poses.configuration or poses.zero
-    from derive.robot.typed_values import file_units, joint_values
+    from derive.robot.cells import joint_values
 
-    return poses.numbers(joint_values(robot, file_units(arguments.robot), arguments.q.split(",")))
+    return poses.numbers(joint_values(robot, arguments.q.split(",")))
 
 
 def _workspace(robot: Robot, arguments: argparse.Namespace, suffix: str) -> tuple[bytes, str]:
