@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-fast check errata generated-check messages bench wheel wheel-smoke clean
+.PHONY: all setup models test test-fast check errata generated-check messages bench wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -53,6 +53,16 @@ $(BENCH)/.ready: pyproject.toml constraints.txt
 	$(BENCH)/bin/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
 	@touch $@
 
+# The documentation as a site, in docs/_build/html; the gallery of the built-in robots is drawn by derive itself.
+docs: $(READY)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[handout,docs]'
+	$(BIN)/python docs/gallery.py
+	$(BIN)/python -m sphinx -W --keep-going -q -j 2 docs docs/_build/html
+
+# What tests of PDFs, pages and C models need beyond Python: Debian's packages.
+system-packages:
+	@.ci/packages
+
 wheel: $(READY)
 	rm -rf dist
 	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python -m build --outdir dist
@@ -69,4 +79,4 @@ wheel-smoke: wheel
 	rm -rf $(SMOKE)
 
 clean:
-	rm -rf dist $(SMOKE) bench/.build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf dist $(SMOKE) bench/.build docs/_build docs/api docs/gallery .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

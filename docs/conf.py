@@ -1,0 +1,82 @@
+"""The documentation as a site: ``make docs``."""
+
+from __future__ import annotations
+
+import html
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from sphinx.application import Sphinx
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from derive.version import __version__  # noqa: E402
+
+project = "derive"
+author = "the derive developers"
+copyright = author
+release = version = __version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.apidoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["_build"]
+default_role = "literal"
+
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+
+apidoc_modules = [{"path": "../derive", "destination": "api", "separate_modules": False, "module_first": True}]
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_default_options = {"members": True, "show-inheritance": True}
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+
+suppress_warnings = ["ref.python"]
+"""Names in signatures may have several homes; a link to one of them is no promise."""
+
+html_theme = "furo"
+html_title = f"derive {__version__}"
+html_static_path = [str(ROOT / "derive" / "assets" / "katex"), "site"]
+html_css_files = ["katex.min.css"]
+html_js_files = ["katex.min.js", "formulas.js"]
+html_math_renderer = "katex"
+html_extra_path = ["gallery/pages"]
+
+
+def _formula(block: bool) -> Any:
+    def visit(self: Any, node: nodes.Node) -> None:
+        tag = "div" if block else "span"
+        self.body.append(f'<{tag} class="formula">{html.escape(node.astext())}</{tag}>')
+        raise nodes.SkipNode
+
+    return visit
+
+
+def _plain(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """Docstrings hold formulas, not markup: ``a1*c1`` and ``|qd|`` stay as they are, outside of backticks."""
+    for number, line in enumerate(lines):
+        parts = line.split("`")
+        lines[number] = "`".join(_escaped(part) if i % 2 == 0 else part for i, part in enumerate(parts))
+
+
+def _escaped(text: str) -> str:
+    return re.sub(r"[*|\\]|(?<=\w)_(?!\w)", lambda found: "\\" + found[0], text)
+
+
+def setup(app: Sphinx) -> None:
+    """Formulas are drawn by the KaTeX that derive brings along: the site needs no network."""
+    app.connect("autodoc-process-docstring", _plain, priority=100)
+    app.add_html_math_renderer("katex", (_formula(False), None), (_formula(True), None))
