@@ -1,17 +1,54 @@
 """A drawing in the plane: lines, areas and labels, in the order in which they cover each other.
 
 Coordinates are points (1/72.27 inch), x to the right and y upwards. A drawing knows nothing of robots; LaTeX, SVG and
-matplotlib writers print it.
+matplotlib writers print it. A label is LaTeX; for writers without TeX, and to know its size, it is read as short runs
+of plain characters.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+Array: TypeAlias = npt.NDArray[np.float64]
+"""Points, directions or samples, as the functions of figures take them."""
 
 Point: TypeAlias = tuple[float, float]
 Color: TypeAlias = tuple[float, float, float]
 """Red, green and blue from 0 to 1."""
+
+BLACK: Color = (0.0, 0.0, 0.0)
+
+LABEL_SIZE = 9.0
+"""Size of the letters of a label [pt]."""
+
+SCRIPT_SIZE = 6.5
+"""Size of subscripts and superscripts [pt]."""
+
+LABEL_HEIGHT = 9.0
+"""Height of a label with a subscript [pt]."""
+
+GREEK = {
+    "alpha": "\N{GREEK SMALL LETTER ALPHA}", "beta": "β", "gamma": "\N{GREEK SMALL LETTER GAMMA}", "delta": "δ",
+    "epsilon": "ϵ", "varepsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ", "vartheta": "ϑ",
+    "iota": "\N{GREEK SMALL LETTER IOTA}", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "\N{GREEK SMALL LETTER NU}",
+    "xi": "ξ", "pi": "π", "rho": "\N{GREEK SMALL LETTER RHO}", "sigma": "\N{GREEK SMALL LETTER SIGMA}", "tau": "τ",
+    "upsilon": "\N{GREEK SMALL LETTER UPSILON}", "phi": "ϕ", "varphi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω",
+    "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ",
+    "Upsilon": "\N{GREEK CAPITAL LETTER UPSILON}", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
+}  # fmt: skip
+"""LaTeX command without its backslash -> letter."""
+
+_SYMBOLS = {"cdot": "·", "ldots": "…", "circ": "°", "equiv": "≡", "times": "\N{MULTIPLICATION SIGN}", "sqrt": "√"}
+_SPACES = {",": "\N{THIN SPACE}", ";": " ", " ": " ", "quad": "  ", "!": ""}
+_STYLES = {"mathrm": "upright", "text": "upright", "mathtt": "mono", "operatorname": "upright"}
+_ACCENTS = {"dot": "\N{COMBINING DOT ABOVE}", "ddot": "\N{COMBINING DIAERESIS}"}
+_TOKEN = re.compile(r"\\[A-Za-z]+ ?|\\.|.", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +66,7 @@ class Path:
 
     points: tuple[Point, ...]
     closed: bool = False
-    stroke: Color | None = (0.0, 0.0, 0.0)
+    stroke: Color | None = BLACK
     fill: Color | None = None
     width: float = 0.6
     dashed: bool = False
@@ -49,7 +86,7 @@ class Label:
     at: Point
     latex: str
     anchor: tuple[int, int] = (0, 0)
-    color: Color = (0.0, 0.0, 0.0)
+    color: Color = BLACK
 
 
 Item: TypeAlias = Path | Label
@@ -70,3 +107,78 @@ class Drawing:
     height: float
     items: tuple[Item, ...]
     title: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Characters of one style.
+
+    Attributes:
+        text: The characters.
+        style: ``italic``, ``upright`` or ``mono``.
+        shift: -1 for a subscript, 1 for a superscript, 0 on the line.
+    """
+
+    text: str
+    style: str = "italic"
+    shift: int = 0
+
+
+def label_runs(latex: str) -> tuple[Run, ...]:
+    """The LaTeX of a label as runs of plain characters, neighbours of one style joined.
+
+    Args:
+        latex: LaTeX in mathematics mode, as the printers of this package write it; the rest is left out.
+    """
+    tokens = (token.rstrip() if token.startswith("\\") and len(token) > 2 else token for token in _TOKEN.findall(latex))
+    joined: list[Run] = []
+    for run in _runs(tokens, Run("")):
+        if joined and (joined[-1].style, joined[-1].shift) == (run.style, run.shift):
+            joined[-1] = replace(run, text=joined[-1].text + run.text)
+        elif run.text:
+            joined.append(run)
+    return tuple(joined)
+
+
+def label_width(latex: str) -> float:
+    """Width of a label on the page, estimated [pt].
+
+    Args:
+        latex: LaTeX in mathematics mode.
+    """
+    width = 0.0
+    for run in label_runs(latex):
+        size = SCRIPT_SIZE if run.shift else LABEL_SIZE
+        narrow = sum(character in ",.\N{THIN SPACE}il1" for character in run.text)
+        width += size * (0.58 * (len(run.text) - narrow) + 0.36 * narrow)
+    return width
+
+
+def _runs(tokens: Iterator[str], style: Run, *, one: bool = False) -> Iterator[Run]:
+    """The runs up to the end of the group, or those of one argument."""
+    for token in tokens:
+        name = token.removeprefix("\\")
+        if token == "}" and not one:
+            return
+        if token == "{":
+            yield from _runs(tokens, style)
+        elif token in "_^":
+            yield from _runs(tokens, replace(style, shift=-1 if token == "_" else 1), one=True)
+        elif token == name and not token.isspace():
+            upright = style.style == "italic" and not token.isalpha()
+            shown = "\N{MINUS SIGN}" if token == "-" else token
+            yield replace(style, text=shown, style="upright" if upright else style.style)
+        elif name in _STYLES:
+            yield from _runs(tokens, replace(style, style=_STYLES[name]), one=True)
+        elif name in _ACCENTS:
+            accented = _runs(tokens, style, one=True)
+            yield from (replace(run, text=run.text + _ACCENTS[name]) for run in accented)
+        elif name == "frac":
+            yield from _runs(tokens, style, one=True)
+            yield replace(style, text="/", style="upright")
+            yield from _runs(tokens, style, one=True)
+        elif token != name:
+            shown = GREEK.get(name) or _SYMBOLS.get(name) or _SPACES.get(name, name if len(name) == 1 else "")
+            yield replace(style, text=shown, style=style.style if name in GREEK else "upright")
+        if one:
+            return

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from derive.handout.figure.drawing import Color, Drawing, Label, Path
+from derive.handout.figure.drawing import BLACK, Color, Drawing, Label, Path
 
 PREAMBLE = r"""\ifdefined\pdfextension
   \providecommand{\derivepath}[1]{\pdfextension literal {#1}}
@@ -29,7 +29,6 @@ LABEL_FONT = r"\fontsize{9}{11}\selectfont"
 
 _PDF_POINT = 72.0 / 72.27
 _LONGEST_LINE = 400
-_BLACK: Color = (0.0, 0.0, 0.0)
 _HORIZONTAL = {-1: "l", 0: "", 1: "r"}
 _VERTICAL = {-1: "b", 0: "", 1: "t"}
 
@@ -49,28 +48,21 @@ def latex_drawing(drawing: Drawing) -> str:
 
 
 def _body(drawing: Drawing) -> Iterator[str]:
-    """Neighbouring paths go into one literal, which keeps their order among the labels."""
-    operators: list[str] = []
-    for item in drawing.items:
-        if isinstance(item, Path):
-            operators.append(_operators(item))
-        else:
-            yield from _literals(operators)
-            operators = []
-            yield _label(item)
-    yield from _literals(operators)
-
-
-def _literals(operators: list[str]) -> Iterator[str]:
+    """Neighbouring paths go into one literal as long as a line allows, which keeps their order among the labels."""
     line: list[str] = []
-    for operator in (*operators, ""):
-        if line and (not operator or sum(map(len, line)) + len(operator) > _LONGEST_LINE):
+    for item in (*drawing.items, None):
+        operators = _operators(item) if isinstance(item, Path) else ""
+        if line and (not operators or sum(map(len, line)) + len(operators) > _LONGEST_LINE):
             yield f"\\put(0,0){{\\derivepath{{q 1 J 1 j {' '.join(line)} Q}}}}"
             line = []
-        line.append(operator)
+        if operators:
+            line.append(operators)
+        if isinstance(item, Label):
+            yield _label(item)
 
 
 def _operators(item: Path) -> str:
+    """PDF operators: colours, width and dashes, the outline, and how it is painted."""
     points = [f"{_number(x * _PDF_POINT)} {_number(y * _PDF_POINT)}" for x, y in item.points]
     state = []
     if item.fill is not None:
@@ -79,19 +71,14 @@ def _operators(item: Path) -> str:
         state.append(f"{_color(item.stroke)} RG {_number(item.width * _PDF_POINT)} w")
         state.append("[3 2] 0 d" if item.dashed else "[] 0 d")
     outline = f"{points[0]} m " + " ".join(f"{point} l" for point in points[1:]) + (" h" if item.closed else "")
-    return " ".join([*state, outline, _painting(item)])
-
-
-def _painting(item: Path) -> str:
-    if item.fill is not None:
-        return "B" if item.stroke is not None else "f"
-    return "S" if item.stroke is not None else "n"
+    painting = {(True, True): "B", (True, False): "f", (False, True): "S", (False, False): "n"}
+    return " ".join([*state, outline, painting[item.fill is not None, item.stroke is not None]])
 
 
 def _label(item: Label) -> str:
     anchor = _HORIZONTAL[item.anchor[0]] + _VERTICAL[item.anchor[1]]
     text = f"${item.latex}$"
-    if item.color != _BLACK:
+    if item.color != BLACK:
         text = f"\\derivelabel{{{_color(item.color)}}}{{{text}}}"
     place = f"({_number(item.at[0])},{_number(item.at[1])})"
     return f"\\put{place}{{\\makebox(0,0){f'[{anchor}]' if anchor else ''}{{{text}}}}}"

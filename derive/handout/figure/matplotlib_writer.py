@@ -6,8 +6,7 @@ from io import BytesIO
 from typing import Any
 
 from derive.errors import DeriveError
-from derive.handout.figure.drawing import Drawing, Label, Path
-from derive.handout.figure.label_text import LABEL_SIZE
+from derive.handout.figure.drawing import LABEL_SIZE, Drawing, Path
 
 SUFFIXES = (".pdf", ".png", ".svg")
 
@@ -61,6 +60,7 @@ def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
     matplotlib = require_matplotlib()
     with matplotlib.rc_context(STYLE):
         from matplotlib.figure import Figure
+        from matplotlib.patches import Polygon
 
         figure = Figure(figsize=(scale * drawing.width / POINTS_PER_INCH, scale * drawing.height / POINTS_PER_INCH))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -69,14 +69,41 @@ def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
         axes.set_axis_off()
         for order, item in enumerate(drawing.items):
             if isinstance(item, Path):
-                axes.add_patch(_patch(item, order, scale))
+                outline = Polygon(
+                    item.points,
+                    closed=item.closed,
+                    fill=item.fill is not None,
+                    facecolor=item.fill or "none",
+                    edgecolor=item.stroke or "none",
+                    linewidth=item.width * scale if item.stroke else 0.0,
+                    linestyle=(0, (4, 2.5)) if item.dashed else "solid",
+                    joinstyle="round",
+                    capstyle="round",
+                    zorder=order,
+                )
+                axes.add_patch(outline)
             else:
-                _text(axes, item, order, scale)
+                axes.text(
+                    *item.at,
+                    f"${item.latex}$",
+                    fontsize=LABEL_SIZE * scale,
+                    color=item.color,
+                    ha=_ALIGN_X[item.anchor[0]],
+                    va=_ALIGN_Y[item.anchor[1]],
+                    zorder=order,
+                    clip_on=False,
+                )
         return figure_bytes(figure, suffix, drawing.title)
 
 
 def figure_bytes(figure: Any, suffix: str, title: str) -> bytes:
-    """A figure of matplotlib as the contents of a file, without date or version in it."""
+    """A figure of matplotlib as the contents of a file, without date or version in it.
+
+    Args:
+        figure: A ``matplotlib.figure.Figure``.
+        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
+        title: What it shows, for readers who cannot see it.
+    """
     form = suffix.removeprefix(".")
     metadata = {
         "svg": {"Date": None, "Creator": CREATOR, "Title": title},
@@ -86,33 +113,3 @@ def figure_bytes(figure: Any, suffix: str, title: str) -> bytes:
     file = BytesIO()
     figure.savefig(file, format=form, dpi=RESOLUTION, metadata=metadata, facecolor="white")
     return file.getvalue()
-
-
-def _patch(item: Path, order: int, scale: float) -> Any:
-    from matplotlib.patches import Polygon
-
-    return Polygon(
-        item.points,
-        closed=item.closed,
-        fill=item.fill is not None,
-        facecolor=item.fill or "none",
-        edgecolor=item.stroke or "none",
-        linewidth=item.width * scale if item.stroke else 0.0,
-        linestyle=(0, (4, 2.5)) if item.dashed else "solid",
-        joinstyle="round",
-        capstyle="round",
-        zorder=order,
-    )
-
-
-def _text(axes: Any, item: Label, order: int, scale: float) -> None:
-    axes.text(
-        *item.at,
-        f"${item.latex}$",
-        fontsize=LABEL_SIZE * scale,
-        color=item.color,
-        ha=_ALIGN_X[item.anchor[0]],
-        va=_ALIGN_Y[item.anchor[1]],
-        zorder=order,
-        clip_on=False,
-    )

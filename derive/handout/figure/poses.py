@@ -1,4 +1,4 @@
-"""Where the frames of a robot are, in numbers, for figures: symbols without a number get a length or an angle to draw.
+"""Where the frames of a robot are, in numbers, for figures; symbols without a number get a length or an angle to draw.
 
 The chain is that of the mechanics over floats, or over NumPy arrays for many configurations at once.
 """
@@ -6,19 +6,21 @@ The chain is that of the mechanics over floats, or over NumPy arrays for many co
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import cycle
 from typing import Any
+
+import numpy as np
 
 from derive.errors import DeriveError, ExpressionError
 from derive.handout.context import Pose
-from derive.mechanics.chain import Chain, ChainJoint, build_chain
+from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.joint_motion import advance
 from derive.mechanics.vectors import Frame
-from derive.robot.description import Joint
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Call, Expression, children, names
 from derive.robot.names import robot_symbols
@@ -29,6 +31,9 @@ ASSUMED_ANGLE = math.pi / 6
 
 PATTERNS = ((1.0, 0.8, 0.6, 0.9, 0.7, 0.5), (1.0, 0.5, 1.3, 0.3, 1.6, 0.2), (0.9, 0.4, 0.5, 0.2, 0.15, 0.1))
 """Lengths for symbols without a number, in units of the longest known one; the next row if a cell has no value."""
+
+Numbers = Mapping[str, Fraction | float]
+"""Symbol -> its number, exact where the file gives it."""
 
 _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 
@@ -45,7 +50,9 @@ class RobotPoses:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = replace(robot, links=(), gravity=None)
-        self._assumed, self._values = _choose(self.robot, robot.figure.values)
+        known = parameter_values(self.robot)
+        known |= {name: to_float(value, known) for name, value in robot.figure.values}
+        self._assumed, self._values = _with_assumed_numbers(self.robot, known)
 
     @property
     def zero(self) -> tuple[float, ...]:
@@ -61,6 +68,9 @@ class RobotPoses:
     def numbers(self, cells: Sequence[Expression]) -> tuple[float, ...]:
         """The values of cells with the numbers of the drawing.
 
+        Args:
+            cells: Cells of the robot file.
+
         Raises:
             ExpressionError: A value does not exist.
         """
@@ -75,28 +85,41 @@ class RobotPoses:
     @property
     def limits(self) -> tuple[tuple[float, float] | None, ...]:
         """Lower and upper limit of every joint [rad or m], None where the file gives none."""
-        return tuple(self._bounds(joint) for joint in self.robot.joints)
-
-    def _bounds(self, joint: Joint) -> tuple[float, float] | None:
-        if joint.limits is None:
-            return None
-        values = {**self._values, **{name: 1.0 for cell in joint.limits for name in names(cell)}, **self._values}
-        lower, upper = (to_float(cell, values) for cell in joint.limits)
-        return lower, upper
+        found: list[tuple[float, float] | None] = []
+        for joint in self.robot.joints:
+            if joint.limits is None:
+                found.append(None)
+                continue
+            values = {**dict.fromkeys((name for cell in joint.limits for name in names(cell)), 1.0), **self._values}
+            lower, upper = (to_float(cell, values) for cell in joint.limits)
+            found.append((lower, upper))
+        return tuple(found)
 
     def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
-        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m].
+        """Base frame 0, frames 1 to n and the end effector in the world.
 
         Args:
             q: Joint positions [rad or m].
+
+        Returns:
+            n + 2 transforms 4x4 [m].
         """
-        return tuple(_pose(frame) for frame in self._frames(self._joints(q, math.cos, math.sin)))
+        poses = []
+        for frame in self._frames(q, math.cos, math.sin):
+            rows = (tuple(map(float, (*row, x))) for row, x in zip(frame.rotation, frame.position, strict=True))
+            poses.append((*rows, (0.0, 0.0, 0.0, 1.0)))
+        return tuple(poses)
 
     def positions(self, q: Any) -> Any:
-        """Positions of the end effector in the world: (3, samples) for joint positions (n, samples), [m]."""
-        import numpy as np
+        """Positions of the end effector in the world at many configurations at once.
 
-        *_, end = self._frames(self._joints(q, np.cos, np.sin))
+        Args:
+            q: (n, samples) joint positions [rad or m].
+
+        Returns:
+            (3, samples) [m].
+        """
+        *_, end = self._frames(q, np.cos, np.sin)
         return np.stack([np.broadcast_to(value, q.shape[1:]) for value in end.position])
 
     @property
@@ -110,20 +133,17 @@ class RobotPoses:
         """The longest length of the table [m], 1 m if there is none."""
         return _longest(self.robot, self._values)
 
-    def _joints(self, q: Any, cosine: Any, sine: Any) -> Iterator[ChainJoint[Any]]:
-        for value, row, joint in zip(q, self._chain.joints, self.robot.joints, strict=True):
-            if joint.is_revolute:
-                angle = joint.sign * value + to_float(joint.theta, self._values)
-                yield replace(row, cosine=cosine(angle), sine=sine(angle))
-            else:
-                yield replace(row, offset=joint.sign * value + to_float(joint.d, self._values))
-
-    def _frames(self, joints: Iterable[ChainJoint[Any]]) -> Iterator[Frame[Any]]:
+    def _frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
         chain = self._chain
         yield chain.base
         frame = chain.base
-        for joint, end in zip(joints, chain.ends, strict=True):
-            frame = advance(frame, joint)
+        for value, row, joint, end in zip(q, chain.joints, self.robot.joints, chain.ends, strict=True):
+            if joint.is_revolute:
+                angle = joint.sign * value + to_float(joint.theta, self._values)
+                moved = replace(row, cosine=cosine(angle), sine=sine(angle))
+            else:
+                moved = replace(row, offset=joint.sign * value + to_float(joint.d, self._values))
+            frame = advance(frame, moved)
             yield frame @ end
         yield frame @ chain.tool
 
@@ -132,26 +152,19 @@ class RobotPoses:
         return _chain(self.robot, self._values)
 
 
-def _chain(robot: Robot, values: Mapping[str, Fraction | float]) -> Chain[Any]:
+def _chain(robot: Robot, values: Numbers) -> Chain[Any]:
     domain = FloatDomain(robot, (0.0,) * robot.n)
     domain.values = dict(values)
     return build_chain(robot, domain)
 
 
-def _pose(frame: Frame[float]) -> Pose:
-    rows = (tuple(map(float, (*row, x))) for row, x in zip(frame.rotation, frame.position, strict=True))
-    return (*rows, (0.0, 0.0, 0.0, 1.0))
-
-
-def _choose(
-    robot: Robot, chosen: Sequence[tuple[str, Expression]]
-) -> tuple[tuple[tuple[str, float], ...], Mapping[str, Fraction | float]]:
-    """The numbers assumed, and the numbers of all symbols."""
-    known = parameter_values(robot)
-    known |= {name: to_float(value, known) for name, value in chosen}
+def _with_assumed_numbers(robot: Robot, known: Numbers) -> tuple[tuple[tuple[str, float], ...], Numbers]:
+    """The numbers assumed for symbols that have none, and the numbers of all symbols."""
     missing = [name for name in robot_symbols(robot) if name not in known]
+    angles, unit = _angle_names(robot), _longest(robot, known)
     for pattern in PATTERNS:
-        assumed = tuple(_assume(robot, missing, known, pattern))
+        lengths = cycle(float(f"{unit * length:.1g}") for length in pattern)
+        assumed = tuple((name, ASSUMED_ANGLE if name in angles else next(lengths)) for name in missing)
         values = {**known, **dict(assumed)}
         try:
             _chain(robot, values)
@@ -164,31 +177,15 @@ def _choose(
     )
 
 
-def _assume(
-    robot: Robot, missing: Sequence[str], known: Mapping[str, Fraction | float], pattern: Sequence[float]
-) -> Iterator[tuple[str, float]]:
-    angles = _angle_names(robot)
-    unit = _longest(robot, known)
-    lengths = 0
-    for name in missing:
-        if name in angles:
-            yield name, ASSUMED_ANGLE
-        else:
-            yield name, float(f"{unit * pattern[lengths % len(pattern)]:.1g}")
-            lengths += 1
-
-
-def _longest(robot: Robot, known: Mapping[str, Fraction | float]) -> float:
+def _longest(robot: Robot, known: Numbers) -> float:
     """The longest length in the table that has a number; 1 m without any."""
-    found = [0.0]
-    for joint in robot.joints:
-        for cell in (joint.d, joint.a):
-            if all(name in known for name in names(cell)):
-                found.append(abs(to_float(cell, known)))
-    return max(found) or 1.0
+    cells = (cell for joint in robot.joints for cell in (joint.d, joint.a))
+    lengths = (abs(to_float(cell, known)) for cell in cells if all(name in known for name in names(cell)))
+    return max(lengths, default=0.0) or 1.0
 
 
 def _angle_names(robot: Robot) -> set[str]:
+    """Symbols of angles: in cells theta and alpha, or under a sine, cosine or tangent anywhere else."""
     cells = [cell for joint in robot.joints for cell in (joint.theta, joint.alpha)]
     found = {name for cell in cells for name in names(cell)}
     pending = [

@@ -1,7 +1,4 @@
-"""Orthographic views, and the choice of the direction from which an arm is drawn.
-
-Faces in space as areas on the page: the far ones first, those seen from behind left out.
-"""
+"""Orthographic views: the choice of the direction from which an arm is drawn, and its faces as areas on the page."""
 
 from __future__ import annotations
 
@@ -12,12 +9,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from derive.handout.figure.drawing import Path
+from derive.handout.figure.drawing import Array, Path, Point
 from derive.handout.figure.solids import OUTLINE, Face, shade
-
-Array = npt.NDArray[np.float64]
 
 ELEVATIONS = (20, 28, 36)
 """Candidate heights of the viewer above the horizon [degrees]."""
@@ -25,8 +19,13 @@ ELEVATIONS = (20, 28, 36)
 AZIMUTHS = tuple(range(-170, 190, 10))
 """Candidate directions of the viewer around the vertical [degrees]."""
 
+_LIKED_AZIMUTHS = ((-75, -30), (20, 65))
+_LIKED_ELEVATION = 24
 _NARROW = math.radians(16.0)
-_LIKED = ((-75, -30), (20, 65))
+"""Axes nearer to each other on the page are hard to tell apart."""
+
+_GRAZING = 1e-6
+"""A face whose normal points less towards the viewer is not seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +57,25 @@ class View:
         return np.stack([right, np.cross(toward, right), toward])
 
     def project(self, points: Any) -> Array:
-        """Right, up and depth (larger is nearer) of points (..., 3)."""
+        """Right, up and depth (larger is nearer) of points or directions.
+
+        Args:
+            points: (..., 3) in the world.
+
+        Returns:
+            (..., 3) in the unit of the points.
+        """
         projected: Array = np.asarray(points, dtype=float) @ self.rows.T
         return projected
+
+    def flat(self, point: Array) -> Point:
+        """Where a point is on the page.
+
+        Args:
+            point: (3,) in the world.
+        """
+        x, y, _ = self.project(point)
+        return float(x), float(y)
 
 
 def best_view(
@@ -74,15 +89,17 @@ def best_view(
         segments: (2, 3) each, the links with a length.
         up: What points up on the page.
     """
+
+    def badness(view: View) -> float:
+        axes = sum(_crowding(view.project(star)[:, :2]) for star in stars) / max(1, len(stars))
+        links = sum(_foreshortening(view, segment) for segment in segments) / max(1, len(segments))
+        azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
+        away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
+        unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
+        return axes + 2.0 * links + 1.5 * _meeting(view, origins) + unusual
+
     views = [View(math.radians(a), math.radians(e), up) for e in ELEVATIONS for a in AZIMUTHS]
-    return min(views, key=lambda view: round(_badness(view, origins, stars, segments), 6))
-
-
-def _badness(view: View, origins: Array, stars: Sequence[Array], segments: Sequence[Array]) -> float:
-    flat = [view.project(star)[:, :2] for star in stars]
-    axes = sum(_crowding(star) for star in flat) / max(1, len(stars))
-    links = sum(_foreshortening(view, segment) for segment in segments) / max(1, len(segments))
-    return axes + 2.0 * links + 1.5 * _meeting(view, origins) + _unusual(view)
+    return min(views, key=lambda view: round(badness(view), 6))
 
 
 def _crowding(star: Array) -> float:
@@ -112,17 +129,13 @@ def _meeting(view: View, origins: Array) -> float:
     return float(np.mean(np.exp(-((apart / 0.12) ** 2)))) * len(origins) / 3
 
 
-def _unusual(view: View) -> float:
-    azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
-    away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED)
-    return 0.012 * min(away, 60.0) + 0.01 * abs(elevation - 24)
-
-
-_GRAZING = 1e-6
-
-
 def paint(faces: Sequence[Face], view: View) -> Iterator[Path]:
-    """Areas from back to front."""
+    """Faces as areas from back to front, those seen from behind left out.
+
+    Args:
+        faces: In points.
+        view: From where they are seen.
+    """
     seen = []
     for index, face in enumerate(faces):
         normal = None if face.normal is None else view.project(face.normal)

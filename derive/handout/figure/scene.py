@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from derive.handout.figure.drawing import Array
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names
 from derive.robot.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 LETTERS = "xyz"
 
@@ -24,7 +22,7 @@ _SAME_DIRECTION = 0.9998
 
 
 @dataclass(frozen=True, eq=False)
-class Axis:
+class FrameAxis:
     """Axes of frames that start at one place, with one direction and one letter.
 
     Attributes:
@@ -41,7 +39,7 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class Segment:
     """A straight part of a link.
 
     Attributes:
@@ -68,13 +66,13 @@ class JointAxis:
 
     Attributes:
         anchor: A point on its axis: o_{i-1} (standard) or the foot of the common normal (modified).
-        far: The other end of its offset d.
+        offset_end: The other end of its offset d.
         direction: Unit vector of z.
         revolute: Whether it turns.
     """
 
     anchor: Array
-    far: Array
+    offset_end: Array
     direction: Array
     revolute: bool
 
@@ -86,23 +84,24 @@ class Scene:
     Attributes:
         axes: Axes of all frames.
         joints: The joints from the base outwards.
-        stretches: Links with a length.
+        segments: Links with a length.
         places: (k, 3) distinct origins and corners of links.
         up: What points up.
         approach: Direction in which the hand points.
         opening: Direction in which the hand opens.
         end: Where the hand is.
+        base_axis: Direction of z of frame 0, along which the pedestal stands.
     """
 
-    axes: tuple[Axis, ...]
+    axes: tuple[FrameAxis, ...]
     joints: tuple[JointAxis, ...]
-    stretches: tuple[Stretch, ...]
+    segments: tuple[Segment, ...]
     places: Array
     up: tuple[float, float, float]
     approach: Array
     opening: Array
     end: Array
-    base_axis: Array = field(default_factory=lambda: np.array((0.0, 0.0, 1.0)))
+    base_axis: Array
 
     @property
     def size(self) -> float:
@@ -119,14 +118,14 @@ def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scen
     """
     poses = np.array(frames, dtype=float)
     joints = tuple(_joint(robot, poses, row) for row in range(robot.n))
-    points = np.concatenate([poses[:, :3, 3], np.stack([joint.far for joint in joints])])
+    points = np.concatenate([poses[:, :3, 3], np.stack([joint.offset_end for joint in joints])])
     size = float(np.max(np.linalg.norm(points - points[0], axis=1))) or 1.0
-    stretches = tuple(s for s in _stretches(robot, poses, joints) if s.length > SAME_PLACE * size)
-    approach, opening = _hand(poses, stretches, robot.n)
+    segments = tuple(s for s in _segments(robot, poses, joints) if s.length > SAME_PLACE * size)
+    approach, opening = _hand(poses, segments, robot.n)
     return Scene(
-        axes=tuple(_axes(robot, poses, SAME_PLACE * size)),
+        axes=_axes(poses, SAME_PLACE * size),
         joints=joints,
-        stretches=stretches,
+        segments=segments,
         places=_distinct(points, SAME_PLACE * size),
         up=upwards(robot),
         approach=approach,
@@ -136,24 +135,29 @@ def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scen
     )
 
 
-def upwards(robot: Robot) -> tuple[float, float, float]:
-    """Against gravity where it has a direction, else the world's z axis."""
-    if robot.gravity is None:
-        return (0.0, 0.0, 1.0)
-    values = {name: 1.0 for cell in robot.gravity for name in names(cell)} | _known(robot)
+def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[float, float, float]:
+    """Against gravity where it has a direction, else the world's z axis.
+
+    Args:
+        robot: The robot.
+        values: Numbers of symbols; 1 for one that has none here and none in the robot file.
+
+    Returns:
+        A unit vector in the world.
+    """
+    vertical = (0.0, 0.0, 1.0)
+    cells = robot.gravity or ()
+    known = {name: 1.0 for cell in cells for name in names(cell)}
+    known |= {name: evaluate(value, {}) for name, value in robot.parameters}
     try:
-        gravity = np.array([evaluate(cell, values) for cell in robot.gravity])
+        gravity = np.array([evaluate(cell, known | dict(values or {})) for cell in cells])
     except ArithmeticError:
-        return (0.0, 0.0, 1.0)
+        return vertical
     size = float(np.linalg.norm(gravity))
     if size < 1e-9:
-        return (0.0, 0.0, 1.0)
+        return vertical
     x, y, z = (float(-part / size) for part in gravity)
     return (x, y, z)
-
-
-def _known(robot: Robot) -> dict[str, float]:
-    return {name: evaluate(value, {}) for name, value in robot.parameters}
 
 
 def _joint(robot: Robot, poses: Array, row: int) -> JointAxis:
@@ -168,48 +172,41 @@ def _joint(robot: Robot, poses: Array, row: int) -> JointAxis:
     return JointAxis(after[:3, 3] - z * (z @ gap), after[:3, 3], z, revolute)
 
 
-def _stretches(robot: Robot, poses: Array, joints: Sequence[JointAxis]) -> Iterator[Stretch]:
+def _segments(robot: Robot, poses: Array, joints: Sequence[JointAxis]) -> Iterator[Segment]:
     """Along z by d, then along x by a (standard); along x by a, then along z by d (modified)."""
     for row, joint in enumerate(joints):
         start, end = poses[row, :3, 3], poses[row + 1, :3, 3]
         if robot.convention is Convention.STANDARD:
-            yield Stretch(start, joint.far, row, "d")
-            yield Stretch(joint.far, end, row, "a")
+            yield Segment(start, joint.offset_end, row, "d")
+            yield Segment(joint.offset_end, end, row, "a")
         else:
-            yield Stretch(start, joint.anchor, row, "a")
-            yield Stretch(joint.anchor, end, row, "d")
-    yield Stretch(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")
+            yield Segment(start, joint.anchor, row, "a")
+            yield Segment(joint.anchor, end, row, "d")
+    yield Segment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")
 
 
-def _axes(robot: Robot, poses: Array, near: float) -> Iterator[Axis]:
+def _axes(poses: Array, near: float) -> tuple[FrameAxis, ...]:
     """Axes that would cover each other are one axis with several names."""
     own_end = not np.allclose(poses[-1], poses[-2], atol=1e-9)
     numbered = [*enumerate(poses[:-1]), *([(-1, poses[-1])] if own_end else [])]
-    found: list[Axis] = []
+    found: list[FrameAxis] = []
     for index, pose in numbered:
         for letter in range(3):
-            new = Axis(pose[:3, 3], pose[:3, letter], letter, (index,))
-            same = next((k for k, axis in enumerate(found) if _coincide(axis, new, near)), None)
-            if same is None:
-                found.append(new)
+            origin, direction = pose[:3, 3], pose[:3, letter]
+            for k, old in enumerate(found):
+                along = old.letter == letter and float(old.direction @ direction) > _SAME_DIRECTION
+                if along and float(np.linalg.norm(old.origin - origin)) <= near:
+                    found[k] = FrameAxis(old.origin, old.direction, letter, (*old.frames, index))
+                    break
             else:
-                old = found[same]
-                found[same] = Axis(old.origin, old.direction, letter, (*old.frames, index))
-    return iter(found)
+                found.append(FrameAxis(origin, direction, letter, (index,)))
+    return tuple(found)
 
 
-def _coincide(a: Axis, b: Axis, near: float) -> bool:
-    return (
-        a.letter == b.letter
-        and float(a.direction @ b.direction) > _SAME_DIRECTION
-        and float(np.linalg.norm(a.origin - b.origin)) <= near
-    )
-
-
-def _hand(poses: Array, stretches: Sequence[Stretch], n: int) -> tuple[Array, Array]:
+def _hand(poses: Array, segments: Sequence[Segment], n: int) -> tuple[Array, Array]:
     """The hand continues the last link along an axis of the end effector, or points along z; it opens along y or x."""
     end = poses[-1, :3, :3]
-    last = [s for s in stretches if s.row >= n - 1]
+    last = [s for s in segments if s.row >= n - 1]
     approach = end[:, 2]
     if last:
         along = (last[-1].end - last[-1].start) / last[-1].length

@@ -6,21 +6,19 @@ dark page too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from html import escape
 
-from derive.handout.figure.drawing import Color, Drawing, Label, Path
-from derive.handout.figure.label_text import LABEL_SIZE, SCRIPT_SIZE, Run, runs
+from derive.handout.figure.drawing import LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Label, Path, label_runs
 
 _ANCHORS = {-1: "start", 0: "middle", 1: "end"}
 _RISE = {-1: 0.0, 0: 0.32, 1: 0.72}
+"""Baseline below the anchor, in letter sizes."""
+
 _SHIFT = {0: 0.0, -1: 2.2, 1: -3.2}
+"""Baseline of a subscript and a superscript below that of the line [pt]."""
+
 _SERIF = "KaTeX_Main, 'Latin Modern Math', 'Times New Roman', serif"
-_FONTS = {
-    "italic": ' font-style="italic"',
-    "upright": "",
-    "mono": ' font-family="monospace"',
-}
+_FONTS = {"italic": ' font-style="italic"', "upright": "", "mono": ' font-family="monospace"'}
 
 
 def svg_drawing(drawing: Drawing, scale: float = 1.5) -> str:
@@ -33,18 +31,16 @@ def svg_drawing(drawing: Drawing, scale: float = 1.5) -> str:
     width, height = _number(drawing.width), _number(drawing.height)
     title = f"<title>{_text(drawing.title)}</title>" if drawing.title else ""
     role = f'role="img" aria-label="{_text(drawing.title)}"' if drawing.title else 'aria-hidden="true"'
-    body = "\n".join(_elements(drawing))
+    body = "\n".join(
+        _path(item, drawing.height) if isinstance(item, Path) else _label(item, drawing.height)
+        for item in drawing.items
+    )
     style = f"max-width:100%;width:{_number(drawing.width * scale)}px;height:auto"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" {role} viewBox="0 0 {width} {height}" style="{style}" '
         f'stroke-linejoin="round" stroke-linecap="round" font-family="{_SERIF}" font-size="{_number(LABEL_SIZE)}">'
         f"{title}\n{body}\n</svg>"
     )
-
-
-def _elements(drawing: Drawing) -> Iterator[str]:
-    for item in drawing.items:
-        yield _path(item, drawing.height) if isinstance(item, Path) else _label(item, drawing.height)
 
 
 def _path(item: Path, height: float) -> str:
@@ -69,24 +65,14 @@ def _paint(attribute: str, color: Color, solid: bool = False) -> str:
 
 def _label(item: Label, height: float) -> str:
     x, y = item.at[0], height - item.at[1] + _RISE[item.anchor[1]] * LABEL_SIZE
-    anchor = _ANCHORS[item.anchor[0]]
-    place = f'x="{_number(x)}" y="{_number(y)}" text-anchor="{anchor}"'
-    return f"<text {place} {_paint('fill', item.color)}>{''.join(_spans(item.latex))}</text>"
-
-
-def _spans(latex: str) -> Iterator[str]:
-    """Shifts are relative to the run before."""
-    height = 0.0
-    for run in runs(latex):
-        change = _SHIFT[run.shift] - height
-        height = _SHIFT[run.shift]
-        yield _span(run, change)
-
-
-def _span(run: Run, change: float) -> str:
-    size = f' font-size="{_number(SCRIPT_SIZE)}"' if run.shift else ""
-    shift = f' dy="{_number(change)}"' if change else ""
-    return f"<tspan{shift}{size}{_FONTS[run.style]}>{_text(run.text)}</tspan>"
+    place = f'x="{_number(x)}" y="{_number(y)}" text-anchor="{_ANCHORS[item.anchor[0]]}"'
+    spans, before = [], 0.0
+    for run in label_runs(item.latex):
+        change, before = _SHIFT[run.shift] - before, _SHIFT[run.shift]  # relative to the run before
+        shift = f' dy="{_number(change)}"' if change else ""
+        size = f' font-size="{_number(SCRIPT_SIZE)}"' if run.shift else ""
+        spans.append(f"<tspan{shift}{size}{_FONTS[run.style]}>{_text(run.text)}</tspan>")
+    return f"<text {place} {_paint('fill', item.color)}>{''.join(spans)}</text>"
 
 
 def _text(text: str) -> str:

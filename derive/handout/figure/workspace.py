@@ -1,6 +1,7 @@
-"""A cloud of reached positions as section and top view, with the outline of what it covers.
+"""The workspace of a robot: positions that its end effector reaches within the joints' limits, and their plot.
 
-Points that the end effector of a robot reaches, at random configurations within the joints' limits.
+The positions are those of random configurations; the plot is a section and a top view, with the outline of what the
+positions cover.
 """
 
 from __future__ import annotations
@@ -10,21 +11,84 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from derive.handout.figure.drawing import Array
 from derive.handout.figure.matplotlib_writer import POINTS_PER_INCH, STYLE, figure_bytes, require_matplotlib
 from derive.handout.figure.poses import RobotPoses
-
-Array = npt.NDArray[np.float64]
 
 WIDTH = 380.0
 """Width of the plot [pt]."""
 
+AT_A_LIMIT = 0.25
+"""Part of the samples of a joint that lie at one of its limits or at zero: the boundary is reached there."""
+
 _CLOUD = (0.55, 0.66, 0.84)
 _EDGE = (0.10, 0.22, 0.55)
+_SETTINGS = {"font.size": 8.0, "axes.linewidth": 0.6, "lines.linewidth": 0.9}
 _SAMPLES_PER_CELL = 10.0
 _CELLS = (12, 80)
-_SETTINGS = {"font.size": 8.0, "axes.linewidth": 0.6, "lines.linewidth": 0.9}
+"""Fewest and most cells of the grid along the longer side of the cloud."""
+
+
+@dataclass(frozen=True, slots=True)
+class Assumption:
+    """Limits taken for a joint that has none in the file.
+
+    Attributes:
+        variable: The joint's variable.
+        lower: Lower limit [rad or m].
+        upper: Upper limit [rad or m].
+        unit: ``rad`` or ``m``.
+    """
+
+    variable: str
+    lower: float
+    upper: float
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """A cloud of positions.
+
+    Attributes:
+        points: (3, samples) seen from the axis of joint 1: z along it, x and y across [m].
+        assumed: Limits that the file does not give.
+    """
+
+    points: Array
+    assumed: tuple[Assumption, ...]
+
+
+def sample_workspace(poses: RobotPoses, samples: int, seed: int) -> Workspace:
+    """Positions at random configurations; the same seed gives the same points.
+
+    Joints without limits turn from -pi to pi, and slide from 0 to the longest length of the arm.
+
+    Args:
+        poses: The robot in numbers.
+        samples: Number of configurations.
+        seed: Of the random numbers.
+    """
+    ranges, assumed = [], []
+    for joint, limits in zip(poses.robot.joints, poses.limits, strict=True):
+        if limits is None:
+            limits = (-math.pi, math.pi) if joint.is_revolute else (0.0, poses.longest)
+            assumed.append(Assumption(joint.variable, *limits, "rad" if joint.is_revolute else "m"))
+        ranges.append(limits)
+    rng = np.random.default_rng(seed)
+    rows = []
+    for low, high in ranges:
+        values = rng.uniform(low, high, samples)
+        special = np.array([low, high, min(max(0.0, low), high)])
+        chosen = special[rng.integers(0, len(special), samples)]
+        rows.append(np.where(rng.random(samples) < AT_A_LIMIT, chosen, values))
+    q = np.stack(rows)
+    if poses.robot.joints[0].is_revolute:  # it turns the cloud as a whole
+        q[0] = rng.uniform(*ranges[0], samples)
+    rotation, origin = poses.first_axis
+    points: Array = np.array(rotation).T @ (poses.positions(q) - np.array(origin)[:, None])
+    return Workspace(points, tuple(assumed))
 
 
 def workspace_bytes(points: Array, suffix: str, title: str, scale: float = 1.0) -> bytes:
@@ -84,98 +148,27 @@ def outline(x: Array, y: Array) -> list[Array]:
     from contourpy import contour_generator
 
     centers = [(edges[:-1] + edges[1:]) / 2 for edges in (x_edges, y_edges)]
-    lines = contour_generator(x=centers[0], y=centers[1], z=_smooth(_closed(counts > 0)).T).lines(0.5)
+    filled = counts > 0
+    near = _neighbours(filled.astype(float))
+    closed = ((filled & (near >= 2)) | (near >= 5)).astype(float)  # gaps among filled cells belong to the area
+    smooth = (_neighbours(closed) + 2 * closed) / 10.0
+    lines = contour_generator(x=centers[0], y=centers[1], z=smooth.T).lines(0.5)
     kept = [np.asarray(line, dtype=float) for line in lines]
     return [line for line in kept if len(line) > 8]
 
 
 def _edges(values: Array, size: float) -> Array:
+    """Edges of the cells along one side, with empty cells around the cloud."""
     low = float(values.min()) - 2.5 * size
     count = int(np.ceil((float(values.max()) - low) / size + 2.5))
     edges: Array = low + size * np.arange(count + 1, dtype=float)
     return edges
 
 
-def _closed(filled: npt.NDArray[np.bool_]) -> Array:
-    """Cells with few points in them belong to the area when most of their neighbours do."""
-    near = _neighbours(filled.astype(float))
-    closed: Array = ((filled & (near >= 2)) | (near >= 5)).astype(float)
-    return closed
-
-
-def _smooth(values: Array) -> Array:
-    return (_neighbours(values) + 2 * values) / 10.0
-
-
 def _neighbours(values: Array) -> Array:
+    """For each cell, the sum of its eight neighbours."""
     padded = np.pad(values, 1)
     rows, columns = values.shape
     shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
     total: Array = sum((padded[i : i + rows, j : j + columns] for i, j in shifts), np.zeros_like(values))
     return total
-
-
-AT_A_LIMIT = 0.25
-"""Part of the samples of a joint that lie at one of its limits or at zero: the boundary is reached there."""
-
-
-@dataclass(frozen=True, slots=True)
-class Assumption:
-    """Limits taken for a joint that has none in the file.
-
-    Attributes:
-        variable: The joint's variable.
-        lower: Lower limit [rad or m].
-        upper: Upper limit [rad or m].
-        unit: ``rad`` or ``m``.
-    """
-
-    variable: str
-    lower: float
-    upper: float
-    unit: str
-
-
-@dataclass(frozen=True, eq=False)
-class Workspace:
-    """A cloud of positions.
-
-    Attributes:
-        points: (3, samples) seen from the axis of joint 1: z along it, x and y across [m].
-        assumed: Limits that the file does not give.
-    """
-
-    points: Array
-    assumed: tuple[Assumption, ...]
-
-
-def sample_workspace(poses: RobotPoses, samples: int, seed: int) -> Workspace:
-    """Positions at random configurations; the same seed gives the same points.
-
-    Joints without limits turn from -pi to pi, and slide from 0 to the longest length of the arm.
-
-    Args:
-        poses: The robot in numbers.
-        samples: Number of configurations.
-        seed: Of the random numbers.
-    """
-    ranges, assumed = [], []
-    for joint, limits in zip(poses.robot.joints, poses.limits, strict=True):
-        if limits is None:
-            limits = (-math.pi, math.pi) if joint.is_revolute else (0.0, poses.longest)
-            assumed.append(Assumption(joint.variable, *limits, "rad" if joint.is_revolute else "m"))
-        ranges.append(limits)
-    rng = np.random.default_rng(seed)
-    q = np.stack([_spread(rng, low, high, samples) for low, high in ranges])
-    if poses.robot.joints[0].is_revolute:  # it turns the cloud as a whole
-        q[0] = rng.uniform(*ranges[0], samples)
-    rotation, origin = poses.first_axis
-    points: Array = np.array(rotation).T @ (poses.positions(q) - np.array(origin)[:, None])
-    return Workspace(points, tuple(assumed))
-
-
-def _spread(rng: np.random.Generator, low: float, high: float, samples: int) -> Array:
-    values = rng.uniform(low, high, samples)
-    special = np.array([low, high, min(max(0.0, low), high)])
-    chosen = special[rng.integers(0, len(special), samples)]
-    return np.where(rng.random(samples) < AT_A_LIMIT, chosen, values)

@@ -47,19 +47,30 @@ class Notation:
 
     @classmethod
     def of(cls, robot: Robot, options: NotationOptions | None = None) -> Notation:
-        """The notation of a robot; by default every variable is written as in the robot file."""
+        """The notation of a robot.
+
+        Args:
+            robot: The robot.
+            options: How variables are written; None for as in the robot file.
+        """
         options = options or NotationOptions()
+        labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
+        uses = Counter(labels.values())
         return cls(
             glyphs=dict(_glyphs(robot, options)),
             positions=_positions(robot),
-            labels=_labels(robot),
+            labels={variable: label for variable, label in labels.items() if label and uses[label] == 1},
             inertial=_inertial(robot),
-            decimals=_uses_decimals(robot),
+            decimals=_is_given_in_decimals(robot),
             options=options,
         )
 
     def glyph(self, name: str) -> Glyph:
-        """The symbol of a name."""
+        """The symbol of a name.
+
+        Args:
+            name: As in the robot file, or any other name, which is then written in its natural way.
+        """
         return self.glyphs.get(name) or natural(name)
 
     def for_data(self) -> Notation:
@@ -67,7 +78,11 @@ class Notation:
         return replace(self, decimals=True, digits=DATA_DIGITS)
 
     def with_terms(self, terms: Mapping[str, Glyph]) -> Notation:
-        """The same notation with further symbols, for named intermediate terms."""
+        """The same notation with further symbols, for named intermediate terms.
+
+        Args:
+            terms: Name -> symbol.
+        """
         return replace(self, glyphs={**self.glyphs, **terms})
 
     @property
@@ -91,7 +106,13 @@ class Notation:
         return "," if any(len(label) > 1 for label in self.labels.values()) else ""
 
     def abbreviation(self, letter: str, variables: tuple[str, ...], exponent: Box) -> Box:
-        """c or s with the labels of joint variables, raised to a power."""
+        """The abbreviated cosine or sine of a sum of joint angles, raised to a power.
+
+        Args:
+            letter: ``c`` or ``s``.
+            variables: The joint variables that are added, in the order of their labels.
+            exponent: The power; empty for 1.
+        """
         text = self.separator.join(self.labels[variable] for variable in variables)
         return script(italic(letter), italic(text), exponent)
 
@@ -116,12 +137,6 @@ def _positions(robot: Robot) -> dict[str, tuple[int, int]]:
     return positions
 
 
-def _labels(robot: Robot) -> dict[str, str]:
-    labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
-    uses = Counter(labels.values())
-    return {variable: label for variable, label in labels.items() if label and uses[label] == 1}
-
-
 def _inertial(robot: Robot) -> dict[str, int]:
     found: dict[str, None] = {}
     for link in robot.links:
@@ -133,8 +148,8 @@ def _inertial(robot: Robot) -> dict[str, int]:
     return {name: index for index, name in enumerate(found)}
 
 
-def _uses_decimals(robot: Robot) -> bool:
-    """Whether a cell is, or adds, a number that is not whole: such a robot is given in numbers."""
+def _is_given_in_decimals(robot: Robot) -> bool:
+    """Whether a cell is, or adds, a number that is not whole."""
     for cell in expressions(robot):
         terms = cell.terms if isinstance(cell, Sum) else (cell,)
         if any(isinstance(term, Number) and term.value.denominator != 1 for term in terms):

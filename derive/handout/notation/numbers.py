@@ -17,18 +17,12 @@ DIGITS = 6
 LONGEST_FRACTION = 4
 """Digits of a numerator or denominator that still read as a fraction."""
 
-
-def is_decimal(value: Fraction) -> bool:
-    """Whether finitely many decimals write the number exactly."""
-    denominator = value.denominator
-    for prime in (2, 5):
-        while denominator % prime == 0:
-            denominator //= prime
-    return denominator == 1
+_DIGIT_WIDTH = 5.0
+_TEN_WIDTH = 10.5
 
 
 def magnitude(value: Fraction, decimals: bool, *, digits: int = DIGITS, small: bool = True) -> Box:
-    """The absolute value.
+    """The absolute value of a rational number in print.
 
     Args:
         value: The number.
@@ -41,24 +35,25 @@ def magnitude(value: Fraction, decimals: bool, *, digits: int = DIGITS, small: b
     if value.denominator == 1 and len(numerator) <= digits:
         return italic(numerator)
     short = len(numerator) <= LONGEST_FRACTION and len(denominator) <= LONGEST_FRACTION
-    if short and value.denominator != 1 and not (decimals and is_decimal(value)):
+    if short and value.denominator != 1 and not (decimals and _has_finitely_many_decimals(value)):
         return fraction(italic(numerator), italic(denominator), small)
-    return _decimal(value, digits)
-
-
-def _decimal(value: Fraction, digits: int) -> Box:
     with localcontext(Context(prec=digits)):
         rounded = (Decimal(value.numerator) / Decimal(value.denominator)).normalize()
     exponent = rounded.adjusted()
     if -4 <= exponent <= digits:
-        return _plain(f"{rounded:f}")
-    mantissa = _plain(f"{rounded.scaleb(-exponent).normalize():f}")
-    power = italic(str(exponent))
-    if mantissa.tex == "1":
-        return Box(f"10^{{{exponent}}}", 10.5 + power.width * SCRIPT)
-    width = mantissa.width + DOT_WIDTH + 10.5 + power.width * SCRIPT
-    return Box(f"{mantissa.tex} \\cdot 10^{{{exponent}}}", width)
+        plain = f"{rounded:f}"
+        return Box(plain, _DIGIT_WIDTH * len(plain))
+    power = f"10^{{{exponent}}}"
+    power_width = _TEN_WIDTH + italic(str(exponent)).width * SCRIPT
+    mantissa = f"{rounded.scaleb(-exponent).normalize():f}"
+    if mantissa == "1":
+        return Box(power, power_width)
+    return Box(f"{mantissa} \\cdot {power}", _DIGIT_WIDTH * len(mantissa) + DOT_WIDTH + power_width)
 
 
-def _plain(text: str) -> Box:
-    return Box(text, 5.0 * len(text))
+def _has_finitely_many_decimals(value: Fraction) -> bool:
+    denominator = value.denominator
+    for prime in (2, 5):
+        while denominator % prime == 0:
+            denominator //= prime
+    return denominator == 1

@@ -1,14 +1,13 @@
-"""A printed expression as a row of pieces, so that the layout can measure it and break it.
+"""A printed expression as a row of pieces, each with the width that TeX will give it, to be measured and broken.
 
-Widths of what TeX will set, from the metrics of Computer Modern at 10 pt.
-
-A box is a piece of LaTeX with the width it takes in points. Widths are rounded up and hold a little slack for italic
-corrections, so that what fits here fits on paper. Source of the numbers: the TeX font metrics cmmi10 and cmr10 (Knuth).
+A box is a piece of LaTeX with the width it takes in points, from the metrics of Computer Modern at 10 pt (cmmi10 and
+cmr10, Knuth). Widths are rounded up and hold a little slack for italic corrections, so that what fits here fits on
+paper.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from enum import IntEnum
 from functools import cache
 from typing import NamedTuple
@@ -81,38 +80,63 @@ EMPTY = Box("", 0.0)
 
 @cache
 def italic(text: str) -> Box:
-    """Letters and digits as mathematics sets them."""
+    """Letters and digits as mathematics sets them.
+
+    Args:
+        text: The letters.
+    """
     return Box(text, sum(_ITALIC.get(char, 500) / 100 for char in text) + ITALIC_SLACK)
 
 
 @cache
 def upright(text: str) -> Box:
-    """A word in roman letters."""
-    width = sum(_UPRIGHT.get(char, 500) / 100 for char in text)
-    return Box(f"\\mathrm{{{text}}}", width)
+    """A word in roman letters.
+
+    Args:
+        text: The word.
+    """
+    return Box(f"\\mathrm{{{text}}}", sum(_UPRIGHT.get(char, 500) / 100 for char in text))
 
 
 @cache
 def greek(name: str) -> Box:
-    """A Greek letter by its name."""
+    """A Greek letter.
+
+    Args:
+        name: Its command without the backslash, such as ``vartheta``.
+    """
     return Box(f"\\{name} ", GREEK[name] / 100 + ITALIC_SLACK)
 
 
 @cache
 def monospace(text: str) -> Box:
-    """Any name, character by character."""
+    """Any name, character by character.
+
+    Args:
+        text: The name; it may hold underscores.
+    """
     return Box("\\mathtt{" + text.replace("_", "\\_") + "}", MONOSPACE_WIDTH * len(text))
 
 
 def operator(name: str) -> Box:
-    """A function's name such as cos, with the thin space that follows."""
+    """A function's name such as cos, with the thin space that follows.
+
+    Args:
+        name: The name.
+    """
     known = name in {"cos", "sin", "tan"}
     tex = f"\\{name} " if known else f"\\operatorname{{{name}}}"
     return Box(tex, upright(name).width + 2 * 1.7)
 
 
 def script(nucleus: Box, sub: Box = EMPTY, sup: Box = EMPTY) -> Box:
-    """A nucleus with a subscript, a superscript or both, one above the other."""
+    """A nucleus with a subscript, a superscript or both, one above the other.
+
+    Args:
+        nucleus: What bears them.
+        sub: The subscript, empty for none.
+        sup: The superscript, empty for none.
+    """
     if not (sub.tex or sup.tex):
         return nucleus
     tex = nucleus.tex.rstrip()
@@ -124,14 +148,24 @@ def script(nucleus: Box, sub: Box = EMPTY, sup: Box = EMPTY) -> Box:
 
 
 def fraction(numerator: Box, denominator: Box, small: bool = False) -> Box:
-    """A fraction; a small one is set at script size."""
+    """A fraction.
+
+    Args:
+        numerator: Above the line.
+        denominator: Below the line.
+        small: Whether both are set at script size.
+    """
     command, scale = ("tfrac", SCRIPT) if small else ("frac", 1.0)
     width = max(numerator.width, denominator.width) * scale + 2.5
     return Box(f"\\{command}{{{numerator.tex.rstrip()}}}{{{denominator.tex.rstrip()}}}", width)
 
 
 def concatenate(*boxes: Box) -> Box:
-    """Boxes side by side."""
+    """Boxes side by side.
+
+    Args:
+        boxes: From left to right.
+    """
     return Box("".join(box.tex for box in boxes), sum(box.width for box in boxes))
 
 
@@ -160,33 +194,20 @@ class Piece(NamedTuple):
     nest: int = 0
 
 
-_BRACKETS = (("(", ")"), ("[", "]"), ("\\{", "\\}"))
-
-
-def brackets(height: int) -> tuple[str, str]:
-    """The pair for a bracket that holds ``height`` levels of brackets: ( ), [ ], { }, and again."""
-    return _BRACKETS[height % len(_BRACKETS)]
-
-
 def binary(sign: str, depth: int) -> Piece:
-    """Plus or minus between two terms."""
+    """Plus or minus between two terms.
+
+    Args:
+        sign: ``+`` or ``-``.
+        depth: How many brackets it stands in.
+    """
     return Piece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
 
 
 def joined(pieces: Iterable[Piece]) -> Box:
-    """All pieces on one line."""
+    """All pieces on one line.
+
+    Args:
+        pieces: From left to right.
+    """
     return concatenate(*(piece.box for piece in pieces))
-
-
-def line_start(piece: Piece) -> Box:
-    """The piece at the start of a continuation line."""
-    if piece.before is Break.BINARY:
-        return Box("{}" + piece.box.tex.strip() + " ", piece.box.width)
-    if piece.before is Break.FACTOR:
-        return Box("{}\\cdot " + piece.box.tex, piece.box.width + DOT_WIDTH)
-    return piece.box
-
-
-def highest_nest(pieces: Sequence[Piece]) -> int:
-    """Levels of brackets in the pieces."""
-    return max((piece.nest for piece in pieces), default=0)

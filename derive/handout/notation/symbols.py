@@ -16,7 +16,11 @@ _TERM_LETTERS = ("u", "w", "h", "v", "k", "e", "x", "y", "z")
 
 
 def bold(letter: str) -> Box:
-    """A matrix or vector."""
+    """A matrix or vector.
+
+    Args:
+        letter: Its letter.
+    """
     return Box(f"\\mathbf{{{letter}}}", 10.0)
 
 
@@ -32,7 +36,6 @@ class Symbols:
         self.options = notation.options
         self._taken = notation.taken
         self._comma = "," if n > 9 else ""
-        self._n = n
         self._gamma = bool(notation.separator)
 
     @property
@@ -54,38 +57,58 @@ class Symbols:
         return concatenate(script(Box("{}", 0.0), sup=upper), script(bold(letter), lower))
 
     def entry(self, letter: str, row: int, column: int) -> Box:
-        """Entry of a matrix."""
+        """Entry of a matrix.
+
+        Args:
+            letter: Letter of the entries, such as ``b``.
+            row: Its row, from 1.
+            column: Its column, from 1.
+        """
         return self._free(letter, f"{row}{self._comma}{column}")
 
     def component(self, letter: str, row: int) -> Box:
-        """Entry of a vector."""
+        """Entry of a vector.
+
+        Args:
+            letter: Letter of the entries, such as ``g``.
+            row: Its place, from 1.
+        """
         return self._free(letter, str(row))
 
     def torque(self, row: int) -> Box:
-        """Force or torque of a joint."""
+        """Force or torque of a joint.
+
+        Args:
+            row: The joint, from 1.
+        """
         tau = script(greek("tau"), italic(str(row)))
         return script(upright("tau"), italic(str(row))) if tau.tex in self._taken else tau
 
-    def christoffel(self, i: int, j: int, k: int) -> Box:
-        """c_{i,jk}."""
-        return self.christoffel_of(str(i), str(j), str(k))
+    def christoffel(self, i: int | str, j: int | str, k: int | str) -> Box:
+        """The Christoffel symbol c_{i,jk} of the first kind.
 
-    def christoffel_of(self, i: str, j: str, k: str) -> Box:
-        """The same with any indices, such as letters."""
+        Args:
+            i: The joint whose force it gives, from 1, or a letter that stands for it.
+            j: One of the two joints that move.
+            k: The other one.
+        """
         indices = f"{i},{j}{self._comma}{k}"
         if self._gamma:
             return script(greek("Gamma"), italic(indices))
         return self._free("c", indices)
 
     def term(self, group: int, index: int) -> Box:
-        """A named intermediate term; each quantity has a letter of its own."""
-        letters = [letter for letter in _TERM_LETTERS if not self._is_used(letter)] or ["\\Lambda "]
+        """A named intermediate term.
+
+        Args:
+            group: Number of the quantity; each has a letter of its own.
+            index: Number of the term, from 1.
+        """
+        letters = [letter for letter in _TERM_LETTERS if not any(tex.startswith(letter) for tex in self._taken)]
+        letters = letters or ["\\Lambda "]
         letter = letters[group % len(letters)]
         text = str(index) if group < len(letters) else f"{group // len(letters)},{index}"
         return script(italic(letter), italic(text))
-
-    def _is_used(self, letter: str) -> bool:
-        return any(tex.startswith(letter) for tex in self._taken)
 
     def _free(self, letter: str, indices: str) -> Box:
         plain = script(italic(letter), italic(indices))
@@ -97,7 +120,12 @@ class Symbols:
 
 @dataclass(frozen=True, slots=True)
 class EntryNamer:
-    """(row, column) -> name of an entry of a matrix."""
+    """(row, column) -> name of an entry of a matrix.
+
+    Attributes:
+        symbols: Names of entries for the robot.
+        letter: Letter of the entries.
+    """
 
     symbols: Symbols
     letter: str

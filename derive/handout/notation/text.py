@@ -8,7 +8,6 @@ token. Otherwise cosines and sines are spelled out.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any
 
 from sympy import Basic
@@ -16,7 +15,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from derive.handout.notation.notation import Notation
-from derive.handout.notation.order import Order
+from derive.handout.notation.order import Order, is_below
 from derive.robot.names import joint_label, robot_symbols
 from derive.robot.robot import Robot
 
@@ -48,11 +47,11 @@ class TextPrinter(PlainPrinter):
 
     def __init__(self, robot: Robot) -> None:
         super().__init__()
-        self.labels = _labels(robot)
-        self.order_of = Order(Notation.of(robot))
+        self._labels = _labels(robot)
+        self._order = Order(Notation.of(robot))
 
     def _print_Add(self, expression: Any, order: Any = None) -> str:
-        terms = [str(self._print(term)) for term in sorted(expression.args, key=self.order_of.term)]
+        terms = [str(self._print(term)) for term in sorted(expression.args, key=self._order.term)]
         rest = (f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in terms[1:])
         return terms[0] + "".join(rest)
 
@@ -60,46 +59,37 @@ class TextPrinter(PlainPrinter):
         coefficient, rest = expression.as_coeff_Mul()
         if not coefficient.is_Rational:
             return str(super()._print_Mul(expression))
-        factors = sorted(rest.args if rest.is_Mul else (rest,), key=self.order_of.factor)
-        above = [self._factor(factor) for factor in factors if not _is_below(factor)]
-        below = [self._factor(1 / factor) for factor in factors if _is_below(factor)]
+        above: list[str] = []
+        below: list[str] = []
+        for factor in sorted(rest.args if rest.is_Mul else (rest,), key=self._order.factor):
+            divides = is_below(factor.as_base_exp()[1])
+            text = str(self.parenthesize(1 / factor if divides else factor, PRECEDENCE["Mul"]))
+            (below if divides else above).append(text)
         if abs(coefficient.p) != 1 or not above:
             above.insert(0, str(abs(coefficient.p)))
         if coefficient.q != 1:
             below.insert(0, str(coefficient.q))
         return ("-" if coefficient < 0 else "") + "*".join(above) + "".join(f"/{factor}" for factor in below)
 
-    def _factor(self, factor: Any) -> str:
-        return str(self.parenthesize(factor, PRECEDENCE["Mul"]))
-
     def _print_cos(self, expression: Any) -> str:
-        return self._circular("c", "cos", expression.args[0])
+        return self._circular("cos", expression.args[0])
 
     def _print_sin(self, expression: Any) -> str:
-        return self._circular("s", "sin", expression.args[0])
+        return self._circular("sin", expression.args[0])
 
-    def _circular(self, letter: str, function: str, angle: Any) -> str:
+    def _circular(self, function: str, angle: Any) -> str:
         terms = angle.args if angle.is_Add else (angle,)
-        labels = [self.labels.get(str(term), "") for term in terms]
+        labels = [self._labels.get(str(term), "") for term in terms]
         if all(labels):
-            return letter + "".join(sorted(labels))
+            return function[0] + "".join(sorted(labels))
         return f"{function}({self._print(angle)})"
-
-
-def _is_below(factor: Any) -> bool:
-    """Whether a factor belongs into a denominator."""
-    exponent = factor.as_base_exp()[1]
-    return bool(exponent.is_Rational and exponent < 0)
 
 
 def _labels(robot: Robot) -> dict[str, str]:
     """Joint variable -> its digit; empty where tokens would be ambiguous."""
     variables = [joint.variable for joint in robot.joints]
     labels = [joint_label(variable) for variable in variables]
-    if not _readable(labels) or any(_TOKEN.fullmatch(name) for name in (*variables, *robot_symbols(robot))):
+    readable = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
+    if not readable or any(_TOKEN.fullmatch(name) for name in (*variables, *robot_symbols(robot))):
         return {}
     return dict(zip(variables, labels, strict=True))
-
-
-def _readable(labels: Sequence[str]) -> bool:
-    return all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)

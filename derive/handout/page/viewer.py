@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from derive.handout.figure.label_text import Run, runs
+from derive.handout.figure.drawing import Run, label_runs
 from derive.handout.language import Text
 from derive.handout.notation.notation import Notation
 from derive.programs.program import Program
@@ -122,7 +122,7 @@ _SHIFTS = {-1: "sub", 1: "sup"}
 
 def html_symbol(latex: str) -> str:
     r"""``\theta_{1}`` is an italic theta with index 1."""
-    return "".join(_run(run) for run in runs(latex))
+    return "".join(_run(run) for run in label_runs(latex))
 
 
 def _run(run: Run) -> str:

@@ -44,7 +44,7 @@ def christoffel_section(context: Context) -> Section | None:
 
 def definition(context: Context) -> str:
     """c_i,jk by derivatives of entries of B."""
-    symbol = context.symbols.christoffel_of("i", "j", "k").tex
+    symbol = context.symbols.christoffel("i", "j", "k").tex
     b = context.dynamics.letter.lower()
     return (
         f"{symbol} = \\frac{{1}}{{2}}\\left(\\frac{{\\partial {b}_{{ij}}}}{{\\partial q_k}} + "
@@ -79,7 +79,7 @@ def coriolis_section(context: Context) -> Section | None:
         return None
     _ = context.text
     forms = context.rate_forms
-    symbol = context.symbols.christoffel_of("i", "j", "k").tex
+    symbol = context.symbols.christoffel("i", "j", "k").tex
     blocks: list[Block] = [
         Paragraph(
             _("Centrifugal and Coriolis terms; this choice of $\\mathbf{C}$ makes $\\mathbf{N}$ skew-symmetric.")
@@ -134,7 +134,7 @@ def _blocks(context: Context) -> Iterator[Block]:
 def _identity(context: Context) -> Iterator[Block]:
     """Why N is skew-symmetric for any robot."""
     _ = context.text
-    b, christoffel = context.dynamics.letter.lower(), context.symbols.christoffel_of
+    b, christoffel = context.dynamics.letter.lower(), context.symbols.christoffel
     first, second = christoffel("i", "j", "k").tex, christoffel("j", "i", "k").tex
     yield Paragraph(
         _(

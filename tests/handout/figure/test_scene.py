@@ -8,9 +8,9 @@ import random
 import numpy as np
 import pytest
 
-from derive.handout.figure.annotations import AXIS_COLORS
 from derive.handout.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
 from derive.handout.figure.drawing import Drawing, Label, Path
+from derive.handout.figure.paper import AXIS_COLORS
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.figure.scene import arm_scene
 from derive.handout.notation.notation import Notation

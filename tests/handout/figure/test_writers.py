@@ -9,8 +9,7 @@ import pytest
 
 from derive.handout.figure.arm import WIDTH, arm_drawing
 from derive.handout.figure.convention import convention_drawing
-from derive.handout.figure.drawing import Drawing, Label, Path
-from derive.handout.figure.label_text import Run, label_width, runs
+from derive.handout.figure.drawing import Drawing, Label, Path, Run, label_runs, label_width
 from derive.handout.figure.latex_writer import PREAMBLE, latex_drawing
 from derive.handout.figure.matplotlib_writer import SUFFIXES, drawing_bytes
 from derive.handout.figure.poses import RobotPoses
@@ -88,7 +87,7 @@ def test_convention_shows_its_four_parameters(convention: Convention) -> None:
 
 
 def test_labels_are_read_as_runs() -> None:
-    assert runs("a_{12}") == (Run("a"), Run("12", "upright", -1))
-    assert runs(r"\vartheta _{1}") == (Run("\N{GREEK THETA SYMBOL}"), Run("1", "upright", -1))
-    assert "".join(run.text for run in runs(r"-0.5\,\mathrm{m}")) == "\N{MINUS SIGN}0.5\N{THIN SPACE}m"
+    assert label_runs("a_{12}") == (Run("a"), Run("12", "upright", -1))
+    assert label_runs(r"\vartheta _{1}") == (Run("\N{GREEK THETA SYMBOL}"), Run("1", "upright", -1))
+    assert "".join(run.text for run in label_runs(r"-0.5\,\mathrm{m}")) == "\N{MINUS SIGN}0.5\N{THIN SPACE}m"
     assert label_width("x_{0},x_{1}") > label_width("x_{0}") > 0
