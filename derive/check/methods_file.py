@@ -24,7 +24,7 @@ from derive.check.reading import printed_in, remark
 from derive.check.vector_formula import Vector, diagnose_vector, nodes, read_vector, value_of
 from derive.errors import CheckError, listed, near_miss, quoted
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.printed_newton_euler import LinkStep, Recursion, newton_euler_base, newton_euler_link
+from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, newton_euler_base, newton_euler_link
 from derive.model.equality import Verdict
 from derive.robot import document
 from derive.robot.document import Node, YamlScalar
@@ -33,7 +33,7 @@ from derive.robot.robot import Robot
 
 Array = Any
 
-SETS: Mapping[str, Callable[..., Recursion[float]]] = {
+SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
     "newton_euler_base": newton_euler_base,
     "newton_euler_link": newton_euler_link,
 }

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from derive.mechanics import forward_kinematics
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.forward_kinematics import jacobian
+from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.robot.robot import Robot
 
@@ -44,7 +43,7 @@ class Example:
 def _evaluate(name: str, chain: Chain[float]) -> Rows:
     match name:
         case "T":
-            return forward_kinematics.rows(forward_kinematics.forward_kinematics(chain), chain.zero, chain.one)
+            return forward_kinematics(chain).rows(chain.zero, chain.one)
         case "J":
             return jacobian(chain)
         case "B":

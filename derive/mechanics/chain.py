@@ -23,8 +23,10 @@ from derive.mechanics.vectors import (
     Symmetric,
     Vector,
     add,
+    axial_tensor,
     column,
     from_matrix,
+    identity,
     matmul,
     multiply,
     scale,
@@ -39,22 +41,44 @@ S_co = TypeVar("S_co", covariant=True)
 
 
 class Domain(Protocol[S_co]):
-    """Turns exact expressions into scalars of one kind."""
+    """Turns exact expressions into scalars of one kind: floats, polynomials, tape values, SymPy expressions."""
 
     def number(self, value: int | Fraction) -> S_co:
-        """A rational."""
+        """A rational as a scalar.
+
+        Args:
+            value: The number.
+        """
 
     def constant(self, expression: Expression) -> S_co:
-        """A cell without joint variables."""
+        """A cell without joint variables as a scalar.
+
+        Args:
+            expression: The cell, in SI units.
+        """
 
     def cosine_sine(self, angle: Expression) -> tuple[S_co, S_co]:
-        """Cosine and sine of a constant angle [rad]."""
+        """Cosine and sine of a constant angle.
+
+        Args:
+            angle: The angle [rad].
+        """
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[S_co, S_co]:
-        """Cosine and sine of ``sign*q + theta`` of revolute joint ``index`` (from 0)."""
+        """Cosine and sine of theta_i = ``sign*q + theta`` of a revolute joint.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
 
     def joint_offset(self, index: int, joint: Joint) -> S_co:
-        """``sign*q + d`` of prismatic joint ``index`` (from 0)."""
+        """The offset d_i = ``sign*q + d`` of a prismatic joint [m].
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +115,7 @@ class ChainJoint(Generic[S]):
         sine: sin(theta_i).
         offset: d_i, with the variable of a prismatic joint in it.
         coupling: sign * ratio * rotor inertia: the rotor's momentum about z per unit of rate.
-        reflected: ratio^2 * rotor inertia + armature, on the diagonal of B.
+        armature: What resists the joint's own acceleration: ratio^2 * rotor inertia + armature of the file.
         viscous: b of b*qd.
         coulomb: f of f*sign(qd).
     """
@@ -103,12 +127,17 @@ class ChainJoint(Generic[S]):
     sine: S
     offset: S
     coupling: S
-    reflected: S
+    armature: S
     viscous: S
     coulomb: S
 
     def motion(self, zero: S, one: S) -> Frame[S]:
-        """Z_i = Rot(z, theta_i) Trans(z, d_i)."""
+        """Z_i = Rot(z, theta_i) Trans(z, d_i).
+
+        Args:
+            zero: The scalar 0.
+            one: The scalar 1.
+        """
         c, s = self.cosine, self.sine
         return Frame(((c, -s, zero), (s, c, zero), (zero, zero, one)), (zero, zero, self.offset))
 
@@ -144,116 +173,116 @@ class Chain(Generic[S]):
         """Number of joints."""
         return len(self.joints)
 
+    @property
+    def null(self) -> Vector[S]:
+        """The vector 0."""
+        return (self.zero, self.zero, self.zero)
+
 
 def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
-    """The chain of ``robot`` over the scalars of ``domain``."""
-    return _ChainBuilder(robot, domain).build()
+    """The arm as a chain of joint motions between constant frames.
+
+    Args:
+        robot: The robot.
+        domain: Turns its cells, and its configuration, into scalars.
+
+    Returns:
+        The chain; without bodies where the robot has no links.
+    """
+    zero, one = domain.number(0), domain.number(1)
+    base = _constant_frame(robot.base, domain)
+    rows = [_row_frame(joint, domain, zero, one) for joint in robot.joints]
+    unit = Frame(identity(zero, one), (zero, zero, zero))
+    standard = robot.convention is Convention.STANDARD
+    fixed, ends = ([unit, *rows[:-1]], rows) if standard else (rows, [unit] * len(rows))
+    links = robot.links or [Link()] * robot.n
+    joints = tuple(_chain_joint(*each, domain) for each in zip(range(robot.n), robot.joints, links, fixed, strict=True))
+    tool = ends[-1] @ _constant_frame(robot.tool, domain)
+    bodies = [_link_body(link, end, domain) for link, end in zip(robot.links, ends, strict=True)] if robot.links else []
+    for i in range(1, len(bodies)):
+        motor = robot.links[i].motor
+        if motor is not None:
+            bodies[i - 1] = bodies[i - 1] + _rotor_body(
+                motor, fixed[i], None if standard else robot.joints[i].d, domain
+            )
+    gravity = (zero, zero, zero)
+    if robot.gravity is not None:
+        gravity = multiply(transpose(base.rotation), constant_vector(robot.gravity, domain))
+    return Chain(zero, one, base, joints, tool, tuple(ends), tuple(bodies), gravity)
 
 
-class _ChainBuilder(Generic[S]):
-    def __init__(self, robot: Robot, domain: Domain[S]) -> None:
-        self.robot = robot
-        self.domain = domain
-        self.zero = domain.number(0)
-        self.one = domain.number(1)
-        self.standard = robot.convention is Convention.STANDARD
+def constant_vector(cells: tuple[Expression, Expression, Expression], domain: Domain[S]) -> Vector[S]:
+    """Three cells as a vector.
 
-    def build(self) -> Chain[S]:
-        base = self.constant_frame(self.robot.base)
-        links = [self.link_frame(joint) for joint in self.robot.joints]
-        identity = self.identity()
-        fixed = [identity, *links[:-1]] if self.standard else links
-        ends = links if self.standard else [identity] * len(links)
-        joints = tuple(self.joint(i, joint, fixed[i]) for i, joint in enumerate(self.robot.joints))
-        return Chain(
-            zero=self.zero,
-            one=self.one,
-            base=base,
-            joints=joints,
-            tool=ends[-1] @ self.constant_frame(self.robot.tool),
-            ends=tuple(ends),
-            bodies=self.bodies(ends, fixed),
-            gravity=self.gravity(base),
-        )
+    Args:
+        cells: Cells without joint variables.
+        domain: Turns them into scalars.
+    """
+    return (domain.constant(cells[0]), domain.constant(cells[1]), domain.constant(cells[2]))
 
-    def identity(self) -> Frame[S]:
-        o, z = self.one, self.zero
-        return Frame(((o, z, z), (z, o, z), (z, z, o)), (z, z, z))
 
-    def constant_frame(self, matrix: tuple[tuple[Expression, ...], ...]) -> Frame[S]:
-        rows = [[self.domain.constant(cell) for cell in row] for row in matrix[:3]]
-        rotation = tuple((row[0], row[1], row[2]) for row in rows)
-        return Frame((rotation[0], rotation[1], rotation[2]), (rows[0][3], rows[1][3], rows[2][3]))
+def central_inertia(link: Link, domain: Domain[S]) -> Symmetric[S]:
+    """The inertia tensor of a link as the file gives it: about its centre of mass, in the axes of its DH frame.
 
-    def link_frame(self, joint: Joint) -> Frame[S]:
-        """Trans(x, a) Rot(x, alpha); the two commute, so it serves both conventions."""
-        c, s = self.domain.cosine_sine(joint.alpha)
-        o, z = self.one, self.zero
-        return Frame(((o, z, z), (z, c, -s), (z, s, c)), (self.domain.constant(joint.a), z, z))
+    Args:
+        link: The link.
+        domain: Turns its cells into scalars.
+    """
+    i = link.inertia
+    return Symmetric(*(domain.constant(cell) for cell in (i.xx, i.yy, i.zz, i.xy, i.xz, i.yz)))
 
-    def joint(self, index: int, joint: Joint, fixed: Frame[S]) -> ChainJoint[S]:
-        if joint.is_revolute:
-            cosine, sine = self.domain.joint_cosine_sine(index, joint)
-            offset = self.domain.constant(joint.d)
-        else:
-            cosine, sine = self.domain.cosine_sine(joint.theta)
-            offset = self.domain.joint_offset(index, joint)
-        link = self.link(index)
-        motor = link.motor or Motor()
-        ratio = self.domain.constant(motor.ratio)
-        spin = ratio * self.domain.constant(motor.inertia)
-        return ChainJoint(
-            revolute=joint.is_revolute,
-            sign=joint.sign,
-            fixed=fixed,
-            cosine=cosine,
-            sine=sine,
-            offset=offset,
-            coupling=spin if joint.sign > 0 else -spin,
-            reflected=ratio * spin + self.domain.constant(link.armature),
-            viscous=self.domain.constant(link.viscous),
-            coulomb=self.domain.constant(link.coulomb),
-        )
 
-    def link(self, index: int) -> Link:
-        return self.robot.links[index] if self.robot.links else Link()
+def _constant_frame(matrix: tuple[tuple[Expression, ...], ...], domain: Domain[S]) -> Frame[S]:
+    rows = [[domain.constant(cell) for cell in row] for row in matrix[:3]]
+    rotation = tuple((row[0], row[1], row[2]) for row in rows)
+    return Frame((rotation[0], rotation[1], rotation[2]), (rows[0][3], rows[1][3], rows[2][3]))
 
-    def bodies(self, ends: list[Frame[S]], fixed: list[Frame[S]]) -> tuple[Body[S], ...]:
-        if not self.robot.links:
-            return ()
-        bodies = [self.body(link, end) for link, end in zip(self.robot.links, ends, strict=True)]
-        for i in range(1, len(bodies)):
-            motor = self.robot.links[i].motor
-            if motor is not None:
-                bodies[i - 1] = bodies[i - 1] + self.rotor(motor, self.robot.joints[i], fixed[i])
-        return tuple(bodies)
 
-    def body(self, link: Link, end: Frame[S]) -> Body[S]:
-        """Mass, first moment and inertia of one link about the origin of its joint frame."""
-        constant = self.domain.constant
-        mass = constant(link.mass)
-        com = (constant(link.com[0]), constant(link.com[1]), constant(link.com[2]))
-        r = add(end.position, multiply(end.rotation, com))
-        tensor = Symmetric(*(constant(getattr(link.inertia, k)) for k in ("xx", "yy", "zz", "xy", "xz", "yz")))
-        turned = matmul(matmul(end.rotation, tensor.matrix), transpose(end.rotation))
-        return Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r))
+def _row_frame(joint: Joint, domain: Domain[S], zero: S, one: S) -> Frame[S]:
+    """K = Trans(x, a) Rot(x, alpha); the two commute, so it serves both conventions."""
+    c, s = domain.cosine_sine(joint.alpha)
+    return Frame(((one, zero, zero), (zero, c, -s), (zero, s, c)), (domain.constant(joint.a), zero, zero))
 
-    def rotor(self, motor: Motor, joint: Joint, fixed: Frame[S]) -> Body[S]:
-        """The rotor of a joint as a body of the link before it; its own spin is in coupling and reflected."""
-        axis = column(fixed.rotation, 2)
-        place = fixed.position
-        if not self.standard:
-            place = add(place, scale(self.domain.constant(joint.d), axis))
-        mass, inertia = self.domain.constant(motor.mass), self.domain.constant(motor.inertia)
-        u = scale(inertia, axis)
-        axial = Symmetric(
-            u[0] * axis[0], u[1] * axis[1], u[2] * axis[2], u[0] * axis[1], u[0] * axis[2], u[1] * axis[2]
-        )
-        return Body(mass, scale(mass, place), axial + steiner(mass, place))
 
-    def gravity(self, base: Frame[S]) -> Vector[S]:
-        if self.robot.gravity is None:
-            return (self.zero, self.zero, self.zero)
-        g = self.robot.gravity
-        constant = self.domain.constant
-        return multiply(transpose(base.rotation), (constant(g[0]), constant(g[1]), constant(g[2])))
+def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: Domain[S]) -> ChainJoint[S]:
+    if joint.is_revolute:
+        cosine, sine = domain.joint_cosine_sine(index, joint)
+        offset = domain.constant(joint.d)
+    else:
+        cosine, sine = domain.cosine_sine(joint.theta)
+        offset = domain.joint_offset(index, joint)
+    motor = link.motor or Motor()
+    ratio = domain.constant(motor.ratio)
+    spin = ratio * domain.constant(motor.inertia)
+    return ChainJoint(
+        revolute=joint.is_revolute,
+        sign=joint.sign,
+        fixed=fixed,
+        cosine=cosine,
+        sine=sine,
+        offset=offset,
+        coupling=spin if joint.sign > 0 else -spin,
+        armature=ratio * spin + domain.constant(link.armature),
+        viscous=domain.constant(link.viscous),
+        coulomb=domain.constant(link.coulomb),
+    )
+
+
+def _link_body(link: Link, end: Frame[S], domain: Domain[S]) -> Body[S]:
+    """One link alone, about the origin of its joint frame; ``end`` leads from there to its DH frame."""
+    mass = domain.constant(link.mass)
+    r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
+    turned = matmul(matmul(end.rotation, central_inertia(link, domain).matrix), transpose(end.rotation))
+    return Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r))
+
+
+def _rotor_body(motor: Motor, fixed: Frame[S], along: Expression | None, domain: Domain[S]) -> Body[S]:
+    """The rotor of a joint as a rigid part of the link before it; its own spin is in `ChainJoint`.
+
+    It sits at o_{i-1} in the standard convention, at o_i (``along`` = d_i further on the axis) in the modified one.
+    """
+    axis, place = column(fixed.rotation, 2), fixed.position
+    if along is not None:
+        place = add(place, scale(domain.constant(along), axis))
+    mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
+    return Body(mass, scale(mass, place), axial_tensor(inertia, axis) + steiner(mass, place))

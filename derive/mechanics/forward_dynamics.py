@@ -1,16 +1,17 @@
-"""Accelerations by articulated bodies, in joint frames, rotors included.
+"""Joint accelerations from torques, in two ways: by the factorised inertia matrix, and by articulated bodies.
 
-From the tip inward every link with all that hangs on it, its joints free to give way, answers an acceleration A of its
-origin by the wrench I_A A + p. With U = I_A s for the joint's motion s and D = s . U, the link before feels
+The first solves B qdd = tau - (C qd + g + friction) by a factorisation without roots. The work grows with n^3, that of
+articulated bodies with n.
+
+Articulated bodies, in joint frames, rotors included: from the tip inward every link with all that hangs on it, its
+joints free to give way, answers an acceleration A of its origin by the wrench I_A A + p. With U = I_A s for the joint's
+motion s and D = s . U, the link before feels
 
     I_A - U U^T / D,    p + I_A A_v + U (tau - s . p) / D;
 
 outward, the accelerations follow (Featherstone, Rigid Body Dynamics Algorithms, ch. 7). The rotor of a joint adds its
-coupling c about the axis to U and its reflected inertia to D. D is the pivot of the inertia matrix eliminated from the
-tip inward: regrouped parameters, with which single bodies have no mass, change nothing in it. The work grows with n,
-that of the inertia matrix and its factorisation with n^3.
-
-Accelerations from torques: B qdd = tau - (C qd + g + friction), by a factorisation without roots.
+coupling c about the axis to U and its armature to D. D is the pivot of the inertia matrix eliminated from the tip
+inward: regrouped parameters, with which single bodies have no mass, change nothing in it.
 """
 
 from __future__ import annotations
@@ -22,17 +23,16 @@ from typing import Any, Generic, Protocol, Self, TypeVar
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.inertia_matrix import Wrench
 from derive.mechanics.joint_motion import (
+    along_axes,
     axis,
+    generalized_force,
+    matrix_to_parent,
     origin,
-    rates,
+    tensor_to_parent,
     to_child,
     to_parent,
-    turn_about_z,
-    turn_matrix,
-    turn_tensor,
-    work,
 )
-from derive.mechanics.link_motion import JointForm, LinkMotion, link_motions
+from derive.mechanics.link_motion import FrameChoice, link_motions
 from derive.mechanics.newton_euler import body_wrench
 from derive.mechanics.vectors import (
     Matrix,
@@ -41,10 +41,12 @@ from derive.mechanics.vectors import (
     Symmetric,
     Vector,
     add,
+    add_matrices,
     column,
     cross,
     dot,
-    matmul,
+    hat,
+    outer,
     scale,
     subtract,
     transpose,
@@ -62,41 +64,38 @@ F = TypeVar("F", bound=Field)
 
 
 def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques: Sequence[F]) -> list[F]:
-    """The accelerations qdd.
+    """The accelerations qdd that torques give an arm.
+
+    The inertia matrix is factorised as U D U^T with unit upper U, from the last row up: starting at the tip keeps the
+    zeros of a chain's inertia matrix (Featherstone, Rigid Body Dynamics Algorithms, section 6.5).
 
     Args:
-        inertia: B(q), symmetric positive definite.
-        bias: C qd + g + friction.
-        torques: tau.
+        inertia: B(q), nxn, symmetric positive definite.
+        bias: Bias torques C qd + g + friction, n entries.
+        torques: tau, n entries [N m or N].
+
+    Returns:
+        qdd, n entries.
     """
-    return solve_symmetric(inertia, [t - b for t, b in zip(torques, bias, strict=True)])
-
-
-def solve_symmetric(matrix: Sequence[Sequence[F]], right: Sequence[F]) -> list[F]:
-    """Solve ``matrix x = right`` by matrix = U D U^T with unit upper U, from the last row up.
-
-    Starting at the tip keeps the zeros of a chain's inertia matrix (Featherstone, Rigid Body Dynamics Algorithms,
-    section 6.5).
-    """
-    n = len(right)
-    work = [list(row[: i + 1]) for i, row in enumerate(matrix)]
-    x = list(right)
+    n = len(torques)
+    qdd = [torque - b for torque, b in zip(torques, bias, strict=True)]
+    rest = [list(row[: i + 1]) for i, row in enumerate(inertia)]
     factors: list[list[F]] = [[] for _ in range(n)]
     for k in range(n - 1, -1, -1):
-        factors[k] = [entry / work[k][k] for entry in work[k][:k]]
+        factors[k] = [entry / rest[k][k] for entry in rest[k][:k]]
         for i in range(k):
             for j in range(i + 1):
-                work[i][j] = work[i][j] - factors[k][i] * work[k][j]
-            x[i] = x[i] - factors[k][i] * x[k]
+                rest[i][j] = rest[i][j] - factors[k][i] * rest[k][j]
+            qdd[i] = qdd[i] - factors[k][i] * qdd[k]
     for k in range(n):
-        x[k] = x[k] / work[k][k]
+        qdd[k] = qdd[k] / rest[k][k]
         for i in range(k):
-            x[k] = x[k] - factors[k][i] * x[i]
-    return x
+            qdd[k] = qdd[k] - factors[k][i] * qdd[i]
+    return qdd
 
 
 @dataclass(frozen=True, slots=True)
-class Articulated(Generic[S]):
+class _Articulated(Generic[S]):
     """How a link with joints beyond it answers: force = M a + H^T alpha + f, moment = H a + I alpha + n.
 
     Attributes:
@@ -113,11 +112,10 @@ class Articulated(Generic[S]):
     force: Vector[S]
     moment: Vector[S]
 
-    def __add__(self, other: Articulated[S]) -> Articulated[S]:
-        """Both together."""
-        return Articulated(
+    def __add__(self, other: _Articulated[S]) -> _Articulated[S]:
+        return _Articulated(
             self.mass + other.mass,
-            _add(self.coupling, other.coupling),
+            add_matrices(self.coupling, other.coupling),
             self.inertia + other.inertia,
             add(self.force, other.force),
             add(self.moment, other.moment),
@@ -125,102 +123,94 @@ class Articulated(Generic[S]):
 
 
 @dataclass(frozen=True, slots=True)
-class Release(Generic[S]):
-    """What a joint needs to find its own acceleration: (push - upper . a - lower . alpha) / D, divided already.
+class _Release(Generic[S]):
+    """What a joint needs to find its own acceleration: (rest - upper . a - lower . alpha) / D, divided already.
 
     Attributes:
-        push: (tau - s . p) / D.
+        rest: (tau - s . p) / D.
         upper: U / D, that meets the acceleration of the origin.
         lower: U / D, that meets the angular acceleration.
     """
 
-    push: S
+    rest: S
     upper: Vector[S]
     lower: Vector[S]
 
 
 def articulated_accelerations(
-    chain: Chain[F], velocities: Sequence[F], torques: Sequence[F], forms: Sequence[JointForm] = ()
+    chain: Chain[F], qd: Sequence[F], torques: Sequence[F], choices: Sequence[FrameChoice] = ()
 ) -> list[F]:
-    """The accelerations qdd under given torques, friction taken off them.
+    """The accelerations qdd that torques give an arm, by articulated bodies.
 
     Args:
         chain: The arm.
-        velocities: qd, n entries.
-        torques: tau less friction, n entries.
-        forms: One for each joint, those by which the chain was arranged; or none.
+        qd: Joint velocities, n entries.
+        torques: tau less friction, n entries [N m or N].
+        choices: One for each joint, those by which the chain was arranged; or none.
+
+    Returns:
+        qdd, n entries.
     """
-    speed, push = rates(chain, velocities), rates(chain, torques)
-    motions = link_motions(chain, speed, [chain.zero] * chain.n, forms)
-    releases = _releases(chain, motions, speed, push, forms)
-    a = alpha = (chain.zero, chain.zero, chain.zero)
-    found: list[F] = []
+    releases = _releases(chain, along_axes(chain, qd), along_axes(chain, torques), choices)
+    a = alpha = chain.null
+    qdd: list[F] = []
     for joint, release in zip(chain.joints, releases, strict=True):
         a, alpha = to_child(joint, add(a, cross(alpha, origin(joint)))), to_child(joint, alpha)
-        own = release.push - (dot(release.upper, a) + dot(release.lower, alpha))
-        found.append(own if joint.sign > 0 else -own)
+        own = release.rest - (dot(release.upper, a) + dot(release.lower, alpha))
+        qdd.append(own if joint.sign > 0 else -own)
         if joint.revolute:
             alpha = (alpha[0], alpha[1], alpha[2] + own)
         else:
             a = (a[0], a[1], a[2] + own)
-    return found
+    return qdd
 
 
 def _releases(
-    chain: Chain[F],
-    motions: Sequence[LinkMotion[F]],
-    speed: Sequence[F],
-    push: Sequence[F],
-    forms: Sequence[JointForm],
-) -> list[Release[F]]:
-    """From the tip inward; ``motions`` are those without any acceleration of the joints, gravity included."""
-    found: list[Release[F]] = []
-    beyond: Articulated[F] | None = None
+    chain: Chain[F], rates: Sequence[F], torques: Sequence[F], choices: Sequence[FrameChoice]
+) -> list[_Release[F]]:
+    """From the tip inward, by the motions of the links without any acceleration of the joints, gravity included."""
+    motions = link_motions(chain, rates, [chain.zero] * chain.n, choices)
+    found: list[_Release[F]] = []
+    beyond: _Articulated[F] | None = None
     for i in range(chain.n - 1, -1, -1):
         joint, before = chain.joints[i], motions[i]
-        wrench = body_wrench(chain.bodies[i], motions[i + 1], bool(forms) and forms[i].second_moments)
-        link = _link(chain, chain.bodies[i], wrench)
+        wrench = body_wrench(chain.bodies[i], motions[i + 1], bool(choices) and choices[i].second_moments)
+        link = _link_alone(chain, chain.bodies[i], wrench)
         link = link if beyond is None else link + beyond
-        own = push[i] - joint.coupling * dot(axis(joint), before.alpha)
-        release, free = _release(joint, link, own)
+        release, free = _release(joint, link, torques[i] - joint.coupling * dot(axis(joint), before.alpha))
         found.append(release)
         beyond = _to_parent(joint, free)
-        turning = scale(joint.coupling * speed[i], cross(before.omega, axis(joint)))
+        turning = scale(joint.coupling * rates[i], cross(before.omega, axis(joint)))
         beyond = replace(beyond, moment=add(beyond.moment, turning))
     return found[::-1]
 
 
-def _link(chain: Chain[F], body: Body[F], wrench: Wrench[F]) -> Articulated[F]:
-    """One link alone."""
-    m, z, (x, y, w) = body.mass, chain.zero, body.first_moment
-    hat = ((z, -w, y), (w, z, -x), (-y, x, z))
-    return Articulated(Symmetric(m, m, m, z, z, z), hat, body.inertia, *wrench)
+def _link_alone(chain: Chain[F], body: Body[F], wrench: Wrench[F]) -> _Articulated[F]:
+    m, z = body.mass, chain.zero
+    return _Articulated(Symmetric(m, m, m, z, z, z), hat(body.first_moment, z), body.inertia, *wrench)
 
 
-def _release(joint: ChainJoint[F], link: Articulated[F], push: F) -> tuple[Release[F], Articulated[F]]:
+def _release(joint: ChainJoint[F], link: _Articulated[F], torque: F) -> tuple[_Release[F], _Articulated[F]]:
     """What the joint needs, and the link as the one before feels it while the joint gives way."""
     mass, coupling, inertia = link.mass.matrix, link.coupling, link.inertia.matrix
     if joint.revolute:
         upper, lower = coupling[2], inertia[2]
     else:
         upper, lower = mass[2], column(coupling, 2)
-    pivot = (lower[2] if joint.revolute else upper[2]) + joint.reflected
+    pivot = (lower[2] if joint.revolute else upper[2]) + joint.armature
     lower = (lower[0], lower[1], lower[2] + joint.coupling)
-    up, low = _divided(upper, pivot), _divided(lower, pivot)
-    rest = (push - work(joint, link.force, link.moment)) / pivot
-    free = Articulated(
-        _less(link.mass, upper, up),
-        _subtract(coupling, (scale(low[0], upper), scale(low[1], upper), scale(low[2], upper))),
+    up: Vector[F] = (upper[0] / pivot, upper[1] / pivot, upper[2] / pivot)
+    low: Vector[F] = (lower[0] / pivot, lower[1] / pivot, lower[2] / pivot)
+    rest = (torque - generalized_force(joint, link.force, link.moment)) / pivot
+    mass_left, taken = _less(link.mass, upper, up), outer(low, upper)
+    free = _Articulated(
+        mass_left,
+        (subtract(coupling[0], taken[0]), subtract(coupling[1], taken[1]), subtract(coupling[2], taken[2])),
         _less(link.inertia, lower, low),
         add(link.force, scale(rest, upper)),
         add(link.moment, scale(rest, lower)),
     )
-    return Release(rest, up, low), free
-
-
-def _divided(a: Vector[F], pivot: F) -> Vector[F]:
-    """A / D; the last entry is 1 where it is the pivot itself."""
-    return (a[0] / pivot, a[1] / pivot, a[2] / pivot)
+    return _Release(rest, up, low), free
 
 
 def _less(tensor: Symmetric[F], a: Vector[F], divided: Vector[F]) -> Symmetric[F]:
@@ -235,35 +225,20 @@ def _less(tensor: Symmetric[F], a: Vector[F], divided: Vector[F]) -> Symmetric[F
     )
 
 
-def _to_parent(joint: ChainJoint[F], link: Articulated[F]) -> Articulated[F]:
-    """In the axes, and at the origin, of joint frame i-1."""
-    p, turn = origin(joint), joint.fixed.rotation
-    mass = turn_tensor(turn, turn_about_z(joint.cosine, joint.sine, link.mass))
-    inertia = turn_tensor(turn, turn_about_z(joint.cosine, joint.sine, link.inertia))
-    turned = matmul(matmul(turn, turn_matrix(joint.cosine, joint.sine, link.coupling)), transpose(turn))
+def _to_parent(joint: ChainJoint[F], link: _Articulated[F]) -> _Articulated[F]:
+    """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^."""
+    p = origin(joint)
+    mass, inertia = tensor_to_parent(joint, link.mass), tensor_to_parent(joint, link.inertia)
+    turned = matrix_to_parent(joint, link.coupling)
     m = mass.matrix
-    lever = transpose((cross(p, m[0]), cross(p, m[1]), cross(p, m[2])))
-    moved = _add(turned, lever)
+    moved = add_matrices(turned, transpose((cross(p, m[0]), cross(p, m[1]), cross(p, m[2]))))
     force = to_parent(joint, link.force)
     moment = add(to_parent(joint, link.moment), cross(p, force))
-    return Articulated(mass, moved, _shifted(inertia, turned, moved, p), force, moment)
-
-
-def _shifted(inertia: Symmetric[F], before: Matrix[F], after: Matrix[F], p: Vector[F]) -> Symmetric[F]:
-    """I + p^ H^T - H' p^, with the coupling H before and H' after the shift by p."""
-    left = [cross(p, row) for row in before]
-    right = [cross(p, row) for row in after]
+    left, right = [cross(p, row) for row in turned], [cross(p, row) for row in moved]
     i = inertia.matrix
 
-    def entry(r: int, c: int) -> F:
+    def _entry(r: int, c: int) -> F:
         return i[r][c] + (left[c][r] + right[r][c])
 
-    return Symmetric(entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2))
-
-
-def _add(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
-    return (add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2]))
-
-
-def _subtract(a: Matrix[F], b: Matrix[F]) -> Matrix[F]:
-    return (subtract(a[0], b[0]), subtract(a[1], b[1]), subtract(a[2], b[2]))
+    shifted = Symmetric(_entry(0, 0), _entry(1, 1), _entry(2, 2), _entry(0, 1), _entry(0, 2), _entry(1, 2))
+    return _Articulated(mass, moved, shifted, force, moment)

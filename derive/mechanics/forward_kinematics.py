@@ -1,21 +1,17 @@
-"""Poses of the frames, from the base outwards.
+"""Forward kinematics from the base outwards: poses of the frames, the Jacobian, its rate and the analytic Jacobians.
 
-The geometric Jacobian at the end effector, in the world frame.
+*Geometric Jacobian*, at the end effector, in the world frame: column i is (z_i x (p_e - o_i), z_i) for a revolute joint
+and (z_i, 0) for a prismatic one, times the sign of the joint's variable; the linear rows come first (Siciliano et al.,
+Robotics, section 3.1).
 
-Column i is (z_i x (p_e - o_i), z_i) for a revolute joint and (z_i, 0) for a prismatic one, times the sign of the
-joint's variable; the linear rows come first (Siciliano et al., Robotics, section 3.1).
+*Its rate*: with z the axis of a revolute joint, r the lever from it to the end effector and omega the angular velocity
+of the link before the joint, dz/dt = omega x z and d(z x r)/dt = zdot x r + z x rdot, where rdot is the velocity of the
+end effector less that of the joint's origin. A prismatic joint's column is its axis (Siciliano et al., Robotics,
+section 3.1; Lynch and Park, Modern Robotics, section 8.1, for spatial velocities).
 
-The rate of change of the geometric Jacobian, in the world frame.
-
-With z the axis of a revolute joint, r the lever from it to the end effector and omega the angular velocity of the link
-before the joint, dz/dt = omega x z and d(z x r)/dt = zdot x r + z x rdot, where rdot is the velocity of the end
-effector less that of the joint's origin. A prismatic joint's column is its axis (Siciliano et al., Robotics, section
-3.1; Lynch and Park, Modern Robotics, section 8.1, for spatial velocities).
-
-Analytic Jacobians: velocity of the end effector and rates of its orientation angles.
-
-Both kinds of angles begin with a turn about the world's z axis, and the direction u = (x, y, z) that their second turn
-tilts, column 1 of R for roll, pitch, yaw and column 3 for Euler ZYZ, says it all: with omega the angular velocity,
+*Analytic Jacobians*: velocity of the end effector and rates of its orientation angles. Both kinds of angles begin with
+a turn about the world's z axis, and the direction u = (x, y, z) that their second turn tilts, column 1 of R for roll,
+pitch, yaw and column 3 for Euler ZYZ, says it all: with omega the angular velocity,
 
     about = (x omega_x + y omega_y) / (x^2 + y^2),    across = (x omega_y - y omega_x) / sqrt(x^2 + y^2),
 
@@ -31,12 +27,16 @@ from typing import Any, Protocol, Self, TypeVar
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.forward_dynamics import Field
-from derive.mechanics.joint_motion import advance, rates
+from derive.mechanics.joint_motion import advance, along_axes
 from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, scale, subtract
 
 
 def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
-    """Joint frames 1..n in the world frame."""
+    """Joint frames 1..n in the world frame.
+
+    Args:
+        chain: The arm.
+    """
     poses: list[Frame[S]] = []
     pose = chain.base
     for joint in chain.joints:
@@ -46,48 +46,60 @@ def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
 
 
 def forward_kinematics(chain: Chain[S]) -> Frame[S]:
-    """T = base A_1 ... A_n tool: the end effector in the world frame."""
+    """T = base A_1 ... A_n tool: the end effector in the world frame.
+
+    Args:
+        chain: The arm.
+    """
     return joint_poses(chain)[-1] @ chain.tool
 
 
 def link_transforms(chain: Chain[S]) -> list[Frame[S]]:
-    """Base A_1 ... A_i for i = 1..n: DH frames 1..n in the world frame, without the tool."""
+    """Base A_1 ... A_i for i = 1..n: DH frames 1..n in the world frame, without the tool.
+
+    Args:
+        chain: The arm.
+    """
     return [pose @ end for pose, end in zip(joint_poses(chain), chain.ends, strict=True)]
 
 
-def rows(frame: Frame[S], zero: S, one: S) -> list[list[S]]:
-    """The 4x4 matrix of a frame."""
-    top = [[*frame.rotation[k], frame.position[k]] for k in range(3)]
-    return [*top, [zero, zero, zero, one]]
-
-
 def jacobian(chain: Chain[S]) -> list[list[S]]:
-    """J(q), 6xn, rows first: (v, omega) = J qd for the origin of the end effector, tool included."""
+    """J(q): (v, omega) = J qd for the origin of the end effector, tool included, in the world frame.
+
+    Args:
+        chain: The arm.
+
+    Returns:
+        6xn, row by row, linear rows first.
+    """
     poses = joint_poses(chain)
     end = (poses[-1] @ chain.tool).position
     columns: list[list[S]] = []
     for joint, pose in zip(chain.joints, poses, strict=True):
         z = column(pose.rotation, 2)
-        none = (chain.zero, chain.zero, chain.zero)
-        entries = [*cross(z, subtract(end, pose.position)), *z] if joint.revolute else [*z, *none]
+        entries = [*cross(z, subtract(end, pose.position)), *z] if joint.revolute else [*z, *chain.null]
         columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
     return [[entries[row] for entries in columns] for row in range(6)]
 
 
-def jacobian_rate(chain: Chain[S], velocities: Sequence[S]) -> list[list[S]]:
-    """dJ/dt(q, qd), 6xn, rows first: the acceleration of the end effector is J qdd + dJ/dt qd.
+def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:
+    """dJ/dt(q, qd): the acceleration of the end effector is J qdd + dJ/dt qd, in the world frame.
 
     Args:
         chain: The arm.
-        velocities: qd, n entries.
+        qd: Joint velocities, n entries.
+
+    Returns:
+        6xn, row by row, linear rows first.
     """
-    speed = rates(chain, velocities)
-    axes, levers = _axes_and_levers(chain)
-    drift = _velocities_beyond(chain, speed, axes, levers)
-    none = (chain.zero, chain.zero, chain.zero)
-    omega = none
+    rates = along_axes(chain, qd)
+    poses = joint_poses(chain)
+    end = (poses[-1] @ chain.tool).position
+    axes, levers = [column(pose.rotation, 2) for pose in poses], [subtract(end, pose.position) for pose in poses]
+    drift = _velocities_beyond(chain, rates, axes, levers)
+    omega = chain.null
     columns: list[list[S]] = []
-    for joint, rate, z, r, beyond in zip(chain.joints, speed, axes, levers, drift, strict=True):
+    for joint, rate, z, r, beyond in zip(chain.joints, rates, axes, levers, drift, strict=True):
         turning = cross(omega, z)
         if joint.revolute:
             # omega x (z x r) is the turn of the whole column; beyond is what the joints from this one on add to r
@@ -95,28 +107,20 @@ def jacobian_rate(chain: Chain[S], velocities: Sequence[S]) -> list[list[S]]:
             entries = [*linear, *turning]
             omega = add(omega, scale(rate, z))
         else:
-            entries = [*turning, *none]
+            entries = [*turning, *chain.null]
         columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
     return [[entries[row] for entries in columns] for row in range(6)]
 
 
-def _axes_and_levers(chain: Chain[S]) -> tuple[list[Vector[S]], list[Vector[S]]]:
-    """Joint axes, and the end effector seen from the joints' origins, in the world."""
-    poses = joint_poses(chain)
-    end = (poses[-1] @ chain.tool).position
-    return [column(pose.rotation, 2) for pose in poses], [subtract(end, pose.position) for pose in poses]
-
-
 def _velocities_beyond(
-    chain: Chain[S], speed: Sequence[S], axes: Sequence[Vector[S]], levers: Sequence[Vector[S]]
+    chain: Chain[S], rates: Sequence[S], axes: Sequence[Vector[S]], levers: Sequence[Vector[S]]
 ) -> list[Vector[S]]:
     """For each joint, the velocity of the end effector that it and the joints after it make."""
-    total = (chain.zero, chain.zero, chain.zero)
+    total = chain.null
     found: list[Vector[S]] = []
-    for joint, rate, z, r in zip(
-        reversed(chain.joints), reversed(speed), reversed(axes), reversed(levers), strict=True
-    ):
-        total = add(total, scale(rate, cross(z, r) if joint.revolute else z))
+    for i in range(chain.n - 1, -1, -1):
+        own = cross(axes[i], levers[i]) if chain.joints[i].revolute else axes[i]
+        total = add(total, scale(rates[i], own))
         found.append(total)
     return found[::-1]
 
@@ -139,12 +143,15 @@ TILTED = {RPY: 0, ZYZ: 2}
 
 
 def analytic_jacobian(kind: str, tilted: Vector[R], jacobian: Sequence[Sequence[R]]) -> list[list[R]]:
-    """J_A(q), 6xn: rows of velocity, then of the rates of the angles, roll, pitch, yaw or phi, theta, psi.
+    """J_A(q): rows of velocity, then of the rates of the angles, roll, pitch, yaw or phi, theta, psi.
 
     Args:
         kind: `RPY` or `ZYZ`.
         tilted: Column ``TILTED[kind]`` of the end effector's rotation; its first two entries are not both zero.
         jacobian: The geometric Jacobian, 6xn, world frame.
+
+    Returns:
+        6xn, row by row.
     """
     x, y, z = tilted
     square = x * x + y * y

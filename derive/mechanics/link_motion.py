@@ -1,15 +1,15 @@
 """Motion of the links from the base outwards, in joint frames.
 
-A point at r in a link accelerates with a + U r, where U = alpha^ + omega^ omega^ holds all that forces and moments
-need of omega and alpha (Khalil and Kleinfinger, 1987). The axis k of a joint stands still in both links that it joins,
-so U k is the same vector for both: the third column of U of a link is that of the link before, turned. With it
+A point at r in a link accelerates with a + U r, where U = alpha^ + omega^ omega^, the angular acceleration tensor, has
+all that forces and moments need of omega and alpha (Khalil and Kleinfinger, 1987). The axis k of a joint stands still
+in both links that it joins, so U k is the same vector for both: the third column of U of a link is that of the link
+before, turned. With it
 
     alpha_x = omega_y omega_z - U_yz,   alpha_y = U_xz - omega_x omega_z,   omega_x^2 + omega_y^2 = -U_zz
 
 come from products that U asks for anyway. Where the twist is a multiple of pi/2 this takes five operations less than
-turning alpha; elsewhere turning alpha is cheaper.
-
-What a recursion may choose at each joint without changing what it computes.
+turning alpha; elsewhere turning alpha is cheaper. `FrameChoice` says which way each joint takes, and where its frame
+stands: choices that change the cost of a recursion and not what it computes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Place(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class JointForm:
+class FrameChoice:
     """Choices for one joint and its link; which are cheapest depends on the arm.
 
     Attributes:
@@ -56,7 +56,7 @@ class JointForm:
     grown: bool = True
 
 
-PLAIN = JointForm()
+PLAIN = FrameChoice()
 """DH frames on the joint axes, turning with the links."""
 
 
@@ -67,127 +67,145 @@ class LinkMotion(Generic[S]):
     Attributes:
         omega: Angular velocity.
         alpha: Angular acceleration.
-        spread: U = alpha^ + omega^ omega^; a point at r accelerates with ``acceleration + U r``.
+        tensor: U = alpha^ + omega^ omega^; a point at r accelerates with ``acceleration + U r``.
         acceleration: Acceleration of the origin, less gravity.
-        steps: U_zz - U_yy, U_xx - U_zz and U_yy - U_xx, where they came cheaper than as such.
+        differences: U_zz - U_yy, U_xx - U_zz and U_yy - U_xx, where they came cheaper than as such.
     """
 
     omega: Vector[S]
     alpha: Vector[S]
-    spread: Matrix[S]
+    tensor: Matrix[S]
     acceleration: Vector[S]
-    steps: Vector[S] | None = None
+    differences: Vector[S] | None = None
 
     @property
-    def diagonal_steps(self) -> Vector[S]:
+    def diagonal_differences(self) -> Vector[S]:
         """U_zz - U_yy, U_xx - U_zz and U_yy - U_xx."""
-        u = self.spread
-        return self.steps or (u[2][2] - u[1][1], u[0][0] - u[2][2], u[1][1] - u[0][0])
+        u = self.tensor
+        return self.differences or (u[2][2] - u[1][1], u[0][0] - u[2][2], u[1][1] - u[0][0])
 
 
 def link_motions(
-    chain: Chain[S], speed: Sequence[S], gain: Sequence[S], forms: Sequence[JointForm] = ()
+    chain: Chain[S], rates: Sequence[S], accelerations: Sequence[S], choices: Sequence[FrameChoice] = ()
 ) -> list[LinkMotion[S]]:
-    """Base and links 1..n.
+    """Motions of the base and of links 1..n, gravity taken as an acceleration of the base.
 
     Args:
         chain: The arm.
-        speed: Rates positive about +z.
-        gain: Their derivatives.
-        forms: One for each joint, or none.
+        rates: Joint velocities positive about +z, n entries.
+        accelerations: Joint accelerations positive about +z, n entries.
+        choices: One for each joint, those by which the chain was arranged; or none.
+
+    Returns:
+        n+1 motions, each in its own joint frame.
     """
-    motions = [_at_rest(chain)]
+    x, y, z = chain.gravity
+    null = chain.null
+    motions = [LinkMotion(null, null, (null, null, null), (-x, -y, -z), null)]
     for i, joint in enumerate(chain.joints):
-        form = forms[i] if forms else PLAIN
-        step = _turned if joint.revolute else _slid
-        motions.append(step(chain, joint, motions[-1], speed[i], gain[i], form))
+        choice = choices[i] if choices else PLAIN
+        step = _beyond_revolute if joint.revolute else _beyond_prismatic
+        motions.append(step(chain, joint, motions[-1], rates[i], accelerations[i], choice))
     return motions
 
 
-def _at_rest(chain: Chain[S]) -> LinkMotion[S]:
-    rest = (chain.zero, chain.zero, chain.zero)
-    x, y, z = chain.gravity
-    return LinkMotion(rest, rest, (rest, rest, rest), (-x, -y, -z), rest)
+def angular_acceleration_tensor(
+    omega: Vector[S], alpha: Vector[S], third: Vector[S] | None = None
+) -> tuple[Matrix[S], Vector[S]]:
+    """U = alpha^ + omega^ omega^ from its definition.
+
+    Args:
+        omega: Angular velocity.
+        alpha: Angular acceleration.
+        third: Its third column, where that is known.
+
+    Returns:
+        U, and the differences U_zz - U_yy, U_xx - U_zz and U_yy - U_xx of its diagonal.
+    """
+    x, y, z = omega
+    xx, yy, zz = x * x, y * y, z * z
+    xy, xz, yz = x * y, x * z, y * z
+    if third is None:
+        third = (xz + alpha[1], yz - alpha[0], -(xx + yy))
+    tensor = (
+        (-(yy + zz), xy - alpha[2], third[0]),
+        (xy + alpha[2], -(xx + zz), third[1]),
+        (xz - alpha[1], yz + alpha[0], -(xx + yy)),
+    )
+    return tensor, (zz - yy, xx - zz, yy - xx)
 
 
-def _carried(joint: ChainJoint[S], before: LinkMotion[S]) -> Vector[S]:
-    """The acceleration of the joint frame's origin as a point of the link before."""
-    return to_child(joint, add(before.acceleration, multiply(before.spread, origin(joint))))
-
-
-def _turned(
-    chain: Chain[S], joint: ChainJoint[S], before: LinkMotion[S], rate: S, growth: S, form: JointForm
+def _beyond_revolute(
+    chain: Chain[S], joint: ChainJoint[S], before: LinkMotion[S], rate: S, acceleration: S, choice: FrameChoice
 ) -> LinkMotion[S]:
-    """Beyond a revolute joint."""
     x, y, inner = to_child(joint, before.omega)
     omega = (x, y, inner + rate)
-    if not form.column:
+    if not choice.column:
         ax, ay, az = to_child(joint, before.alpha)
-        return _motion(omega, (ax + rate * y, ay - rate * x, az + growth), _carried(joint, before))
+        alpha = (ax + rate * y, ay - rate * x, az + acceleration)
+        return _from_angular(omega, alpha, _origin_acceleration(joint, before))
     xz, yz = x * omega[2], y * omega[2]
-    third = to_child(joint, multiply(before.spread, axis(joint)))
-    alpha = (yz - third[1], third[0] - xz, dot(axis(joint), before.alpha) + growth)
-    if not form.squares:
-        return _motion(omega, alpha, _carried(joint, before), third)
-    motion = _from_column(omega, alpha, third, _carried(joint, before))
-    return _grown(joint, before, motion, rate, growth) if form.held and form.grown else motion
+    third = to_child(joint, multiply(before.tensor, axis(joint)))
+    alpha = (yz - third[1], third[0] - xz, dot(axis(joint), before.alpha) + acceleration)
+    if not choice.squares:
+        return _from_angular(omega, alpha, _origin_acceleration(joint, before), third)
+    motion = _from_third_column(omega, alpha, third, _origin_acceleration(joint, before))
+    return _grown(joint, before, motion, rate, acceleration) if choice.held and choice.grown else motion
 
 
-def _grown(joint: ChainJoint[S], before: LinkMotion[S], motion: LinkMotion[S], rate: S, growth: S) -> LinkMotion[S]:
-    """Entries of U off the diagonal from those of the link before, in axes that the joint does not turn."""
-    fixed, u = joint.fixed.rotation, motion.spread
-    old = matmul(matmul(transpose(fixed), before.spread), fixed)
+def _beyond_prismatic(
+    chain: Chain[S], joint: ChainJoint[S], before: LinkMotion[S], rate: S, acceleration: S, choice: FrameChoice
+) -> LinkMotion[S]:
+    """omega, alpha and U are those of the link before, in other axes."""
+    omega, alpha = to_child(joint, before.omega), to_child(joint, before.alpha)
     twice = rate + rate
-    spread = (
-        (u[0][0], old[0][1] - growth, u[0][2]),
-        (old[1][0] + growth, u[1][1], u[1][2]),
-        (old[2][0] + twice * motion.omega[0], old[2][1] + twice * motion.omega[1], u[2][2]),
+    origin_acceleration = add(
+        _origin_acceleration(joint, before), (twice * omega[1], -(twice * omega[0]), acceleration)
     )
-    return replace(motion, spread=spread)
+    if not choice.column:
+        return _from_angular(omega, alpha, origin_acceleration)
+    turn = matmul(joint.fixed.rotation, joint.motion(chain.zero, chain.one).rotation)
+    tensor = matmul(matmul(transpose(turn), before.tensor), turn)
+    return LinkMotion(omega, alpha, tensor, origin_acceleration)
 
 
-def _from_column(omega: Vector[S], alpha: Vector[S], third: Vector[S], acceleration: Vector[S]) -> LinkMotion[S]:
+def _origin_acceleration(joint: ChainJoint[S], before: LinkMotion[S]) -> Vector[S]:
+    """The acceleration of the joint frame's origin as a point of the link before."""
+    return to_child(joint, add(before.acceleration, multiply(before.tensor, origin(joint))))
+
+
+def _from_angular(
+    omega: Vector[S], alpha: Vector[S], acceleration: Vector[S], third: Vector[S] | None = None
+) -> LinkMotion[S]:
+    tensor, differences = angular_acceleration_tensor(omega, alpha, third)
+    return LinkMotion(omega, alpha, tensor, acceleration, differences)
+
+
+def _from_third_column(omega: Vector[S], alpha: Vector[S], third: Vector[S], acceleration: Vector[S]) -> LinkMotion[S]:
     """With omega_x^2 + omega_y^2 = -U_zz: two squares in place of three."""
     x, y, z = omega
     yy, zz = y * y, z * z
     across = zz - yy
     xx_zz, yy_zz = across - third[2], yy + zz
     xy = x * y
-    spread = (
+    tensor = (
         (-yy_zz, xy - alpha[2], third[0]),
         (xy + alpha[2], -xx_zz, third[1]),
         (x * z - alpha[1], y * z + alpha[0], third[2]),
     )
-    steps = (across, -(third[2] + yy_zz), yy_zz - xx_zz)
-    return LinkMotion(omega, alpha, spread, acceleration, steps)
+    return LinkMotion(omega, alpha, tensor, acceleration, (across, -(third[2] + yy_zz), yy_zz - xx_zz))
 
 
-def _motion(
-    omega: Vector[S], alpha: Vector[S], acceleration: Vector[S], third: Vector[S] | None = None
+def _grown(
+    joint: ChainJoint[S], before: LinkMotion[S], motion: LinkMotion[S], rate: S, acceleration: S
 ) -> LinkMotion[S]:
-    """From omega and alpha; the third column of U may be known."""
-    x, y, z = omega
-    xx, yy, zz = x * x, y * y, z * z
-    xy, xz, yz = x * y, x * z, y * z
-    if third is None:
-        third = (xz + alpha[1], yz - alpha[0], -(xx + yy))
-    spread = (
-        (-(yy + zz), xy - alpha[2], third[0]),
-        (xy + alpha[2], -(xx + zz), third[1]),
-        (xz - alpha[1], yz + alpha[0], -(xx + yy)),
-    )
-    return LinkMotion(omega, alpha, spread, acceleration, (zz - yy, xx - zz, yy - xx))
-
-
-def _slid(
-    chain: Chain[S], joint: ChainJoint[S], before: LinkMotion[S], rate: S, growth: S, form: JointForm
-) -> LinkMotion[S]:
-    """Beyond a prismatic joint: omega, alpha and U are those of the link before, in other axes."""
-    omega, alpha = to_child(joint, before.omega), to_child(joint, before.alpha)
+    """Entries of U off the diagonal from those of the link before, in axes that the joint does not turn."""
+    fixed, u = joint.fixed.rotation, motion.tensor
+    old = matmul(matmul(transpose(fixed), before.tensor), fixed)
     twice = rate + rate
-    acceleration = add(_carried(joint, before), (twice * omega[1], -(twice * omega[0]), growth))
-    if not form.column:
-        return _motion(omega, alpha, acceleration)
-    turn = matmul(joint.fixed.rotation, joint.motion(chain.zero, chain.one).rotation)
-    spread = matmul(matmul(transpose(turn), before.spread), turn)
-    return LinkMotion(omega, alpha, spread, acceleration)
+    tensor = (
+        (u[0][0], old[0][1] - acceleration, u[0][2]),
+        (old[1][0] + acceleration, u[1][1], u[1][2]),
+        (old[2][0] + twice * motion.omega[0], old[2][1] + twice * motion.omega[1], u[2][2]),
+    )
+    return replace(motion, tensor=tensor)

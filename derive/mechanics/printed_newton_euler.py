@@ -25,30 +25,38 @@ from dataclasses import dataclass, replace
 from typing import Generic
 
 from derive.errors import QuantityError
-from derive.mechanics.chain import Chain, Domain, build_chain
+from derive.mechanics.chain import Chain, Domain, build_chain, central_inertia, constant_vector
+from derive.mechanics.joint_motion import along_axes
 from derive.mechanics.vectors import (
     Frame,
     Matrix,
     S,
-    Symmetric,
     Vector,
     add,
     column,
     cross,
     dot,
+    identity,
     matmul,
     multiply,
     scale,
     transpose,
 )
 from derive.robot.description import Convention, Motor
-from derive.robot.expression import ZERO, Expression
+from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
-class Motion(Generic[S]):
-    """How a frame moves: angular velocity and acceleration, velocity and acceleration of its origin (less gravity)."""
+class FrameMotion(Generic[S]):
+    """How a frame moves.
+
+    Attributes:
+        w: Angular velocity.
+        wd: Angular acceleration.
+        v: Velocity of its origin.
+        vd: Acceleration of its origin, less gravity.
+    """
 
     w: Vector[S]
     wd: Vector[S]
@@ -57,8 +65,13 @@ class Motion(Generic[S]):
 
 
 @dataclass(frozen=True, slots=True)
-class Wrench(Generic[S]):
-    """Force and moment that a link receives from the one before it, the moment about the joint's origin."""
+class LinkWrench(Generic[S]):
+    """What a link receives from the one before it.
+
+    Attributes:
+        f: Force.
+        n: Moment about the joint's origin.
+    """
 
     f: Vector[S]
     n: Vector[S]
@@ -112,18 +125,18 @@ class LinkStep(Generic[S]):
     """
 
     data: LinkData[S]
-    previous: Motion[S]
-    motion: Motion[S]
+    previous: FrameMotion[S]
+    motion: FrameMotion[S]
     a: Vector[S]
     F: Vector[S]
     N: Vector[S]
-    following: Wrench[S]
-    wrench: Wrench[S]
+    following: LinkWrench[S]
+    wrench: LinkWrench[S]
     tau: S
 
 
 @dataclass(frozen=True, slots=True)
-class Recursion(Generic[S]):
+class PrintedRecursion(Generic[S]):
     """The whole recursion.
 
     Attributes:
@@ -136,148 +149,147 @@ class Recursion(Generic[S]):
 
 
 def newton_euler_base(
-    robot: Robot, domain: Domain[S], velocities: Sequence[S], accelerations: Sequence[S], load: Wrench[S] | None = None
-) -> Recursion[S]:
+    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
+) -> PrintedRecursion[S]:
     """The recursion with every vector in base coordinates (axes of frame 0).
 
     Args:
         robot: Standard convention, with links, without rotors.
         domain: Turns the robot's cells and its configuration into scalars: numbers, polynomials or tape nodes.
-        velocities: qd, n entries.
-        accelerations: qdd, n entries.
+        qd: Joint velocities, n entries.
+        qdd: Joint accelerations, n entries.
         load: f_{n+1} and n_{n+1} (about o_n), what the last link passes on; zero by default.
+
+    Returns:
+        Every vector of every link, and the torques.
 
     Raises:
         QuantityError: Another convention, no links, or what these equations lack: rotors, armatures, Coulomb friction.
     """
-    return _Recursion(robot, domain, base=True).run(velocities, accelerations, load)
+    return _recursion(robot, domain, qd, qdd, load, base=True)
 
 
 def newton_euler_link(
-    robot: Robot, domain: Domain[S], velocities: Sequence[S], accelerations: Sequence[S], load: Wrench[S] | None = None
-) -> Recursion[S]:
-    """The recursion with the vectors of link i in frame i; see `newton_euler_base`, the load in frame n."""
-    return _Recursion(robot, domain, base=False).run(velocities, accelerations, load)
+    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None = None
+) -> PrintedRecursion[S]:
+    """The recursion with the vectors of link i in frame i.
+
+    Args:
+        robot: Standard convention, with links, without rotors.
+        domain: Turns the robot's cells and its configuration into scalars: numbers, polynomials or tape nodes.
+        qd: Joint velocities, n entries.
+        qdd: Joint accelerations, n entries.
+        load: f_{n+1} and n_{n+1} (about o_n) in frame n; zero by default.
+
+    Returns:
+        Every vector of every link, and the torques.
+
+    Raises:
+        QuantityError: As for `newton_euler_base`.
+    """
+    return _recursion(robot, domain, qd, qdd, load, base=False)
 
 
 def without_rotors(robot: Robot) -> Robot:
-    """The robot without rotors, armatures and Coulomb friction: what these equations describe."""
+    """The robot without rotors, armatures and Coulomb friction: what these equations describe.
+
+    Args:
+        robot: A robot with links.
+    """
     links = tuple(replace(link, motor=None, armature=ZERO, coulomb=ZERO) for link in robot.links)
     return replace(robot, links=links)
 
 
-class _Recursion(Generic[S]):
-    def __init__(self, robot: Robot, domain: Domain[S], base: bool) -> None:
-        _require(robot)
-        self.robot = robot
-        self.domain = domain
-        self.base = base
-        self.chain: Chain[S] = build_chain(robot, domain)
-        self.null: Vector[S] = (self.chain.zero,) * 3
-        self.up: Vector[S] = (self.chain.zero, self.chain.zero, self.chain.one)
-
-    def run(self, velocities: Sequence[S], accelerations: Sequence[S], load: Wrench[S] | None) -> Recursion[S]:
-        links = self.data(velocities, accelerations)
-        motions = self.outward(links)
-        last = load or Wrench(self.null, self.null)
-        steps: list[LinkStep[S]] = []
-        for i in range(len(links) - 1, -1, -1):
-            turn = transpose(links[i + 1].before) if i + 1 < len(links) else self.unit
-            steps.append(self.inward(links[i], motions[i], motions[i + 1], last, turn))
-            last = steps[-1].wrench
-        steps.reverse()
-        signs = (joint.sign for joint in self.robot.joints)
-        torques = tuple(step.tau if sign > 0 else -step.tau for sign, step in zip(signs, steps, strict=True))
-        return Recursion(tuple(steps), torques)
-
-    @property
-    def unit(self) -> Matrix[S]:
-        z, o = self.chain.zero, self.chain.one
-        return ((o, z, z), (z, o, z), (z, z, o))
-
-    # -- data
-
-    def data(self, velocities: Sequence[S], accelerations: Sequence[S]) -> list[LinkData[S]]:
-        rotation, links = self.unit, []
-        for i in range(self.robot.n):
-            links.append(self.link(i, rotation, velocities[i], accelerations[i]))
-            rotation = links[-1].rotation
-        return links
-
-    def link(self, i: int, before: Matrix[S], velocity: S, acceleration: S) -> LinkData[S]:
-        joint, link, constant = self.chain.joints[i], self.robot.links[i], self.domain.constant
-        row: Frame[S] = joint.motion(self.chain.zero, self.chain.one) @ self.chain.ends[i]
-        rotation = matmul(before, row.rotation)
-        com = self.vector(link.com)
-        tensor = Symmetric(*(constant(getattr(link.inertia, k)) for k in ("xx", "yy", "zz", "xy", "xz", "yz"))).matrix
-        back = transpose(row.rotation)
-        return LinkData(
-            revolute=joint.revolute,
-            qd=velocity if joint.sign > 0 else -velocity,
-            qdd=acceleration if joint.sign > 0 else -acceleration,
-            rotation=rotation,
-            before=back,
-            z=column(before, 2) if self.base else multiply(back, self.up),
-            p=multiply(before if self.base else back, row.position),
-            s=multiply(rotation, com) if self.base else com,
-            mass=constant(link.mass),
-            inertia=matmul(matmul(rotation, tensor), transpose(rotation)) if self.base else tensor,
-            viscous=joint.viscous,
-        )
-
-    def vector(self, cells: tuple[Expression, Expression, Expression]) -> Vector[S]:
-        constant = self.domain.constant
-        return (constant(cells[0]), constant(cells[1]), constant(cells[2]))
-
-    # -- recursions
-
-    def outward(self, links: list[LinkData[S]]) -> list[Motion[S]]:
-        """Frames 0 to n."""
-        g = self.chain.gravity
-        motions = [Motion(self.null, self.null, self.null, (-g[0], -g[1], -g[2]))]
-        for link in links:
-            motions.append(_moved(link, self.carried(link, motions[-1])))
-        return motions
-
-    def carried(self, link: LinkData[S], m: Motion[S]) -> Motion[S]:
-        """The motion of frame i-1 in the coordinates of link i."""
-        if self.base:
-            return m
-        turn = link.before
-        return Motion(multiply(turn, m.w), multiply(turn, m.wd), multiply(turn, m.v), multiply(turn, m.vd))
-
-    def inward(
-        self, link: LinkData[S], previous: Motion[S], motion: Motion[S], after: Wrench[S], turn: Matrix[S]
-    ) -> LinkStep[S]:
-        a = add(_swept(motion, link.s), motion.vd)
-        resultant = scale(link.mass, a)
-        spin = add(multiply(link.inertia, motion.wd), cross(motion.w, multiply(link.inertia, motion.w)))
-        next_f, next_n = (after.f, after.n) if self.base else (multiply(turn, after.f), multiply(turn, after.n))
-        f = add(resultant, next_f)
-        n = add(add(next_n, cross(link.p, next_f)), add(cross(add(link.p, link.s), resultant), spin))
-        tau = dot(n if link.revolute else f, link.z) + link.viscous * link.qd
-        return LinkStep(link, previous, motion, a, resultant, spin, after, Wrench(f, n), tau)
+def _recursion(
+    robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None, *, base: bool
+) -> PrintedRecursion[S]:
+    """Outward, then inward; ``base``: in the axes of frame 0, else those of link i in frame i."""
+    _require_printed(robot)
+    chain: Chain[S] = build_chain(robot, domain)
+    unit = identity(chain.zero, chain.one)
+    rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
+    links: list[LinkData[S]] = []
+    g = chain.gravity
+    motions = [FrameMotion(chain.null, chain.null, chain.null, (-g[0], -g[1], -g[2]))]
+    for i in range(chain.n):
+        before = links[-1].rotation if links else unit
+        links.append(_link_data(robot, domain, chain, i, before, (rates[i], accelerations[i]), base=base))
+        motions.append(_next_motion(links[i], motions[i] if base else _turned(links[i].before, motions[i])))
+    wrench = load or LinkWrench(chain.null, chain.null)
+    steps: list[LinkStep[S]] = []
+    for i in range(chain.n - 1, -1, -1):
+        turn = unit if base or i + 1 == chain.n else transpose(links[i + 1].before)
+        steps.append(_link_step(links[i], motions[i], motions[i + 1], wrench, turn))
+        wrench = steps[-1].wrench
+    steps.reverse()
+    return PrintedRecursion(tuple(steps), tuple(along_axes(chain, [step.tau for step in steps])))
 
 
-def _moved(link: LinkData[S], m: Motion[S]) -> Motion[S]:
+def _link_data(
+    robot: Robot, domain: Domain[S], chain: Chain[S], i: int, before: Matrix[S], rates: tuple[S, S], *, base: bool
+) -> LinkData[S]:
+    """What is known of link i (from 0): ``before`` is R_{i-1}, ``rates`` those of its joint, +z being positive."""
+    joint, link = chain.joints[i], robot.links[i]
+    row: Frame[S] = joint.motion(chain.zero, chain.one) @ chain.ends[i]
+    rotation, back = matmul(before, row.rotation), transpose(row.rotation)
+    com, tensor = constant_vector(link.com, domain), central_inertia(link, domain).matrix
+    return LinkData(
+        revolute=joint.revolute,
+        qd=rates[0],
+        qdd=rates[1],
+        rotation=rotation,
+        before=back,
+        z=column(before, 2) if base else column(back, 2),
+        p=multiply(before if base else back, row.position),
+        s=multiply(rotation, com) if base else com,
+        mass=domain.constant(link.mass),
+        inertia=matmul(matmul(rotation, tensor), transpose(rotation)) if base else tensor,
+        viscous=joint.viscous,
+    )
+
+
+def _turned(before: Matrix[S], m: FrameMotion[S]) -> FrameMotion[S]:
+    """The motion of frame i-1 in the coordinates of link i."""
+    return FrameMotion(multiply(before, m.w), multiply(before, m.wd), multiply(before, m.v), multiply(before, m.vd))
+
+
+def _next_motion(link: LinkData[S], m: FrameMotion[S]) -> FrameMotion[S]:
     """The motion of frame i from that of frame i-1, both in the coordinates of link i."""
-    rate, growth = scale(link.qd, link.z), scale(link.qdd, link.z)
+    rate, acceleration = scale(link.qd, link.z), scale(link.qdd, link.z)
     if link.revolute:
         w = add(m.w, rate)
-        turned = Motion(w, add(add(m.wd, growth), cross(m.w, rate)), m.v, m.vd)
+        joined = FrameMotion(w, add(add(m.wd, acceleration), cross(m.w, rate)), m.v, m.vd)
     else:
         twice = cross(m.w, rate)
-        turned = Motion(m.w, m.wd, add(m.v, rate), add(add(m.vd, growth), add(twice, twice)))
-    v = add(cross(turned.w, link.p), turned.v)
-    return Motion(turned.w, turned.wd, v, add(_swept(turned, link.p), turned.vd))
+        joined = FrameMotion(m.w, m.wd, add(m.v, rate), add(add(m.vd, acceleration), add(twice, twice)))
+    v = add(cross(joined.w, link.p), joined.v)
+    return FrameMotion(joined.w, joined.wd, v, add(_swept(joined, link.p), joined.vd))
 
 
-def _swept(motion: Motion[S], r: Vector[S]) -> Vector[S]:
+def _link_step(
+    link: LinkData[S],
+    previous: FrameMotion[S],
+    motion: FrameMotion[S],
+    following: LinkWrench[S],
+    turn: Matrix[S],
+) -> LinkStep[S]:
+    """Forces and moments of link i; ``turn`` takes those of link i+1 into the coordinates of link i."""
+    a = add(_swept(motion, link.s), motion.vd)
+    resultant = scale(link.mass, a)
+    spin = add(multiply(link.inertia, motion.wd), cross(motion.w, multiply(link.inertia, motion.w)))
+    next_f, next_n = multiply(turn, following.f), multiply(turn, following.n)
+    f = add(resultant, next_f)
+    n = add(add(next_n, cross(link.p, next_f)), add(cross(add(link.p, link.s), resultant), spin))
+    tau = dot(n if link.revolute else f, link.z) + link.viscous * link.qd
+    return LinkStep(link, previous, motion, a, resultant, spin, following, LinkWrench(f, n), tau)
+
+
+def _swept(motion: FrameMotion[S], r: Vector[S]) -> Vector[S]:
     """omegad x r + omega x (omega x r)."""
     return add(cross(motion.wd, r), cross(motion.w, cross(motion.w, r)))
 
 
-def _require(robot: Robot) -> None:
+def _require_printed(robot: Robot) -> None:
     if robot.convention is not Convention.STANDARD:
         raise QuantityError("Newton-Euler equations of lectures", allowed="the standard convention")
     if not robot.has_dynamics:

@@ -16,26 +16,37 @@ from dataclasses import dataclass
 from typing import Generic
 
 from derive.mechanics.chain import Chain
-from derive.mechanics.joint_motion import axis, rates
-from derive.mechanics.link_motion import LinkMotion, link_motions
+from derive.mechanics.joint_motion import along_axes, axis
+from derive.mechanics.link_motion import LinkMotion, angular_acceleration_tensor, link_motions
 from derive.mechanics.screws import Screw, link_screws, rotor_place
-from derive.mechanics.vectors import Frame, Matrix, S, Vector, add, cross, dot, multiply, scale, transpose
+from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, scale, transpose
 from derive.robot.inertial_parameters import Parameter
-
-_AXES = {"x": 0, "y": 1, "z": 2}
 
 
 @dataclass(frozen=True, slots=True)
-class Station(Generic[S]):
-    """A frame on a link.
+class _LinkView(Generic[S]):
+    """A link seen from a frame on it.
 
     Attributes:
-        motion: Of the link, seen from the frame.
-        screws: Of joints 1..k in the frame.
+        motion: Of the link, in the frame.
+        screws: Of joints 1..k, in the frame.
     """
 
     motion: LinkMotion[S]
     screws: Sequence[Screw[S]]
+
+    def seen_from(self, frame: Frame[S]) -> _LinkView[S]:
+        """The same link seen from another frame on it; U is computed anew, for turning it would cost more.
+
+        Args:
+            frame: That frame in this one.
+        """
+        turned = transpose(frame.rotation)
+        before = self.motion
+        acceleration = multiply(turned, add(before.acceleration, multiply(before.tensor, frame.position)))
+        omega, alpha = multiply(turned, before.omega), multiply(turned, before.alpha)
+        motion = LinkMotion(omega, alpha, angular_acceleration_tensor(omega, alpha)[0], acceleration)
+        return _LinkView(motion, [screw.seen_from(frame) for screw in self.screws])
 
 
 class Regressor(Generic[S]):
@@ -43,8 +54,8 @@ class Regressor(Generic[S]):
 
     Args:
         chain: The chain of the robot with unit rotors, see `derive.mechanics.screws.with_unit_rotors`.
-        velocities: qd, n entries.
-        accelerations: qdd, n entries.
+        qd: Joint velocities, n entries.
+        qdd: Joint accelerations, n entries.
         ends: Whether the links' parameters are those in the DH frames of the file; else in joint frames.
         sign: The sign of a velocity; left out where no Coulomb friction is asked for.
     """
@@ -52,28 +63,43 @@ class Regressor(Generic[S]):
     def __init__(
         self,
         chain: Chain[S],
-        velocities: Sequence[S],
-        accelerations: Sequence[S],
+        qd: Sequence[S],
+        qdd: Sequence[S],
         *,
         ends: bool,
         sign: Callable[[S], S] | None = None,
     ) -> None:
         self.chain = chain
-        self._qd, self._qdd = velocities, accelerations
+        self._qd, self._qdd = qd, qdd
         self._sign = sign
-        self._speed, self._gain = rates(chain, velocities), rates(chain, accelerations)
-        motions = link_motions(chain, self._speed, self._gain)
-        screws = link_screws(chain)
-        self._stations = [Station(m, s) for m, s in zip(motions[1:], screws, strict=True)]
-        self._frames = [_moved(s, f) for s, f in zip(self._stations, chain.ends, strict=True)] if ends else []
+        self._rates, self._accelerations = along_axes(chain, qd), along_axes(chain, qdd)
+        motions = link_motions(chain, self._rates, self._accelerations)
+        self._joint_views = [_LinkView(m, s) for m, s in zip(motions[1:], link_screws(chain), strict=True)]
+        self._views = self._joint_views
+        if ends:
+            self._views = [view.seen_from(end) for view, end in zip(self._joint_views, chain.ends, strict=True)]
 
     def rows(self, parameters: Sequence[Parameter]) -> list[list[S]]:
-        """Y, n rows, a column for each parameter."""
+        """Y(q, qd, qdd) with tau = Y pi.
+
+        Args:
+            parameters: pi, p entries.
+
+        Returns:
+            nxp, row by row.
+        """
         columns = [self.column(parameter) for parameter in parameters]
         return [[column[i] for column in columns] for i in range(self.chain.n)]
 
     def column(self, parameter: Parameter) -> list[S]:
-        """Torques per unit of a parameter, n entries."""
+        """Torques per unit of one parameter.
+
+        Args:
+            parameter: The parameter.
+
+        Returns:
+            n entries; those of joints beyond it are 0.
+        """
         found = self._along_z(parameter)
         joints = self.chain.joints[: len(found)]
         signed = [value if joint.sign > 0 else -value for joint, value in zip(joints, found, strict=True)]
@@ -83,8 +109,8 @@ class Regressor(Generic[S]):
         """The torques of the joints that feel it, counted positive along +z."""
         i, part = parameter.joint - 1, parameter.part
         if parameter.of_link:
-            station = (self._frames or self._stations)[i]
-            return [_work(part, station.motion, screw) for screw in station.screws]
+            view = self._views[i]
+            return [_power(part, view.motion, screw) for screw in view.screws]
         if part == "mm":
             return self._rotor_mass(i)
         if part == "Im":
@@ -99,70 +125,46 @@ class Regressor(Generic[S]):
     def _rotor_mass(self, i: int) -> list[S]:
         if i == 0:
             return []
-        carrier, place = self._stations[i - 1], rotor_place(self.chain, i + 1)
-        acceleration = add(carrier.motion.acceleration, multiply(carrier.motion.spread, place))
+        carrier, place = self._joint_views[i - 1], rotor_place(self.chain, i + 1)
+        acceleration = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, place))
         return [dot(screw.at(place), acceleration) for screw in carrier.screws]
 
     def _rotor_inertia(self, i: int) -> list[S]:
-        """The change of its momentum (omega.u + k rate) u on link i-1, and k times that about u on its own joint."""
-        joint, gain, rate = self.chain.joints[i], self._gain[i], self._speed[i]
+        """The rate of its momentum (omega.u + k rate) u on link i-1, and k times that about u on its own joint."""
+        joint, acceleration, rate = self.chain.joints[i], self._accelerations[i], self._rates[i]
         if i == 0:
-            return [joint.reflected * gain]
-        u, carrier = axis(joint), self._stations[i - 1]
+            return [joint.armature * acceleration]
+        u, carrier = axis(joint), self._joint_views[i - 1]
         omega, alpha = carrier.motion.omega, carrier.motion.alpha
-        growth = dot(u, alpha) + joint.coupling * gain
+        spin_rate = dot(u, alpha) + joint.coupling * acceleration
         spin = dot(u, omega) + joint.coupling * rate
-        moment = add(scale(growth, u), scale(spin, cross(omega, u)))
-        return [*(dot(screw.angular, moment) for screw in carrier.screws), joint.coupling * growth]
+        moment = add(scale(spin_rate, u), scale(spin, cross(omega, u)))
+        return [*(dot(screw.angular, moment) for screw in carrier.screws), joint.coupling * spin_rate]
 
 
-def _moved(station: Station[S], frame: Frame[S]) -> Station[S]:
-    """The same link seen from another frame on it."""
-    turned = transpose(frame.rotation)
-    before = station.motion
-    acceleration = multiply(turned, add(before.acceleration, multiply(before.spread, frame.position)))
-    omega, alpha = multiply(turned, before.omega), multiply(turned, before.alpha)
-    motion = LinkMotion(omega, alpha, _spread(omega, alpha), acceleration)
-    return Station(motion, [screw.seen_from(frame) for screw in station.screws])
-
-
-def _spread(omega: Vector[S], alpha: Vector[S]) -> Matrix[S]:
-    """U = alpha^ + omega^ omega^, computed anew: turning it would cost more."""
-    (x, y, z), (ax, ay, az) = omega, alpha
-    xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y, x * z, y * z
-    return (
-        (-(yy + zz), xy - az, xz + ay),
-        (xy + az, -(xx + zz), yz - ax),
-        (xz - ay, yz + ax, -(xx + yy)),
-    )
-
-
-def _work(part: str, motion: LinkMotion[S], screw: Screw[S]) -> S:
+def _power(part: str, motion: LinkMotion[S], screw: Screw[S]) -> S:
     """What the wrench of a unit parameter does on a unit rate."""
-    if part == "m":
-        return dot(screw.linear, motion.acceleration)
-    if part[0] == "m":
-        k = _AXES[part[1]]
-        u = motion.spread
-        turning = cross(motion.acceleration, screw.angular)[k]
-        return dot((u[0][k], u[1][k], u[2][k]), screw.linear) + turning
-    return dot(screw.angular, _moment(part, motion))
-
-
-def _moment(part: str, motion: LinkMotion[S]) -> Vector[S]:
-    """E alpha + omega x (E omega) of a unit tensor."""
-    u, (x, y, z), (ax, ay, az) = motion.spread, motion.omega, motion.alpha
+    u, (x, y, z), (ax, ay, az) = motion.tensor, motion.omega, motion.alpha
+    moment: Vector[S]  # E alpha + omega x (E omega) of the unit tensor E
     match part:
+        case "m":
+            return dot(screw.linear, motion.acceleration)
+        case "mx" | "my" | "mz":
+            k = "xyz".index(part[1])
+            turning = cross(motion.acceleration, screw.angular)[k]
+            return dot((u[0][k], u[1][k], u[2][k]), screw.linear) + turning
         case "Ixx":
-            return (ax, x * z, -(x * y))
+            moment = (ax, x * z, -(x * y))
         case "Iyy":
-            return (-(y * z), ay, x * y)
+            moment = (-(y * z), ay, x * y)
         case "Izz":
-            return (y * z, -(x * z), az)
+            moment = (y * z, -(x * z), az)
         case "Ixy":
-            return (-u[2][0], u[2][1], x * x - y * y)
+            moment = (-u[2][0], u[2][1], x * x - y * y)
         case "Ixz":
-            return (u[1][0], z * z - x * x, -u[1][2])
+            moment = (u[1][0], z * z - x * x, -u[1][2])
         case "Iyz":
-            return (y * y - z * z, -u[0][1], u[0][2])
-    raise KeyError(part)
+            moment = (y * y - z * z, -u[0][1], u[0][2])
+        case _:
+            raise KeyError(part)
+    return dot(screw.angular, moment)

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.joint_motion import body_to_parent, origin, shift, turn_about_z, turn_tensor
+from derive.mechanics.joint_motion import body_to_parent, origin, shift, tensor_to_parent, turn_tensor
 from derive.mechanics.vectors import S, Symmetric, Vector, add, multiply, scale
 
 
@@ -41,6 +41,9 @@ def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) 
         chain: The arm.
         rules: One for each joint, or none.
         half: The scalar 1/2, for second moments.
+
+    Returns:
+        The arm with other bodies, and axial masses where a rule asks for them.
     """
     bodies = list(chain.bodies)
     if not bodies:
@@ -49,28 +52,32 @@ def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) 
     for i in range(chain.n - 1, -1, -1):
         joint, body, rule = chain.joints[i], bodies[i], rules[i] if rules else Rule()
         if rule.axial and i:
-            bodies[i], moved = _nothing(chain), body_to_parent(replace(joint, offset=chain.zero), body)
+            bodies[i], moved = _massless(chain), body_to_parent(replace(joint, offset=chain.zero), body)
             axial[i], axial[i - 1] = axial[i] + body.mass, -body.mass
-        else:
-            bodies[i], part = (_split_revolute if joint.revolute else _split_prismatic)(chain, body, rule, half)
-            moved = _invariant_to_parent(joint, part)
-            if joint.revolute and i:
+        elif joint.revolute:
+            bodies[i], symmetric = _split_revolute(chain, body, half if rule.second_moments else None)
+            moved = _symmetric_to_parent(joint, symmetric)
+            if i:
                 axial[i], axial[i - 1] = chain.zero, axial[i]
+        else:
+            still = _massless(chain)
+            bodies[i] = replace(still, mass=body.mass, first_moment=body.first_moment)
+            moved = replace(still, inertia=tensor_to_parent(joint, body.inertia))
         if i:
             bodies[i - 1] = bodies[i - 1] + moved
     return replace(chain, bodies=tuple(bodies), axial=tuple(axial) if any(rule.axial for rule in rules) else ())
 
 
-def _nothing(chain: Chain[S]) -> Body[S]:
+def _massless(chain: Chain[S]) -> Body[S]:
     z = chain.zero
-    return Body(z, (z, z, z), Symmetric(z, z, z, z, z, z))
+    return Body(z, chain.null, Symmetric(z, z, z, z, z, z))
 
 
-def _split_revolute(chain: Chain[S], body: Body[S], rule: Rule, half: S | None) -> tuple[Body[S], Body[S]]:
-    """What stays, and the part symmetric about z."""
+def _split_revolute(chain: Chain[S], body: Body[S], half: S | None) -> tuple[Body[S], Body[S]]:
+    """What stays, and the part symmetric about z; with ``half`` P_zz moves, else I_yy."""
     z, i = chain.zero, body.inertia
     x, y, along = body.first_moment
-    if rule.second_moments and half is not None:
+    if half is not None:
         moved = half * ((i.xx + i.yy) - i.zz)
         xx, yy = half * ((i.xx + i.zz) - i.yy), half * ((i.yy + i.zz) - i.xx)
     else:
@@ -79,18 +86,9 @@ def _split_revolute(chain: Chain[S], body: Body[S], rule: Rule, half: S | None) 
     return kept, Body(body.mass, (z, z, along), Symmetric(moved, moved, z, z, z, z))
 
 
-def _split_prismatic(chain: Chain[S], body: Body[S], rule: Rule, half: S | None) -> tuple[Body[S], Body[S]]:
-    """What stays, and the tensor alone."""
-    nothing = _nothing(chain)
-    return replace(nothing, mass=body.mass, first_moment=body.first_moment), replace(nothing, inertia=body.inertia)
-
-
-def _invariant_to_parent(joint: ChainJoint[S], body: Body[S]) -> Body[S]:
-    """As `body_to_parent`, for a part on which a revolute joint's angle has no effect."""
+def _symmetric_to_parent(joint: ChainJoint[S], body: Body[S]) -> Body[S]:
+    """As `body_to_parent`, for a part symmetric about the axis of a revolute joint, whose angle has no effect on it."""
     turn = joint.fixed.rotation
-    if not joint.revolute:
-        tensor = turn_tensor(turn, turn_about_z(joint.cosine, joint.sine, body.inertia))
-        return Body(body.mass, body.first_moment, tensor)
     p: Vector[S] = origin(joint)
     moment = multiply(turn, body.first_moment)
     moved = shift(body.mass, moment, turn_tensor(turn, body.inertia), p)

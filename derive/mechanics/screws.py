@@ -30,17 +30,29 @@ class Screw(Generic[S]):
     linear: Vector[S]
 
     def at(self, place: Vector[S]) -> Vector[S]:
-        """Velocity of the link's point at ``place``."""
+        """Velocity of a point of the link.
+
+        Args:
+            place: The point in the frame.
+        """
         return add(self.linear, cross(self.angular, place))
 
     def seen_from(self, frame: Frame[S]) -> Screw[S]:
-        """The same in a frame fixed on the same link."""
+        """The screw in another frame fixed on the same link.
+
+        Args:
+            frame: That frame in this one.
+        """
         turned = transpose(frame.rotation)
         return Screw(multiply(turned, self.angular), multiply(turned, self.at(frame.position)))
 
 
 def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
-    """For every link k its screws of joints 1..k in joint frame k, rates counted positive along +z."""
+    """The screws of joints 1..k of every link k, in joint frame k, rates counted positive along +z.
+
+    Args:
+        chain: The arm.
+    """
     found: list[list[Screw[S]]] = []
     for joint in chain.joints:
         found.append(next_screws(chain, joint, found[-1] if found else []))
@@ -48,32 +60,39 @@ def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
 
 
 def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
-    """The screws of the link behind a joint, from those of the link before it."""
-    return [*(_outward(joint, screw) for screw in before), _own(chain, joint)]
+    """The screws of the link behind a joint.
 
+    Args:
+        chain: The arm.
+        joint: Joint i.
+        before: Those of link i-1, in joint frame i-1.
 
-def _outward(joint: ChainJoint[S], screw: Screw[S]) -> Screw[S]:
-    return Screw(to_child(joint, screw.angular), to_child(joint, screw.at(origin(joint))))
-
-
-def _own(chain: Chain[S], joint: ChainJoint[S]) -> Screw[S]:
-    still, along = (chain.zero, chain.zero, chain.zero), (chain.zero, chain.zero, chain.one)
-    return Screw(along, still) if joint.revolute else Screw(still, along)
+    Returns:
+        i screws, in joint frame i.
+    """
+    outward = [Screw(to_child(joint, screw.angular), to_child(joint, screw.at(origin(joint)))) for screw in before]
+    along = (chain.zero, chain.zero, chain.one)
+    return [*outward, Screw(along, chain.null) if joint.revolute else Screw(chain.null, along)]
 
 
 def with_unit_rotors(robot: Robot) -> Robot:
     """The robot with nothing on it but its rotors, each of unit mass and unit inertia.
 
-    In its chain ``coupling`` is sign * ratio, ``reflected`` is ratio^2, and the body of link i-1 is the rotor of joint
+    In its chain ``coupling`` is sign * ratio, ``armature`` is ratio^2, and the body of link i-1 is the rotor of joint
     i, so that its first moment is the rotor's place.
+
+    Args:
+        robot: A robot with links.
     """
-    return replace(robot, links=tuple(_unit_rotor(link) for link in robot.links))
-
-
-def _unit_rotor(link: Link) -> Link:
-    return Link(motor=None if link.motor is None else Motor(ONE, ONE, link.motor.ratio))
+    motors = (link.motor and Motor(ONE, ONE, link.motor.ratio) for link in robot.links)
+    return replace(robot, links=tuple(Link(motor=motor) for motor in motors))
 
 
 def rotor_place(chain: Chain[S], joint: int) -> Vector[S]:
-    """Where the rotor of a joint (from 1, not the first) sits in joint frame ``joint - 1``, from `with_unit_rotors`."""
+    """Where the rotor of a joint sits, in joint frame ``joint - 1``.
+
+    Args:
+        chain: The chain of a robot `with_unit_rotors`.
+        joint: From 1, not the first.
+    """
     return chain.bodies[joint - 2].first_moment

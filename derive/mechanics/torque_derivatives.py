@@ -6,16 +6,25 @@ by -dq_j, or shifted, the motion changes by
 
     d omega = zdot,  d alpha + omega x d omega = zddot,  d a = a x z  (revolute);    d a = zddot  (prismatic),
 
-with zdot = omega x z, zddot = U z and U = alpha^ + omega^ omega^. The wrench that joint j carries answers by
+with zdot = omega x z, zddot = U z and U = alpha^ + omega^ omega^. With its moments
 
-    df = m da + zddot x h + 2 zdot x hdot,    dn = h x da + I zddot + 2 D zdot,
+    m,  h = sum m x,  hdot = sum m xdot,  I,  E = sum m xdot x^T,  D = tr(E) 1 - E,
 
-with the moments m, h, hdot, I and D of `derive.mechanics.coriolis`; seen from the links before, it also turns with the
-joint (revolute) or gets another lever (prismatic). Carried inward it has the components d tau_i / d q_j, i < j. For i >
-j, the torque of joint i answers the same three changes through the wrench u, eta that accelerates joint i alone and
-through delta, carried inward: d tau_i = u . da + eta . zddot + 2 delta . zdot.
+x the place of a point seen from the origin of joint j, the wrench that joint j carries answers by
 
-Since the Christoffel symbols are symmetric in their last two indices, d(C qd)/d qd = 2 C.
+    df = m da + zddot x h + 2 zdot x hdot,    dn = h x da + I zddot + 2 D zdot;
+
+seen from the links before, it also turns with the joint (revolute) or gets another lever (prismatic). Carried inward it
+has the components d tau_i / d q_j, i < j. For i > j, the torque of joint i answers the same three changes through the
+wrench u, eta that accelerates joint i alone and through delta = D^T z plus the lever arms' rates, carried inward:
+d tau_i = u . da + eta . zddot + 2 delta . zdot.
+
+A rotor spinning at ``ratio*qd`` about u is a body of its own. Against the same rotor locked to its link, with c =
+ratio I and omega of that link, it adds c rate/2 u^ to E of the link, c u to eta and c/2 omega x u to delta.
+
+Since the Christoffel symbols are symmetric in their last two indices, d(C qd)/d qd = 2 C. The moments here are those of
+the whole motion, where `derive.mechanics.coriolis` has those of the inner motion alone: C is cheaper with these, but
+the answers to zddot and zdot need the whole.
 
 The composite formulas of Carpentier and Mansard (RSS 2018) and of Singh, Russell and Wensing (IEEE Robotics and
 Automation Letters 7(2), 2022) compute the same in one frame for all links; in joint frames most of their entries are
@@ -25,155 +34,245 @@ zero or shared with Newton-Euler.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.coriolis import ClosedColumn, MovingBody, christoffel_matrix, column_to_parent, moving_composites
+from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import Wrench, unit_wrench, wrench_to_parent
-from derive.mechanics.joint_motion import axis, rates, work
-from derive.mechanics.link_motion import PLAIN, JointForm, LinkMotion, link_motions
+from derive.mechanics.joint_motion import (
+    along_axes,
+    axis,
+    body_to_parent,
+    generalized_force,
+    matrix_to_parent,
+    origin,
+    to_parent,
+)
+from derive.mechanics.link_motion import PLAIN, FrameChoice, LinkMotion, link_motions
 from derive.mechanics.newton_euler import body_wrench, rotor_moment
-from derive.mechanics.vectors import S, Symmetric, Vector, add, cross, dot, multiply, scale
+from derive.mechanics.vectors import (
+    Matrix,
+    S,
+    Vector,
+    add,
+    add_matrices,
+    column,
+    cross,
+    dot,
+    hat,
+    multiply,
+    outer,
+    scale,
+    transpose,
+)
 
 
-def torque_velocity_derivative(chain: Chain[S], velocities: Sequence[S], half: S) -> list[list[S]]:
-    """d tau / d qd, nxn, row i for tau_i: 2 C plus viscous friction; that of Coulomb friction is 0.
+@dataclass(frozen=True, slots=True)
+class _MovingBody(Generic[S]):
+    """A composite body and how its moments change, in a joint frame.
+
+    Attributes:
+        body: Mass, first moment, inertia about the origin.
+        first_rate: hdot = sum m xdot.
+        second_rate: E = sum m xdot x^T.
+    """
+
+    body: Body[S]
+    first_rate: Vector[S]
+    second_rate: Matrix[S]
+
+
+@dataclass(frozen=True, slots=True)
+class _Response(Generic[S]):
+    """What goes inward for joint j.
+
+    Attributes:
+        force: Of the wrench that answers the variable of joint j.
+        moment: Of the same.
+        unit: Force that accelerates joint j alone.
+        eta: Moment of the same.
+        delta: Moment by which the torque of joint j answers the rate of an axis.
+    """
+
+    force: Vector[S]
+    moment: Vector[S]
+    unit: Vector[S]
+    eta: Vector[S]
+    delta: Vector[S]
+
+
+def torque_velocity_derivative(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
+    """d tau / d qd: 2 C plus viscous friction; that of Coulomb friction is 0.
 
     The factor 2 is on the inertial parameters, where it costs nothing at run time.
 
     Args:
         chain: The arm.
-        velocities: qd, n entries.
+        qd: Joint velocities, n entries.
         half: The scalar 1/2.
+
+    Returns:
+        nxn, row i for tau_i.
     """
-    matrix = christoffel_matrix(_doubled(chain), velocities, half)
+    joints = tuple(replace(joint, coupling=joint.coupling + joint.coupling) for joint in chain.joints)
+    doubled = replace(chain, bodies=tuple(body + body for body in chain.bodies), joints=joints)
+    matrix = coriolis_matrix(doubled, qd, half)
     for i, joint in enumerate(chain.joints):
         matrix[i][i] = matrix[i][i] + joint.viscous
     return matrix
 
 
 def torque_position_derivative(
-    chain: Chain[S], velocities: Sequence[S], accelerations: Sequence[S], half: S, forms: Sequence[JointForm] = ()
+    chain: Chain[S], qd: Sequence[S], qdd: Sequence[S], half: S, choices: Sequence[FrameChoice] = ()
 ) -> list[list[S]]:
-    """d tau / d q, nxn, row i for tau_i.
+    """d tau / d q.
 
     Args:
         chain: The arm.
-        velocities: qd, n entries.
-        accelerations: qdd, n entries.
+        qd: Joint velocities, n entries.
+        qdd: Joint accelerations, n entries.
         half: The scalar 1/2.
-        forms: One for each joint, those by which the chain was arranged; or none.
+        choices: One for each joint, those by which the chain was arranged; or none.
+
+    Returns:
+        nxn, row i for tau_i.
     """
-    speed, gain = rates(chain, velocities), rates(chain, accelerations)
-    motions = link_motions(chain, speed, gain, forms)
-    wrenches = _carried_wrenches(chain, motions, speed, gain, forms)
+    rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
+    motions = link_motions(chain, rates, accelerations, choices)
+    wrenches = _carried_wrenches(chain, motions, rates, accelerations, choices)
     omegas = [motion.omega for motion in motions]
-    bodies = moving_composites(chain, speed, omegas, half)
+    bodies = _moving_composites(chain, rates, omegas, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
-        column = _column(chain, joint, bodies[j], motions[j + 1])
-        matrix[j][j] = work(joint, column.force, column.moment)
-        column = _with_carried_wrench(joint, column, wrenches[j])
+        response = _response(chain, joint, bodies[j], motions[j + 1])
+        matrix[j][j] = generalized_force(joint, response.force, response.moment)
+        response = _with_carried_wrench(joint, response, wrenches[j])
         for i in range(j - 1, -1, -1):
-            column = column_to_parent(chain.joints[i + 1], column, omegas[i + 1], speed[i + 1])
-            if i == j - 1:
-                column = _with_rotor(column, joint, omegas[j], half)
             inner = chain.joints[i]
-            upper = work(inner, column.force, column.moment)
-            lower = _answer(inner, column, motions[i + 1])
+            response = _inward(chain.joints[i + 1], response, omegas[i + 1], rates[i + 1])
+            if i == j - 1:  # the rotor of joint j, on link i
+                u = axis(joint)
+                eta = add(response.eta, scale(joint.coupling, u))
+                delta = add(response.delta, scale(half * joint.coupling, cross(omegas[j], u)))
+                response = replace(response, eta=eta, delta=delta)
+            upper = generalized_force(inner, response.force, response.moment)
+            lower = _inner_derivative(inner, response, motions[i + 1])
             same = joint.sign == inner.sign
             matrix[i][j], matrix[j][i] = (upper, lower) if same else (-upper, -lower)
     return matrix
 
 
-def _doubled(chain: Chain[S]) -> Chain[S]:
-    """The same arm, twice as heavy."""
-    bodies = tuple(_twice(body) for body in chain.bodies)
-    joints = tuple(replace(joint, coupling=joint.coupling + joint.coupling) for joint in chain.joints)
-    return replace(chain, bodies=bodies, joints=joints)
-
-
-def _twice(body: Body[S]) -> Body[S]:
-    i = body.inertia
-    tensor = Symmetric(i.xx + i.xx, i.yy + i.yy, i.zz + i.zz, i.xy + i.xy, i.xz + i.xz, i.yz + i.yz)
-    return Body(body.mass + body.mass, add(body.first_moment, body.first_moment), tensor)
-
-
 def _carried_wrenches(
     chain: Chain[S],
     motions: Sequence[LinkMotion[S]],
-    speed: Sequence[S],
-    gain: Sequence[S],
-    forms: Sequence[JointForm],
+    rates: Sequence[S],
+    accelerations: Sequence[S],
+    choices: Sequence[FrameChoice],
 ) -> list[Wrench[S]]:
     """For each joint, the wrench that moves all that it carries, at the origin of its frame."""
-    zero = (chain.zero, chain.zero, chain.zero)
-    force, moment = zero, zero
+    force = moment = chain.null
     found: list[Wrench[S]] = []
     for i in range(chain.n - 1, -1, -1):
-        form = forms[i] if forms else PLAIN
-        own_force, own_moment = body_wrench(chain.bodies[i], motions[i + 1], form.second_moments)
+        choice = choices[i] if choices else PLAIN
+        own_force, own_moment = body_wrench(chain.bodies[i], motions[i + 1], choice.second_moments)
         force, moment = add(force, own_force), add(moment, own_moment)
         found.append((force, moment))
         force, moment = wrench_to_parent(chain.joints[i], (force, moment))
-        moment = add(moment, rotor_moment(chain.joints[i], motions[i].omega, speed[i], gain[i]))
+        moment = add(moment, rotor_moment(chain.joints[i], motions[i].omega, rates[i], accelerations[i]))
     return found[::-1]
 
 
-def _spin(motion: LinkMotion[S], zero: S) -> Vector[S]:
-    """The rate of change of the z axis."""
-    x, y, _ = motion.omega
-    return (y, -x, zero)
+def _moving_composites(
+    chain: Chain[S], rates: Sequence[S], omegas: Sequence[Vector[S]], half: S
+) -> list[_MovingBody[S]]:
+    """For each joint, all that it carries and how that moves, in its joint frame; ``omegas`` with that of the base."""
+    bodies = [_moving_link(body, omega, half) for body, omega in zip(chain.bodies, omegas[1:], strict=True)]
+    for i in range(chain.n - 1, 0, -1):
+        joint, inner = chain.joints[i], bodies[i - 1]
+        spin = hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
+        moved = _to_parent(joint, bodies[i], _origin_rate(joint, omegas[i], rates[i]))
+        bodies[i - 1] = _MovingBody(
+            inner.body + moved.body,
+            add(inner.first_rate, moved.first_rate),
+            add_matrices(add_matrices(inner.second_rate, moved.second_rate), spin),
+        )
+    return bodies
 
 
-def _column(chain: Chain[S], joint: ChainJoint[S], moving: MovingBody[S], motion: LinkMotion[S]) -> ClosedColumn[S]:
+def _moving_link(body: Body[S], omega: Vector[S], half: S) -> _MovingBody[S]:
+    """One link: xdot = omega x x, so E = omega^ times the second moments."""
+    i = body.inertia
+    total = half * (i.xx + i.yy + i.zz)
+    second = ((total - i.xx, -i.xy, -i.xz), (-i.xy, total - i.yy, -i.yz), (-i.xz, -i.yz, total - i.zz))
+    columns = [cross(omega, row) for row in second]
+    return _MovingBody(body, cross(omega, body.first_moment), transpose((columns[0], columns[1], columns[2])))
+
+
+def _to_parent(joint: ChainJoint[S], moving: _MovingBody[S], origin_rate: Vector[S]) -> _MovingBody[S]:
+    """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot."""
+    p = origin(joint)
+    first_rate = to_parent(joint, moving.first_rate)
+    body = body_to_parent(joint, moving.body)
+    second_rate = add_matrices(matrix_to_parent(joint, moving.second_rate), outer(first_rate, p))
+    second_rate = add_matrices(second_rate, outer(origin_rate, body.first_moment))
+    return _MovingBody(body, add(first_rate, scale(body.mass, origin_rate)), second_rate)
+
+
+def _origin_rate(joint: ChainJoint[S], omega: Vector[S], rate: S) -> Vector[S]:
+    """Velocity of the origin of frame i seen from that of frame i-1, in frame i-1."""
+    turning = cross(omega, origin(joint))
+    return turning if joint.revolute else add(turning, scale(rate, axis(joint)))
+
+
+def _response(chain: Chain[S], joint: ChainJoint[S], moving: _MovingBody[S], motion: LinkMotion[S]) -> _Response[S]:
     """How the wrench on all that joint j carries answers its variable, in frame j, and what its own torque answers."""
-    h, hdot, e, body = moving.body.first_moment, moving.growth, moving.spread, moving.body
+    h, hdot, e, body = moving.body.first_moment, moving.first_rate, moving.second_rate, moving.body
     unit, eta = unit_wrench(chain, joint, body)
-    bend = tuple(row[2] for row in motion.spread)
-    curve: Vector[S] = (bend[0], bend[1], bend[2])
+    zddot = column(motion.tensor, 2)
     if not joint.revolute:
         delta = (hdot[1], -hdot[0], chain.zero)
-        return ClosedColumn(scale(body.mass, curve), cross(h, curve), unit, eta, delta)
-    turn = _spin(motion, chain.zero)
-    twice = add(turn, turn)
+        return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, delta)
+    zdot: Vector[S] = (motion.omega[1], -motion.omega[0], chain.zero)
+    twice = add(zdot, zdot)
     a = motion.acceleration
-    shift: Vector[S] = (a[1], -a[0], chain.zero)
-    force = add(add(scale(body.mass, shift), cross(curve, h)), cross(twice, hdot))
+    a_z: Vector[S] = (a[1], -a[0], chain.zero)
+    force = add(add(scale(body.mass, a_z), cross(zddot, h)), cross(twice, hdot))
     x, y, _ = twice
     spread = (
         (e[1][1] + e[2][2]) * x - e[0][1] * y,
         (e[0][0] + e[2][2]) * y - e[1][0] * x,
         -(e[2][0] * x + e[2][1] * y),
     )
-    moment = add(add(cross(h, shift), multiply(body.inertia.matrix, curve)), spread)
-    return ClosedColumn(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
+    moment = add(add(cross(h, a_z), multiply(body.inertia.matrix, zddot)), spread)
+    return _Response(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
 
 
-def _with_carried_wrench(joint: ChainJoint[S], column: ClosedColumn[S], wrench: Wrench[S]) -> ClosedColumn[S]:
+def _with_carried_wrench(joint: ChainJoint[S], response: _Response[S], wrench: Wrench[S]) -> _Response[S]:
     """Seen from the links before, the wrench turns with a revolute joint and is shifted by a prismatic one."""
     (fx, fy, fz), (nx, ny, nz) = wrench
-    zero = fz - fz
-    lever: Vector[S] = (-fy, fx, zero)
+    lever: Vector[S] = (-fy, fx, fz - fz)
     if not joint.revolute:
-        return replace(column, moment=add(column.moment, lever))
-    return replace(column, force=add(column.force, lever), moment=add(column.moment, (-ny, nx, nz - nz)))
+        return replace(response, moment=add(response.moment, lever))
+    return replace(response, force=add(response.force, lever), moment=add(response.moment, (-ny, nx, nz - nz)))
 
 
-def _with_rotor(column: ClosedColumn[S], joint: ChainJoint[S], omega: Vector[S], half: S) -> ClosedColumn[S]:
-    """What the rotor of joint j, on link j-1, asks of the joint when that link moves otherwise."""
-    u = axis(joint)
-    eta = add(column.eta, scale(joint.coupling, u))
-    delta = add(column.delta, scale(half * joint.coupling, cross(omega, u)))
-    return replace(column, eta=eta, delta=delta)
+def _inward(joint: ChainJoint[S], response: _Response[S], omega: Vector[S], rate: S) -> _Response[S]:
+    """From joint frame i to i-1; ``omega`` of link i-1, ``rate`` of joint i."""
+    p = origin(joint)
+    force, unit = to_parent(joint, response.force), to_parent(joint, response.unit)
+    moment = add(to_parent(joint, response.moment), cross(p, force))
+    eta = add(to_parent(joint, response.eta), cross(p, unit))
+    delta = add(to_parent(joint, response.delta), cross(_origin_rate(joint, omega, rate), unit))
+    return _Response(force, moment, unit, eta, delta)
 
 
-def _answer(joint: ChainJoint[S], column: ClosedColumn[S], motion: LinkMotion[S]) -> S:
+def _inner_derivative(joint: ChainJoint[S], response: _Response[S], motion: LinkMotion[S]) -> S:
     """d tau_j / d q_i in rates, for joint i < j with link i in this motion."""
-    curve = (motion.spread[0][2], motion.spread[1][2], motion.spread[2][2])
+    zddot = column(motion.tensor, 2)
     if not joint.revolute:
-        return dot(column.unit, curve)
+        return dot(response.unit, zddot)
     x, y, _ = motion.omega
     ax, ay, _ = motion.acceleration
-    lever = column.delta[0] * y - column.delta[1] * x
-    return (column.unit[0] * ay - column.unit[1] * ax) + dot(column.eta, curve) + (lever + lever)
+    lever = response.delta[0] * y - response.delta[1] * x
+    return (response.unit[0] * ay - response.unit[1] * ax) + dot(response.eta, zddot) + (lever + lever)

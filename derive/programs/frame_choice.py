@@ -6,7 +6,7 @@ spent. Effort is counted in nodes, not in seconds, so that the result depends on
 
 The arm rearranged for a recursion: where frames stand and turn, and which inertial parameters are left.
 
-Three choices of a `JointForm` change the chain itself, none of them what any recursion computes:
+Three choices of a `FrameChoice` change the chain itself, none of them what any recursion computes:
 
 - *place*: a joint turns about its axis wherever on it the origin stands, so its constant offset d may come before or
   after it, or join the offset of a parallel axis; links then share origins, and levers vanish.
@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.joint_motion import shift, turn_about_z
-from derive.mechanics.link_motion import JointForm, Place
+from derive.mechanics.link_motion import FrameChoice, Place
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
 from derive.programs.parallel_axes import SumOfTurns, Turn, about_z
@@ -32,7 +32,7 @@ from derive.programs.tape.value import Value
 
 
 def arrange(
-    chain: Chain[Value], forms: Sequence[JointForm], total: SumOfTurns, half: Value, *, axial: bool = False
+    chain: Chain[Value], forms: Sequence[FrameChoice], total: SumOfTurns, half: Value, *, axial: bool = False
 ) -> Chain[Value]:
     """The chain as the forms ask, in base parameters; for dynamics alone, its tool and ends are those of the old one.
 
@@ -94,7 +94,7 @@ def _slides_along_all(chain: Chain[Value], i: int) -> bool:
     return parallel and all(joint.revolute or _unturned(chain, joint) for joint in joints)
 
 
-def _placed(chain: Chain[Value], forms: Sequence[JointForm]) -> Chain[Value]:
+def _placed(chain: Chain[Value], forms: Sequence[FrameChoice]) -> Chain[Value]:
     """Origins moved along their axes."""
     joints, bodies = list(chain.joints), list(chain.bodies)
     for i, form in enumerate(forms):
@@ -132,7 +132,7 @@ class _Lag:
         return about_z(self.cosine, self.sine, v)
 
 
-def _held(chain: Chain[Value], forms: Sequence[JointForm], total: SumOfTurns) -> Chain[Value]:
+def _held(chain: Chain[Value], forms: Sequence[FrameChoice], total: SumOfTurns) -> Chain[Value]:
     """Links held in the axes before their joints; K lets their turn through, as it leaves z where it is."""
     joints: list[ChainJoint[Value]] = []
     bodies: list[Body[Value]] = []
@@ -162,7 +162,7 @@ def _turned(body: Body[Value], lag: _Lag) -> Body[Value]:
     return Body(body.mass, lag.turned(body.first_moment), turn_about_z(lag.cosine, lag.sine, body.inertia))
 
 
-Forms = tuple[JointForm, ...]
+Forms = tuple[FrameChoice, ...]
 Outputs = tuple[Ref, ...]
 Trial = Callable[[Forms], Outputs]
 """Traces a function with some forms."""
@@ -235,7 +235,7 @@ class FormSearch:
                     forms = min(forms, (*forms[:i], change, *forms[i + 1 :]), key=self._cost)
         return forms
 
-    def _changes(self, i: int, form: JointForm, choice: str) -> Sequence[JointForm]:
+    def _changes(self, i: int, form: FrameChoice, choice: str) -> Sequence[FrameChoice]:
         """The form with one choice made otherwise, if that matters at this joint."""
         turns = self._chain.joints[i].revolute
         match choice:
@@ -268,4 +268,4 @@ def starting_forms(chain: Chain[Value]) -> tuple[Forms, ...]:
     n = chain.n
     can = [holdable(chain, i) for i in range(n)]
     held = (can, [can[i] and i == n - 1 for i in range(n)], [False] * n)
-    return tuple(tuple(JointForm(held=h, second_moments=True) for h in row) for row in held)
+    return tuple(tuple(FrameChoice(held=h, second_moments=True) for h in row) for row in held)

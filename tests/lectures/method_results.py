@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.printed_newton_euler import LinkStep, Recursion, newton_euler_base, newton_euler_link
+from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, newton_euler_base, newton_euler_link
 from derive.robot.robot import Robot
 from tests.lectures.results import Result, document, is_counted
 from tests.lectures.vector_formula import vector_value
 
 METHODS = document("methods.yaml")
-SETS: Mapping[str, Callable[..., Recursion[float]]] = {
+SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
     "newton_euler_base": newton_euler_base,
     "newton_euler_link": newton_euler_link,
 }
@@ -94,7 +94,7 @@ def _values(links: tuple[LinkStep[float], ...], i: int) -> Values:
     }
 
 
-def recursion_of(name: str, robot: Robot) -> Recursion[float]:
+def recursion_of(name: str, robot: Robot) -> PrintedRecursion[float]:
     rng = random.Random(robot.name)
     q, qd, qdd = ([rng.uniform(-1.5, 1.5) for _ in range(robot.n)] for _ in range(3))
     return SETS[name](robot, FloatDomain(robot, q), qd, qdd)

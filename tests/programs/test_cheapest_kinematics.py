@@ -7,7 +7,7 @@ import random
 import numpy as np
 import pytest
 
-from derive.mechanics.forward_kinematics import forward_kinematics, jacobian, link_transforms, rows
+from derive.mechanics.forward_kinematics import forward_kinematics, jacobian, link_transforms
 from derive.programs.cheapest_kinematics import cheapest_jacobian, cheapest_links, cheapest_pose
 from derive.programs.functions.functions import build_program
 from derive.programs.tape.tape import Operations
@@ -29,7 +29,7 @@ def assert_same_kinematics(trace: Trace) -> None:
         (cheapest_links(stations), link_transforms(chain)),
     ]
     outputs = [
-        tuple([v for frame in frames for v in flat(rows(frame, chain.zero, chain.one))] for frames in pair)
+        tuple([v for frame in frames for v in flat(frame.rows(chain.zero, chain.one))] for frames in pair)
         for pair in pairs
     ]
     outputs.append((flat(cheapest_jacobian(stations)), flat(jacobian(chain))))

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.mechanics.coriolis import christoffel_matrix
+from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
-from derive.mechanics.link_motion import PLAIN, JointForm
+from derive.mechanics.link_motion import PLAIN, FrameChoice
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.programs.frame_choice import ALL_CHOICES, Forms, FormSearch, holdable, places, starting_forms
 from derive.programs.tape.build import bake, cut
@@ -47,7 +47,7 @@ def scara() -> Robot:
 def random_forms(trace: Trace, rng: random.Random) -> Forms:
     """Any forms that are allowed."""
     return tuple(
-        JointForm(
+        FrameChoice(
             place=rng.choice(places(trace.chain, i)),
             held=holdable(trace.chain, i) and rng.random() < 0.5,
             second_moments=rng.random() < 0.5,
@@ -63,7 +63,7 @@ def outputs(trace: Trace, forms: Forms) -> list[Value]:
     """Torques, B, C and g with some forms."""
     chain, rates, gains = trace.arranged(forms), trace.arguments("qd"), trace.arguments("qdd")
     torques = inverse_dynamics(trace.arranged(forms, axial=True), rates, gains, forms)
-    matrices = [*flat(inertia_matrix(chain)), *flat(christoffel_matrix(chain, rates, trace.half))]
+    matrices = [*flat(inertia_matrix(chain)), *flat(coriolis_matrix(chain, rates, trace.half))]
     return [*torques, *matrices, *gravity_vector(chain)]
 
 

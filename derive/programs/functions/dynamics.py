@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
-from derive.mechanics.coriolis import christoffel_matrix
+from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
@@ -68,7 +68,7 @@ def coriolis_forms(trace: Trace) -> tuple[Forms, ...]:
 
 def _coriolis(trace: Trace) -> Callable[[Forms], list[Value]]:
     def values(forms: Forms) -> list[Value]:
-        return flat(christoffel_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
+        return flat(coriolis_matrix(trace.arranged(forms), trace.arguments(QD), trace.half))
 
     return values
 

@@ -50,4 +50,4 @@ def _jacobians(trace: Trace) -> Iterator[Candidate]:
 
 def _entries(trace: Trace, frames: Sequence[Frame[Value]]) -> list[Value]:
     chain = trace.chain
-    return [v for frame in frames for v in flat(forward_kinematics.rows(frame, chain.zero, chain.one))]
+    return [v for frame in frames for v in flat(frame.rows(chain.zero, chain.one))]
