@@ -1,12 +1,11 @@
-"""Exact constant angles: what part is a multiple of pi, what part is a sum of symbols.
+"""Exact angles: what part is a multiple of pi, what part a sum of symbols, and which joints add theirs.
 
 An angle is written ``f*pi + sum k_j*u_j`` with rational f and k_j, where each unit u_j is a name, a plain number of
 radians or an expression that is not a sum. Sines and cosines of multiples of pi/2, pi/4, pi/6 are algebraic numbers;
 every other unit keeps its own sine and cosine.
 
-Groups of joints whose angles books add: revolute joints with aligned, parallel axes.
-
-A group decides only how an expression is written, never what it is: sums of angles are as good a basis as the angles.
+Joint angles come in groups: those of revolute joints with parallel axes, which books add. A group decides only how an
+expression is written, never what it is: sums of angles are as good a basis as the angles.
 """
 
 from __future__ import annotations
@@ -38,7 +37,11 @@ class ExactAngle:
 
 
 def decompose(angle: Expression) -> ExactAngle:
-    """Split an angle [rad] into its multiple of pi and its units."""
+    """An angle as a multiple of pi and multiples of its units.
+
+    Args:
+        angle: Any tree [rad].
+    """
     parts: dict[Expression | None, Fraction] = {}
     _collect(angle, Fraction(1), parts)
     pi_multiple = parts.pop(None, Fraction(0))
@@ -51,7 +54,7 @@ def _collect(e: Expression, factor: Fraction, parts: dict[Expression | None, Fra
         for term in e.terms:
             _collect(term, factor, parts)
         return
-    number, rest = split_coefficient(e)
+    number, rest = _split_coefficient(e)
     if isinstance(rest, Sum):
         _collect(rest, factor * number, parts)
         return
@@ -59,7 +62,7 @@ def _collect(e: Expression, factor: Fraction, parts: dict[Expression | None, Fra
     parts[key] = parts.get(key, Fraction(0)) + factor * number
 
 
-def split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
+def _split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
     """A product as (rational factor, rest); a bare number r as (r, Number(1))."""
     one = Number(Fraction(1))
     if isinstance(e, Number):
@@ -70,7 +73,7 @@ def split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
         return Fraction(1), e
     number, rest = Fraction(1), []
     for factor in e.factors:
-        k, r = split_coefficient(factor)
+        k, r = _split_coefficient(factor)
         number *= k
         if r != one:
             rest.append(r)
@@ -79,86 +82,68 @@ def split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
     return number, rest[0] if len(rest) == 1 else Product(tuple(rest))
 
 
-Row = tuple[float, float, float]
-Rotation = tuple[Row, Row, Row]
+Axis = tuple[float, float, float]
+Groups = tuple[tuple[int, ...], ...]
 
-IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 _UNIT_STEP = 0.737_912
 """Stand-in for the first symbolic angle; any value that is no multiple of pi will do."""
 
 
-def aligned_groups(robot: Robot) -> tuple[tuple[int, ...], ...]:
-    """Maximal runs of revolute joints (indices from 0) whose axes are parallel and point the same way.
+def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, tuple[int, ...]]:
+    """Maximal runs of revolute joints with parallel axes, whose angles are summed.
 
     The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta:
     q`` on one that points up. Prismatic joints may stand between the joints of a group.
+
+    Args:
+        robot: The robot.
+        contraction: With `Contraction.OPPOSED` axes that point opposite ways belong to one group too, and their angles
+            are subtracted.
+
+    Returns:
+        The groups as joint indices from 0, and for every joint its direction (+1 or -1) within its group.
     """
-    return _groups(robot, Contraction.ALIGNED)[0]
-
-
-def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[tuple[tuple[int, ...], ...], tuple[int, ...]]:
-    """The groups whose angles are summed, and for every joint its direction (+1 or -1) within its group.
-
-    With `Contraction.OPPOSED` axes that point opposite ways belong to one group, and their angles are subtracted.
-    """
-    return _groups(robot, contraction)
-
-
-def _groups(robot: Robot, contraction: Contraction) -> tuple[tuple[tuple[int, ...], ...], tuple[int, ...]]:
     groups: list[list[int]] = []
     directions = [1] * robot.n
-    relative = IDENTITY
+    last_axis: Axis = (0.0, 0.0, 1.0)  # of the last revolute joint, in the frame reached so far
     units: dict[Expression, float] = {}
     standard = robot.convention is Convention.STANDARD
     for i, joint in enumerate(robot.joints):
-        twist = _about_x(_value(joint.alpha, units))
+        twist = _float(joint.alpha, units)
         if not standard:
-            relative = _product(relative, twist)
+            last_axis = _after_twist(last_axis, twist)
         if joint.is_revolute:
             last = groups[-1][-1] if groups else -1
-            turn = _direction(relative) * joint.sign * robot.joints[last].sign if groups else 0
+            parallel = round(last_axis[2]) if abs(abs(last_axis[2]) - 1) < 1e-12 else 0
+            turn = parallel * joint.sign * robot.joints[last].sign if groups else 0
             if turn == 1 or (turn == -1 and contraction is Contraction.OPPOSED):
                 groups[-1].append(i)
                 directions[i] = turn * directions[last]
             else:
                 groups.append([i])
-            relative = IDENTITY
+            last_axis = (0.0, 0.0, 1.0)
         else:
-            relative = _product(relative, _about_z(_value(joint.theta, units)))
+            x, y, z = last_axis
+            angle = _float(joint.theta, units)
+            c, s = math.cos(angle), math.sin(angle)
+            last_axis = (x * c + y * s, y * c - x * s, z)
         if standard:
-            relative = _product(relative, twist)
+            last_axis = _after_twist(last_axis, twist)
     return tuple(tuple(group) for group in groups), tuple(directions)
 
 
-def _direction(relative: Rotation) -> int:
-    """+1 where the z axes are aligned, -1 where they are opposed, else 0."""
-    cosine = relative[2][2]
-    return round(cosine) if abs(abs(cosine) - 1) < 1e-12 else 0
+def _after_twist(axis: Axis, alpha: float) -> Axis:
+    """A direction in the frame turned by alpha about x."""
+    x, y, z = axis
+    c, s = math.cos(alpha), math.sin(alpha)
+    return x, y * c + z * s, z * c - y * s
 
 
-def _value(angle: Expression, units: dict[Expression, float]) -> float:
+def _float(angle: Expression, units: dict[Expression, float]) -> float:
+    """An angle in radians, with a stand-in for every symbolic unit."""
     exact = decompose(angle)
     total = float(exact.pi_multiple) * math.pi
     for unit, k in exact.terms:
         default = 1.0 if isinstance(unit, Number) else _UNIT_STEP * (1 + 0.618_034 * len(units))
         total += float(k) * units.setdefault(unit, default)
     return total
-
-
-def _about_x(angle: float) -> Rotation:
-    c, s = math.cos(angle), math.sin(angle)
-    return ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
-
-
-def _about_z(angle: float) -> Rotation:
-    c, s = math.cos(angle), math.sin(angle)
-    return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
-
-
-def _product(a: Rotation, b: Rotation) -> Rotation:
-    rows = [[sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
-    return (
-        (rows[0][0], rows[0][1], rows[0][2]),
-        (rows[1][0], rows[1][1], rows[1][2]),
-        (rows[2][0], rows[2][1], rows[2][2]),
-    )

@@ -7,7 +7,7 @@ far is zero.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import reduce
 from math import inf, isinf, isqrt
@@ -22,7 +22,10 @@ _CONTEXT = mpmath.MPContext()
 _CONTEXT.prec = 256
 _COMPARED_BITS = 160
 _RATIONAL_BITS = 64
+"""A 256-bit number with so few bits is taken for the rational that it looks like: (sqrt(2)/2)**2 for 1/2."""
+
 _MAX_RATIONAL_SIZE = 8192
+"""Bits of a rational; beyond them exactness costs more than it is worth."""
 
 Constant = Fraction | Any
 """A Fraction, or an mpmath number of the private context; zero and rationals are always Fractions."""
@@ -31,7 +34,14 @@ Key = tuple[int, int, int]
 
 
 def key_of(value: Constant) -> Key:
-    """What tells two constants apart."""
+    """What tells two constants apart.
+
+    Args:
+        value: A constant.
+
+    Returns:
+        Equal for constants that agree in the compared bits.
+    """
     if isinstance(value, Fraction):
         return (0, value.numerator, value.denominator)
     sign, mantissa, exponent, _ = _rounded(value)
@@ -40,6 +50,9 @@ def key_of(value: Constant) -> Key:
 
 def to_float(value: Constant) -> float:
     """The nearest double.
+
+    Args:
+        value: A constant.
 
     Raises:
         QuantityError: The number is too large for a double.
@@ -59,7 +72,12 @@ def pi() -> Constant:
 
 
 def add(a: Constant, b: Constant) -> Constant:
-    """A + b."""
+    """The sum of two constants.
+
+    Args:
+        a: A constant.
+        b: Another; a sum that cancels but for the last bits is zero.
+    """
     if isinstance(a, Fraction) and isinstance(b, Fraction):
         return _bounded(a + b)
     x, y = _real(a), _real(b)
@@ -67,14 +85,22 @@ def add(a: Constant, b: Constant) -> Constant:
 
 
 def multiply(a: Constant, b: Constant) -> Constant:
-    """A times b."""
+    """The product of two constants.
+
+    Args:
+        a: A constant.
+        b: Another.
+    """
     if isinstance(a, Fraction) and isinstance(b, Fraction):
         return _bounded(a * b)
     return _settle(_real(a) * _real(b), 0)
 
 
 def reciprocal(a: Constant) -> Constant:
-    """1 / a.
+    """The reciprocal, 1/a.
+
+    Args:
+        a: A constant.
 
     Raises:
         QuantityError: a is zero.
@@ -90,7 +116,10 @@ def reciprocal(a: Constant) -> Constant:
 
 
 def square_root(a: Constant) -> Constant:
-    """The root of a number that is not negative.
+    """The square root.
+
+    Args:
+        a: A constant that is not negative.
 
     Raises:
         QuantityError: a is negative.
@@ -108,12 +137,20 @@ def square_root(a: Constant) -> Constant:
 
 
 def sine(a: Constant) -> Constant:
-    """Sin(a), a in radians."""
+    """The sine.
+
+    Args:
+        a: The angle [rad].
+    """
     return _settle(_CONTEXT.sin(_real(a)), _uncertainty(a))
 
 
 def cosine(a: Constant) -> Constant:
-    """Cos(a), a in radians."""
+    """The cosine.
+
+    Args:
+        a: The angle [rad].
+    """
     return _settle(_CONTEXT.cos(_real(a)), _uncertainty(a))
 
 
@@ -171,7 +208,7 @@ def exact_number(expression: Expression, numbers: Mapping[str, Expression]) -> C
 
 
 def _evaluate(expression: Expression, numbers: Mapping[str, Expression]) -> Constant:
-    def of(part: Expression) -> Constant:
+    def _value(part: Expression) -> Constant:
         return _evaluate(part, numbers)
 
     match expression:
@@ -180,26 +217,20 @@ def _evaluate(expression: Expression, numbers: Mapping[str, Expression]) -> Cons
         case Pi():
             return pi()
         case Name(name):
-            return of(numbers[name])
+            return _value(numbers[name])
         case Sum(terms):
-            return reduce(add, map(of, terms), Fraction(0))
+            return reduce(add, map(_value, terms), Fraction(0))
         case Product(factors):
-            return reduce(multiply, map(of, factors), Fraction(1))
+            return reduce(multiply, map(_value, factors), Fraction(1))
         case Power(base, exponent):
-            power = reduce(multiply, [of(base)] * abs(exponent), Fraction(1))
+            power = reduce(multiply, [_value(base)] * abs(exponent), Fraction(1))
             return reciprocal(power) if exponent < 0 else power
+        case Call("tan", (angle,)):
+            return multiply(sine(_value(angle)), reciprocal(cosine(_value(angle))))
         case Call(function, arguments):
-            return _call(function, of(arguments[0]))
+            if function not in _FUNCTIONS:
+                raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")
+            return _FUNCTIONS[function](_value(arguments[0]))
 
 
-def _call(function: str, argument: Constant) -> Constant:
-    match function:
-        case "sin":
-            return sine(argument)
-        case "cos":
-            return cosine(argument)
-        case "tan":
-            return multiply(sine(argument), reciprocal(cosine(argument)))
-        case "sqrt":
-            return square_root(argument)
-    raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")
+_FUNCTIONS: Mapping[str, Callable[[Constant], Constant]] = {"sin": sine, "cos": cosine, "sqrt": square_root}

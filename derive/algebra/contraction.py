@@ -2,13 +2,12 @@
 
 For a group of k joints the angles q_i + ... + q_j of every contiguous run are candidates; any k of them that span
 form a basis. With the runs as edges between k+1 nodes the bases are the spanning trees. The polynomial is written in
-each basis, each s^2 or c^2 is replaced where that leaves fewer terms, and the shortest result wins: c2*c3 - s2*s3
-becomes c23, c1*c12 + s1*s12 becomes c2, 1 - c5^2 becomes s5^2.
+each basis, each s^2 or c^2 is replaced by s^2 + c^2 = 1 where that leaves fewer terms, and the shortest result wins:
+c2*c3 - s2*s3 becomes c23, c1*c12 + s1*s12 becomes c2, 1 - c5^2 becomes s5^2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache, lru_cache
 from itertools import combinations
 from typing import NamedTuple
@@ -28,10 +27,12 @@ MAX_ENUMERATED = 3
 """Largest group whose spanning trees are all tried; 16 trees for 3 joints, 125 for 4."""
 
 MAX_STARS = 8
-"""Largest number of sums for which each of them is tried as the common reference."""
+"""Largest number of sums for which each of them is tried as the common reference: every further one costs a rewriting
+of the polynomial."""
 
 MAX_TERMS = 60
-"""Polynomials with more terms are written in the basis they come in."""
+"""Polynomials with more terms are written in the basis they come in: rewriting them in every basis takes long, and
+nobody would read the result."""
 
 
 class Trig(NamedTuple):
@@ -57,48 +58,39 @@ def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
         size: Number of joints in the group.
         sums: Whether the generators are the sums q_1, q_1 + q_2, ... (else the angles themselves).
         items: The polynomial.
+
+    Returns:
+        Its terms, in sines and cosines of sums of neighbouring angles.
     """
     if not sums or size == 1:
-        return _contract(size, sums, items)
+        return _shortest(size, sums, items)
+    # sums that do not occur are left out, and the nodes of the others numbered as in the whole group afterwards
     used = [i for i in range(size) if any(e[i] or e[size + i] for e, _, _ in items)]
     places = [*used, *(size + i for i in used)]
     small = tuple((tuple(e[p] for p in places), n, d) for e, n, d in items)
     nodes = (0, *(i + 1 for i in used))
-    return tuple(_renumbered(term, nodes) for term in _contract(len(used), True, small))
-
-
-def _renumbered(term: Contracted, nodes: tuple[int, ...]) -> Contracted:
-    """A term over the sums that occur, with the nodes of the whole group."""
-    factors = tuple(Trig(f.is_sine, (nodes[f.edge[0]], nodes[f.edge[1]]), f.exponent) for f in term.factors)
-    return Contracted(term.numerator, term.denominator, factors)
+    found = []
+    for term in _shortest(len(used), True, small):
+        factors = tuple(Trig(f.is_sine, (nodes[f.edge[0]], nodes[f.edge[1]]), f.exponent) for f in term.factors)
+        found.append(Contracted(term.numerator, term.denominator, factors))
+    return tuple(found)
 
 
 @lru_cache(maxsize=100_000)
-def _contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
-    own = _own_tree(size, sums)
+def _shortest(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
+    """The terms in the basis in which there are fewest; then those of least degree, with the fewest angles."""
+    polynomial = _context(size).from_dict({exponents: fmpq(p, q) for exponents, p, q in items})
+    bases = trees(size, sums)
     if len(items) == 1 or len(items) > MAX_TERMS:
-        return _read(own, _polynomial(size, items))
-    polynomial = _polynomial(size, items)
-    best: tuple[tuple[int, ...], tuple[Contracted, ...]] | None = None
-    for rank, tree in enumerate(trees(size, sums)):
-        written = _fold_squares(size, polynomial.compose(*_substitution(size, sums, tree)))
-        terms = _read(tree, written)
-        cost = (*_cost(terms), rank)
-        if best is None or cost < best[0]:
-            best = (cost, terms)
-    assert best is not None
-    return best[1]
-
-
-def _cost(terms: tuple[Contracted, ...]) -> tuple[int, ...]:
-    degree = sum(f.exponent for t in terms for f in t.factors)
-    angles = len({f.edge for t in terms for f in t.factors})
-    length = sum(f.edge[1] - f.edge[0] for t in terms for f in t.factors)
-    return len(terms), degree, angles, length
-
-
-def _own_tree(size: int, sums: bool) -> Tree:
-    return tuple((0 if sums else i, i + 1) for i in range(size))
+        return _terms_in(bases[0], polynomial)
+    candidates = []
+    for rank, tree in enumerate(bases):
+        terms = _terms_in(tree, _fold_squares(size, polynomial.compose(*_in_angles_of(size, sums, tree))))
+        factors = [f for term in terms for f in term.factors]
+        degree, angles = sum(f.exponent for f in factors), len({f.edge for f in factors})
+        length = sum(f.edge[1] - f.edge[0] for f in factors)
+        candidates.append(((len(terms), degree, angles, length, rank), terms))
+    return min(candidates, key=lambda candidate: candidate[0])[1]
 
 
 @cache
@@ -107,26 +99,32 @@ def trees(size: int, sums: bool) -> tuple[Tree, ...]:
 
     In a large group only those in which every generator is a sum of two angles at most: a longer sum has exponentially
     many terms.
+
+    Args:
+        size: Number of joints in the group.
+        sums: Whether the generators are the sums q_1, q_1 + q_2, ... (else the angles themselves).
     """
-    own = _own_tree(size, sums)
+    nodes = range(size + 1)
+    own = tuple((0 if sums else i, i + 1) for i in range(size))
+    others: list[Tree] = []
     if size <= MAX_ENUMERATED:
-        others = list(_spanning_trees(size))
+        edges = list(combinations(nodes, 2))
+        others = [tree for tree in combinations(edges, size) if len(paths(tree, 0)) == size + 1]
     elif sums and size <= MAX_STARS:
-        others = [tuple((min(r, i), max(r, i)) for i in range(size + 1) if i != r) for r in range(size + 1)]
-    else:
-        others = []
+        others = [tuple((min(r, i), max(r, i)) for i in nodes if i != r) for r in nodes]
     return tuple(dict.fromkeys([own, *others]))
 
 
-def _spanning_trees(size: int) -> Iterator[Tree]:
-    edges = [(i, j) for i in range(size + 1) for j in range(i + 1, size + 1)]
-    for tree in combinations(edges, size):
-        if len(paths(tree, 0)) == size + 1:
-            yield tree
-
-
 def paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
-    """For every node that the tree reaches: the signed edges from the root to it."""
+    """The ways from one node to all others along the edges of a tree.
+
+    Args:
+        tree: Edges; it need not reach every node.
+        root: Where the paths begin.
+
+    Returns:
+        For every node that the tree reaches: the index of each edge on the way, with the sign of its direction.
+    """
     found: dict[int, dict[int, int]] = {root: {}}
     queue = [root]
     while queue:
@@ -141,60 +139,44 @@ def paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
 
 @cache
 def _context(size: int) -> fmpq_mpoly_ctx:
+    """Polynomials in s_1..s_k, c_1..c_k without relations."""
     names = [f"s{i}" for i in range(size)] + [f"c{i}" for i in range(size)]
     return fmpq_mpoly_ctx.get(names, Ordering.lex)
 
 
 @cache
-def _squares(size: int) -> tuple[fmpq_mpoly, ...]:
-    g = _context(size).gens()
-    return tuple(g[i] ** 2 + g[size + i] ** 2 - 1 for i in range(size))
-
-
-def _polynomial(size: int, items: Items) -> fmpq_mpoly:
-    return _context(size).from_dict({exponents: fmpq(p, q) for exponents, p, q in items})
-
-
-@cache
-def _substitution(size: int, sums: bool, tree: Tree) -> tuple[fmpq_mpoly, ...]:
-    """Sine and cosine of every generator angle as polynomials in the basis angles."""
-    pairs = []
-    for lo, hi in _own_tree(size, sums):
-        pairs.append(_angle(size, paths(tree, lo)[hi]))
-    return (*(s for _, s in pairs), *(c for c, _ in pairs))
-
-
-def _angle(size: int, path: dict[int, int]) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+def _in_angles_of(size: int, sums: bool, tree: Tree) -> tuple[fmpq_mpoly, ...]:
+    """Sine and cosine of every generator angle as polynomials in those of the angles of a tree."""
     context = _context(size)
     g = context.gens()
-    cosine, sine = context.constant(1), context.constant(0)
-    for index, sign in path.items():
-        s, c = sign * g[index], g[size + index]
-        cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-    return cosine, sine
+    pairs = []
+    for lo, hi in trees(size, sums)[0]:
+        cosine, sine = context.constant(1), context.constant(0)
+        for index, sign in paths(tree, lo)[hi].items():
+            s, c = sign * g[index], g[size + index]
+            cosine, sine = cosine * c - sine * s, sine * c + cosine * s
+        pairs.append((sine, cosine))
+    return (*(s for s, _ in pairs), *(c for _, c in pairs))
 
 
 def _fold_squares(size: int, p: fmpq_mpoly) -> fmpq_mpoly:
-    """Normal form, then c^2 -> 1 - s^2 for each angle where that leaves fewer terms."""
-    for relation in _squares(size):
-        p = divmod(p, relation)[1]
-    if not p:
-        return p
+    """Normal form by s^2 -> 1 - c^2, then c^2 -> 1 - s^2 for each angle where that leaves fewer terms."""
+    generators = _context(size).gens()
+    circles = [generators[i] ** 2 + generators[size + i] ** 2 - 1 for i in range(size)]
+    for circle in circles:
+        p = divmod(p, circle)[1]
     for i in range(size):
-        if p.degrees()[size + i] >= 2:
-            other = _swap(size, i, divmod(_swap(size, i, p), _squares(size)[i])[1])
+        if p and p.degrees()[size + i] >= 2:
+            swapped = list(generators)
+            swapped[i], swapped[size + i] = swapped[size + i], swapped[i]
+            other = divmod(p.compose(*swapped), circles[i])[1].compose(*swapped)
             if len(other) < len(p):
                 p = other
     return p
 
 
-def _swap(size: int, i: int, p: fmpq_mpoly) -> fmpq_mpoly:
-    g = list(_context(size).gens())
-    g[i], g[size + i] = g[size + i], g[i]
-    return p.compose(*g)
-
-
-def _read(tree: Tree, p: fmpq_mpoly) -> tuple[Contracted, ...]:
+def _terms_in(tree: Tree, p: fmpq_mpoly) -> tuple[Contracted, ...]:
+    """The terms of a polynomial whose angles are those of a tree."""
     size = len(tree)
     terms = []
     for exponents, coefficient in p.terms():

@@ -22,6 +22,9 @@ def expression_from_sympy(expression: Any) -> Expression:
         expression: Sums, products, powers with whole or half exponents, sin, cos, tan (and their reciprocals), sqrt,
             atan2 and sign of symbols, rationals, floats and pi.
 
+    Returns:
+        The tree; subexpressions that SymPy shares are shared in it too.
+
     Raises:
         ExpressionError: Anything else, or a division by zero.
     """
@@ -30,61 +33,50 @@ def expression_from_sympy(expression: Any) -> Expression:
     except sympy.SympifyError:
         kind = type(expression).__name__
         raise ExpressionError(f"an expression of type {kind}", allowed="numbers and SymPy expressions") from None
-    return _Walker().walk(tree)
+    return _tree(tree, {})
 
 
-class _Walker:
-    """Shared subexpressions are walked once, and their trees are shared too."""
-
-    def __init__(self) -> None:
-        self._known: dict[Any, Expression] = {}
-
-    def walk(self, e: Any) -> Expression:
-        if e not in self._known:
-            self._known[e] = self._walk(e)
-        return self._known[e]
-
-    def _walk(self, e: Any) -> Expression:
-        if e.is_Symbol:
-            return Name(e.name)
-        if e.is_Number:
-            return _number(e)
-        if e is sympy.pi:
-            return Pi()
-        if e.is_Add:
-            return add(*map(self.walk, e.args))
-        if e.is_Mul:
-            return multiply(*map(self.walk, e.args))
-        if e.is_Pow:
-            return self._power(e)
-        return self._function(e)
-
-    def _power(self, e: Any) -> Expression:
-        base, exponent = e.args
-        if not exponent.is_Rational or exponent.q > 2 or abs(exponent.p) > CELL_LIMITS.exponent:
-            raise _refused(e, "whole and half exponents up to 32")
-        inner = self.walk(base)
-        if exponent.q == 2:
-            inner = Call("sqrt", (inner,))
-        if inner == ZERO and exponent < 0:
-            raise ExpressionError(f"division by zero in {quoted(str(e), 80)}")
-        return power(inner, int(exponent.p))
-
-    def _function(self, e: Any) -> Expression:
+def _tree(e: Any, known: dict[Any, Expression]) -> Expression:
+    """The tree of a SymPy expression; what is known already is not walked again."""
+    found = known.get(e)
+    if found is not None:
+        return found
+    if e.is_Symbol:
+        found = Name(e.name)
+    elif e.is_Rational:
+        found = number(Fraction(int(e.p), int(e.q)))
+    elif e.is_Float and e.is_finite:
+        found = number(Fraction(str(e)))
+    elif e.is_Number:
+        raise _refused(e, "finite numbers")
+    elif e is sympy.pi:
+        found = Pi()
+    elif e.is_Add:
+        found = add(*(_tree(part, known) for part in e.args))
+    elif e.is_Mul:
+        found = multiply(*(_tree(part, known) for part in e.args))
+    elif e.is_Pow:
+        found = _power(e, known)
+    else:
         name = getattr(e.func, "__name__", "")
-        if name in _PLAIN:
-            return Call(name, tuple(map(self.walk, e.args)))
-        if name in _RECIPROCAL:
-            return power(Call(_RECIPROCAL[name], (self.walk(e.args[0]),)), -1)
-        raise _refused(e, "sums, products, powers, sin, cos, tan, sqrt, atan2 and sign")
+        if name not in _PLAIN and name not in _RECIPROCAL:
+            raise _refused(e, "sums, products, powers, sin, cos, tan, sqrt, atan2 and sign")
+        arguments = tuple(_tree(part, known) for part in e.args)
+        found = Call(name, arguments) if name in _PLAIN else power(Call(_RECIPROCAL[name], arguments[:1]), -1)
+    known[e] = found
+    return found
 
 
-def _number(e: Any) -> Expression:
-    if e.is_Rational:
-        return number(Fraction(int(e.p), int(e.q)))
-    if e.is_Float and e.is_finite:
-        return number(Fraction(str(e)))
-    raise _refused(e, "finite numbers")
+def _power(e: Any, known: dict[Any, Expression]) -> Expression:
+    base, exponent = e.args
+    if not exponent.is_Rational or exponent.q > 2 or abs(exponent.p) > CELL_LIMITS.exponent:
+        raise _refused(e, "whole and half exponents up to 32")
+    inner = _tree(base, known)
+    if exponent.q == 2:
+        inner = Call("sqrt", (inner,))
+    if inner == ZERO and exponent < 0:
+        raise ExpressionError(f"division by zero in {quoted(str(e), 80)}")
+    return power(inner, int(exponent.p))
 
 
 def _refused(e: Any, allowed: str) -> ExpressionError:

@@ -1,13 +1,19 @@
-"""What the generators of a robot's ring stand for, and which expressions of a robot they must be able to hold."""
+"""What the generators of a robot's ring stand for, and which of them a set of expressions needs.
+
+The ring must know its generators before any expression can become a polynomial, so the expressions are read twice:
+here for what they contain, in `derive.algebra.domain` for what they are.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
+from math import isqrt, lcm
 
-from derive.robot.expression import Expression, Number, Product
+from derive.algebra.angles import ExactAngle, decompose
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, power
 from derive.robot.robot import Robot
 
 
@@ -28,6 +34,16 @@ class Kind(Enum):
     PI = "pi"
 
 
+_FUNCTIONS = {
+    Kind.SINE: "sin",
+    Kind.COSINE: "cos",
+    Kind.CONSTANT_SINE: "sin",
+    Kind.CONSTANT_COSINE: "cos",
+    Kind.ROOT: "sqrt",
+    Kind.PRIME_ROOT: "sqrt",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Generator:
     """One generator of the ring.
@@ -37,37 +53,270 @@ class Generator:
         name: Unique name in the ring.
         argument: The expression that it is a function of (the symbol itself for names).
         joint: Index of the joint it belongs to, or -1.
+        partner: Name of the cosine of the angle whose sine it is, and the other way round; else empty.
     """
 
     kind: Kind
     name: str
     argument: Expression
     joint: int = -1
+    partner: str = ""
+
+    @property
+    def expression(self) -> Expression:
+        """What it stands for."""
+        if self.kind is Kind.INVERSE:
+            return power(self.argument, -1)
+        function = _FUNCTIONS.get(self.kind)
+        return Call(function, (self.argument,)) if function else self.argument
 
 
-def robot_values(robot: Robot) -> Iterator[Expression]:
-    """Every cell of the robot that is not an angle."""
-    for joint in robot.joints:
-        yield joint.a
-        yield joint.d
-    for matrix in (robot.base, robot.tool):
-        yield from (cell for row in matrix for cell in row)
-    yield from robot.gravity or ()
-    for link in robot.links:
-        tensor = link.inertia
-        yield from (link.mass, *link.com, link.armature, link.viscous, link.coulomb)
-        yield from (tensor.xx, tensor.yy, tensor.zz, tensor.xy, tensor.xz, tensor.yz)
-        if link.motor is not None:
-            yield from (link.motor.mass, link.motor.inertia, link.motor.ratio)
+def sine_and_cosine(angle: Expression, key: str, joint: int = -1) -> tuple[Generator, Generator]:
+    """The generators for the sine and the cosine of one angle, partners of each other.
+
+    Args:
+        angle: The angle [rad].
+        key: What tells it apart from the other angles of the ring.
+        joint: Index of the joint it belongs to, -1 for a constant angle.
+    """
+    kinds = (Kind.SINE, Kind.COSINE) if joint >= 0 else (Kind.CONSTANT_SINE, Kind.CONSTANT_COSINE)
+    sine, cosine = f"sin {key}", f"cos {key}"
+    return Generator(kinds[0], sine, angle, joint, cosine), Generator(kinds[1], cosine, angle, joint, sine)
 
 
-def robot_angles(robot: Robot) -> Iterator[Expression]:
-    """Every constant angle of the table."""
-    for joint in robot.joints:
-        yield joint.theta
-        yield joint.alpha
+MAX_MULTIPLE = 24
+"""Largest multiple of one angle unit that is expanded by the addition theorem: cos(24 a) has 13 terms in cos(a)."""
+
+MAX_UNITS = 4
+"""Most constant units of one angle that are told apart; the addition theorem for k units has 2^(k-1) terms, so a longer
+sum is one unit."""
+
+SPECIAL: dict[Fraction, tuple[int, ...]] = {
+    Fraction(0): (),
+    Fraction(1, 4): (2,),
+    Fraction(1, 6): (3,),
+    Fraction(1, 12): (2, 3),
+}
+"""Angles (multiples of pi, up to sign and right angles) whose cosine and sine are square roots of these primes."""
+
+
+def rebuilt(e: Expression, change: Callable[[Expression], Expression]) -> Expression:
+    """A node with changed children and nothing flattened or folded.
+
+    Args:
+        e: The node.
+        change: What becomes of each child.
+    """
+    match e:
+        case Sum(terms):
+            return Sum(tuple(change(t) for t in terms))
+        case Product(factors):
+            return Product(tuple(change(f) for f in factors))
+        case Power(base, exponent):
+            return Power(change(base), exponent)
+        case Call(function, arguments):
+            return Call(function, tuple(change(a) for a in arguments))
+        case _:
+            return e
+
+
+def canonical(e: Expression) -> Expression:
+    """The tree with the terms of sums and the factors of products in a fixed order.
+
+    Args:
+        e: Any tree.
+    """
+    ordered = rebuilt(e, canonical)
+    match ordered:
+        case Sum(terms):
+            return Sum(tuple(sorted(terms, key=repr)))
+        case Product(factors):
+            return Product(tuple(sorted(factors, key=repr)))
+        case _:
+            return ordered
 
 
 def scaled(unit: Expression, k: Fraction) -> Expression:
-    """k * unit, in the form in which it names a generator."""
+    """A multiple of an angle unit, in the form in which it names a generator.
+
+    Args:
+        unit: The angle unit.
+        k: The factor.
+    """
     return unit if k == 1 else Product((Number(k), unit))
+
+
+def split_pi(multiple: Fraction) -> tuple[int, Fraction]:
+    """A multiple of pi as right angles and a rest of at most half of one: multiple = quarter/2 + rest.
+
+    Args:
+        multiple: The angle divided by pi.
+
+    Returns:
+        The number of right angles, 0 to 3, and the rest in (-1/4, 1/4].
+    """
+    quarter = round(multiple * 2)
+    rest = multiple - Fraction(quarter, 2)
+    if rest == Fraction(-1, 4):
+        quarter, rest = quarter - 1, Fraction(1, 4)
+    return quarter % 4, rest
+
+
+def square_free(value: Fraction) -> tuple[Fraction, tuple[int, ...]]:
+    """The square root of a positive rational as factor * product of sqrt(p).
+
+    Args:
+        value: The radicand.
+
+    Returns:
+        The rational factor and the primes p; found by trial division, a large cofactor counts as prime.
+    """
+    number = value.numerator * value.denominator
+    factor, primes = Fraction(1, value.denominator), []
+    p = 2
+    while p * p <= number and p < 10_000:
+        while number % (p * p) == 0:
+            number //= p * p
+            factor *= p
+        if number % p == 0:
+            number //= p
+            primes.append(p)
+        p += 1
+    root = isqrt(number)
+    if root * root == number:
+        return factor * root, tuple(primes)
+    return factor, (*primes, number)
+
+
+@dataclass
+class Atoms:
+    """What a set of expressions needs beyond rational numbers, in order of first appearance.
+
+    Attributes:
+        joints: Names of joint angles, given.
+        names: Plain symbols.
+        units: Angle units, each with the common denominator of its coefficients.
+        multiples: The absolute coefficients that occur of each unit.
+        pi_rests: Constant angles rest*pi in (0, 1/4) that are not special.
+        primes: Primes whose square roots are needed.
+        roots: Radicands of the other square roots, innermost first.
+        inverses: Denominators, innermost first.
+        has_pi: Whether pi occurs outside of angles.
+    """
+
+    joints: frozenset[str] = frozenset()
+    names: dict[str, None] = field(default_factory=dict)
+    units: dict[Expression, int] = field(default_factory=dict)
+    multiples: dict[Expression, dict[Fraction, None]] = field(default_factory=dict)
+    pi_rests: dict[Fraction, None] = field(default_factory=dict)
+    primes: dict[int, None] = field(default_factory=dict)
+    roots: dict[Expression, None] = field(default_factory=dict)
+    inverses: dict[Expression, None] = field(default_factory=dict)
+    has_pi: bool = False
+
+    def is_common(self, unit: Expression) -> bool:
+        """Whether all multiples of a unit are expanded by the addition theorem from one common part.
+
+        Args:
+            unit: One of `units`.
+        """
+        return max(self.multiples[unit]) * self.units[unit] <= MAX_MULTIPLE
+
+    def add_angle(self, e: Expression) -> None:
+        """Record what the sine and cosine of an angle need.
+
+        Args:
+            e: The angle [rad].
+        """
+        exact = bundled(decompose(canonical(e)), self.joints)
+        rest = abs(split_pi(exact.pi_multiple)[1])
+        if rest in SPECIAL:
+            self.primes.update(dict.fromkeys(SPECIAL[rest]))
+        else:
+            self.pi_rests[rest] = None
+        for unit, k in exact.terms:
+            if unit == Number(Fraction(1)):
+                unit, k = Number(abs(k)), Fraction(1)
+            self.units[unit] = lcm(self.units.get(unit, 1), k.denominator)
+            self.multiples.setdefault(unit, {})[abs(k)] = None
+
+    def add_value(self, e: Expression) -> None:
+        """Record what an expression needs.
+
+        Args:
+            e: Any tree.
+        """
+        match e:
+            case Pi():
+                self.has_pi = True
+            case Name(name):
+                self.names[name] = None
+            case Power(base, exponent):
+                self.add_value(base)
+                if exponent < 0 and not isinstance(base, Number):
+                    self.inverses[canonical(base)] = None
+            case Call("sqrt", (Number(radicand),)):
+                if radicand > 0:
+                    self.primes.update(dict.fromkeys(square_free(radicand)[1]))
+            case Call("sqrt", (argument,)):
+                self.add_value(argument)
+                self.roots[canonical(argument)] = None
+            case Call(function, (argument,)):
+                self.add_angle(argument)
+                if function == "tan":
+                    self.inverses[canonical(Call("cos", (argument,)))] = None
+            case _:
+                for child in children(e):
+                    self.add_value(child)
+
+
+def bundled(exact: ExactAngle, joints: frozenset[str]) -> ExactAngle:
+    """The angle with its constant units as one, where there are so many that their addition theorem explodes.
+
+    Args:
+        exact: The angle.
+        joints: Names of joint angles, which are no constants.
+    """
+    constant = [(u, k) for u, k in exact.terms if not (isinstance(u, Name) and u.name in joints)]
+    if len(constant) <= MAX_UNITS:
+        return exact
+    moving = [term for term in exact.terms if term not in constant]
+    whole = canonical(Sum(tuple(Product((Number(k), u)) for u, k in constant)))
+    return ExactAngle(exact.pi_multiple, (*moving, (whole, Fraction(1))))
+
+
+def collect(values: Iterable[Expression], angles: Iterable[Expression], joints: frozenset[str] = frozenset()) -> Atoms:
+    """What some expressions need of a ring.
+
+    Args:
+        values: Expressions that become polynomials.
+        angles: Constant angles [rad] whose sines and cosines are needed.
+        joints: Names of the joint angles of the ring.
+    """
+    atoms = Atoms(joints)
+    for e in angles:
+        atoms.add_angle(e)
+    for e in values:
+        atoms.add_value(e)
+    return atoms
+
+
+def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
+    """Every expression of a robot that its ring must be able to hold.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        The cells that are values, and the constant angles of the table [rad].
+    """
+    values = [cell for joint in robot.joints for cell in (joint.a, joint.d)]
+    values += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
+    values += robot.gravity or ()
+    for link in robot.links:
+        tensor = link.inertia
+        values += (link.mass, *link.com, link.armature, link.viscous, link.coulomb)
+        values += (tensor.xx, tensor.yy, tensor.zz, tensor.xy, tensor.xz, tensor.yz)
+        if link.motor is not None:
+            values += (link.motor.mass, link.motor.inertia, link.motor.ratio)
+    return values, [angle for joint in robot.joints for angle in (joint.theta, joint.alpha)]

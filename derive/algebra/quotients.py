@@ -9,16 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from derive.algebra.atoms import Atoms, canonical, collect
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.generators import Kind
+from derive.algebra.generators import Kind, canonical, collect, rebuilt
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError
 from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, substitute, to_text
 from derive.robot.robot import Robot
 
 MAX_TERMS = 50_000
-"""Budget of one product; beyond it formulas are compared at points."""
+"""Budget of one product, which keeps a comparison to seconds; beyond it formulas are compared at points."""
 
 MAX_DENOMINATORS = 64
 """Different denominators are all multiplied together; with more of them formulas are compared at points."""
@@ -68,7 +67,10 @@ class QuotientRing:
         renamed = [substitute(e, self._renamed) for e in given]
         algebraic = [_opaque(e) for e in renamed]
         plain = [_without_division(e) for e in algebraic]
-        self.faithful = algebraic == renamed and _is_faithful(collect(plain, ()))
+        atoms = collect(plain, ())
+        units_are_plain = all(isinstance(unit, Name) for unit in atoms.units)
+        has_others = atoms.roots or atoms.pi_rests or atoms.inverses
+        self.faithful = algebraic == renamed and units_are_plain and not has_others
         self.domain = PolynomialDomain(robot, plain, max_terms=MAX_TERMS)
         for generator in self.domain.generators:
             if generator.kind is Kind.INVERSE and not self.domain.constant(generator.argument):
@@ -77,61 +79,64 @@ class QuotientRing:
     def quotient(self, formula: Expression) -> Quotient:
         """The formula as a quotient of polynomials.
 
+        Args:
+            formula: One of those that the ring was made for.
+
         Raises:
             CheckError: A denominator is zero.
         """
         return self._value(_opaque(substitute(formula, self._renamed)))
 
     def difference(self, ours: Expression, theirs: Expression) -> Polynomial:
-        """A polynomial that is zero exactly where the formulas are equal wherever both are defined."""
+        """A polynomial that is zero exactly where two formulas are equal wherever both are defined.
+
+        Args:
+            ours: One of the formulas that the ring was made for.
+            theirs: Another.
+        """
         a, b = self.quotient(ours), self.quotient(theirs)
         if a.denominator == b.denominator:
-            return self._settled(a.numerator - b.numerator)
-        return self._settled(a.numerator * b.denominator - b.numerator * a.denominator)
+            return _settled(a.numerator - b.numerator)
+        return _settled(a.numerator * b.denominator - b.numerator * a.denominator)
 
     def _value(self, e: Expression) -> Quotient:
+        one = self.domain.ring.one
         match e:
             case Sum(terms):
-                return self._sum([self._value(term) for term in terms])
+                # terms without a denominator first: they need no cross-multiplication
+                values = sorted((self._value(term) for term in terms), key=lambda value: len(value.denominator))
+                return sum(values, Quotient(self.domain.ring.zero, one))
             case Product(factors):
-                return self._product([self._value(factor) for factor in factors])
+                total = Quotient(one, one)
+                for factor in factors:
+                    total = total * self._value(factor)
+                return total
             case Power(base, exponent):
-                return self._power(self._value(base), exponent, base)
+                value = self._value(base)
+                above, below = value.numerator, value.denominator
+                if exponent < 0:
+                    above, below = below, _nonzero(above, base)
+                return Quotient(above ** abs(exponent), below ** abs(exponent))
             case Call("tan", (argument,)):
                 cosine, sine = self.domain.cosine_sine(argument)
-                return Quotient(sine, self._nonzero(cosine, e))
+                return Quotient(sine, _nonzero(cosine, e))
             case _:
-                return Quotient(self.domain.constant(e), self.domain.ring.one)
+                return Quotient(self.domain.constant(e), one)
 
-    def _sum(self, terms: list[Quotient]) -> Quotient:
-        """Terms without a denominator first: they need no cross-multiplication."""
-        total = Quotient(self.domain.ring.zero, self.domain.ring.one)
-        for term in sorted(terms, key=lambda t: len(t.denominator)):
-            total = total + term
-        return total
 
-    def _product(self, factors: list[Quotient]) -> Quotient:
-        total = Quotient(self.domain.ring.one, self.domain.ring.one)
-        for factor in factors:
-            total = total * factor
-        return total
+def _nonzero(p: Polynomial, e: Expression) -> Polynomial:
+    """The polynomial of a divisor, fully reduced."""
+    settled = _settled(p)
+    if not settled:
+        raise _division_by_zero(e)
+    return settled
 
-    def _power(self, base: Quotient, exponent: int, e: Expression) -> Quotient:
-        if exponent < 0:
-            base = Quotient(base.denominator, self._nonzero(base.numerator, e))
-        return Quotient(base.numerator ** abs(exponent), base.denominator ** abs(exponent))
 
-    def _nonzero(self, p: Polynomial, e: Expression) -> Polynomial:
-        settled = self._settled(p)
-        if not settled:
-            raise _division_by_zero(e)
-        return settled
-
-    def _settled(self, p: Polynomial) -> Polynomial:
-        """Fully reduced: squares of roots may bring back squares of sines."""
-        while (again := p.ring.wrap(p.raw)) != p:
-            p = again
-        return p
+def _settled(p: Polynomial) -> Polynomial:
+    """Fully reduced: squares of roots may bring back squares of sines."""
+    while (again := p.ring.wrap(p.raw)) != p:
+        p = again
+    return p
 
 
 def _division_by_zero(e: Expression) -> CheckError:
@@ -140,37 +145,26 @@ def _division_by_zero(e: Expression) -> CheckError:
 
 def _opaque(e: Expression) -> Expression:
     """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets."""
-    match e:
-        case Sum(terms):
-            return Sum(tuple(_opaque(t) for t in terms))
-        case Product(factors):
-            return Product(tuple(_opaque(f) for f in factors))
-        case Power(base, exponent):
-            return Power(_opaque(base), exponent)
-        case Call(function, arguments) if function in NOT_ALGEBRAIC:
-            return Name(to_text(Call(function, tuple(canonical(a) for a in arguments))))
-        case Call(function, arguments):
-            return Call(function, tuple(_opaque(a) for a in arguments))
-        case _:
-            return e
+    if isinstance(e, Call) and e.function in NOT_ALGEBRAIC:
+        return Name(to_text(rebuilt(e, canonical)))
+    return rebuilt(e, _opaque)
 
 
 def _without_division(e: Expression) -> Expression:
     """A tree with the same irrational pieces, but denominators as factors: quotients need no inverses."""
     match e:
-        case Sum(terms):
-            return Sum(tuple(_without_division(t) for t in terms))
-        case Product(factors):
-            return Product(tuple(_without_division(f) for f in factors))
         case Power(base, exponent):
             return Power(_without_division(base), abs(exponent))
         case Call("tan", (argument,)):
             return Call("cos", (argument,))
-        case _:
+        case Call():
             return e
+        case _:
+            return rebuilt(e, _without_division)
 
 
 def _denominators(e: Expression) -> int:
+    """How many divisions and tangents there are in a tree."""
     divides = isinstance(e, Power) and e.exponent < 0
     own = divides or (isinstance(e, Call) and e.function == "tan")
     return int(own) + sum(map(_denominators, children(e)))
@@ -185,8 +179,3 @@ def _split_angles(robot: Robot, formulas: Iterable[Expression]) -> dict[str, Exp
         for unit, divisor in units.items()
         if isinstance(unit, Name) and unit.name in revolute and divisor > 1
     }
-
-
-def _is_faithful(atoms: Atoms) -> bool:
-    plain_units = all(isinstance(unit, Name) for unit in atoms.units)
-    return plain_units and not atoms.roots and not atoms.pi_rests and not atoms.inverses

@@ -29,6 +29,7 @@ _LARGEST = 2**31 - 1
 """Products of two residues fit into 64 bits."""
 
 _ATTEMPTS = 200
+"""Points that are tried: every root has a value at half of them, so a ring with seven roots needs some 130."""
 
 _SOLVED = (Kind.ROOT, Kind.PRIME_ROOT, Kind.INVERSE)
 """Generators whose value follows from that of others."""
@@ -39,7 +40,12 @@ class NoPointError(DeriveError):
 
 
 class Residue:
-    """An array of integers modulo ``prime`` with the operations of a scalar."""
+    """An array of integers modulo ``prime`` with the operations of a scalar.
+
+    Args:
+        prime: The modulus.
+        values: Integers of any shape.
+    """
 
     __slots__ = ("prime", "values")
 
@@ -53,27 +59,22 @@ class Residue:
         return fraction_residue(Fraction(other), self.prime)
 
     def __add__(self, other: Any, /) -> Residue:
-        """Self + other."""
         return Residue(self.prime, self.values + self._other(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any, /) -> Residue:
-        """Self - other."""
         return Residue(self.prime, self.values - self._other(other))
 
     def __rsub__(self, other: Any, /) -> Residue:
-        """Other - self."""
         return Residue(self.prime, self._other(other) - self.values)
 
     def __mul__(self, other: Any, /) -> Residue:
-        """Self times other."""
         return Residue(self.prime, self.values * self._other(other))
 
     __rmul__ = __mul__
 
     def __neg__(self) -> Residue:
-        """-self."""
         return Residue(self.prime, -self.values)
 
 
@@ -94,80 +95,100 @@ class ResidueDomain:
         self.samples = samples
         self._random = random.Random(seed)
         radicands = [g.argument for g in domain.generators if g.kind is Kind.PRIME_ROOT]
-        roots = [int(radicand.value) for radicand in radicands if isinstance(radicand, Number)]
-        self.prime = _prime_with_roots(roots)
-        self._point = self._find_point()
+        self.prime = _prime_with_roots([int(r.value) for r in radicands if isinstance(r, Number)])
+        points = (self._draw_point() for _ in range(_ATTEMPTS))
+        point = next((point for point in points if point is not None), None)
+        if point is None:
+            raise NoPointError("no point modulo a prime at which every root has a value")
+        self._point = point
         self._cache: dict[str, Residue] = {}
 
     def value(self, p: Polynomial) -> Residue:
-        """A polynomial at the points."""
+        """A polynomial at the points.
+
+        Args:
+            p: A polynomial of the domain.
+        """
         key = p.key()
         if key not in self._cache:
             self._cache[key] = Residue(self.prime, self._value(p, self._point))
         return self._cache[key]
 
     def draw(self) -> Residue:
-        """A number per configuration, for a rate or an acceleration."""
+        """A random number per configuration, for a rate or an acceleration."""
         return Residue(self.prime, self._numbers(self.samples))
 
     # -- scalars of the mechanics
 
     def number(self, value: int | Fraction) -> Residue:
-        """A rational."""
+        """A rational modulo the prime.
+
+        Args:
+            value: The rational.
+        """
         return Residue(self.prime, [[fraction_residue(Fraction(value), self.prime)]])
 
     def constant(self, expression: Expression) -> Residue:
-        """A cell without joint variables."""
+        """The value of a cell without joint variables.
+
+        Args:
+            expression: The cell.
+        """
         return self.value(self.domain.constant(expression))
 
     def cosine_sine(self, angle: Expression) -> tuple[Residue, Residue]:
-        """Cosine and sine of a constant angle."""
+        """Cosine and sine of a constant angle.
+
+        Args:
+            angle: The angle [rad].
+        """
         cosine, sine = self.domain.cosine_sine(angle)
         return self.value(cosine), self.value(sine)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Residue, Residue]:
-        """Cosine and sine of a revolute joint's angle."""
+        """Cosine and sine of the angle of a revolute joint, ``sign*q + theta``.
+
+        Args:
+            index: Index of the joint.
+            joint: Its row of the table.
+        """
         cosine, sine = self.domain.joint_cosine_sine(index, joint)
         return self.value(cosine), self.value(sine)
 
     def joint_offset(self, index: int, joint: Joint) -> Residue:
-        """The offset of a prismatic joint."""
+        """The displacement of a prismatic joint, ``sign*q + d``.
+
+        Args:
+            index: Index of the joint.
+            joint: Its row of the table.
+        """
         return self.value(self.domain.joint_offset(index, joint))
 
     # -- points
 
-    def _find_point(self) -> list[Array]:
-        for _ in range(_ATTEMPTS):
-            point = self._draw_point()
-            if point is not None:
-                return point
-        raise NoPointError("no point modulo a prime at which every root has a value")
-
     def _draw_point(self) -> list[Array] | None:
         """A value per generator; None where a root or an inverse has none."""
-        generators, ring = self.domain.generators, self.domain.ring
+        generators, index, p = self.domain.generators, self.domain.ring.index, self.prime
         point: list[Array] = [np.zeros((1, 1), dtype=np.int64)] * len(generators)
         pending = {i: g for i, g in enumerate(generators) if g.kind in _SOLVED}
         for i, g in enumerate(generators):
             if g.kind in (Kind.COSINE, Kind.CONSTANT_COSINE):
-                count = self.samples if g.kind is Kind.COSINE else 1
-                point[i], point[ring.index["sin" + g.name[3:]]] = self._circle(count)
+                point[i], point[index[g.partner]] = self._circle(self.samples if g.kind is Kind.COSINE else 1)
             elif i not in pending and g.kind not in (Kind.SINE, Kind.CONSTANT_SINE):
                 point[i] = self._numbers(self.samples if g.kind is Kind.VARIABLE else 1)
         while pending:
-            values = {i: self.domain.constant(g.argument) for i, g in pending.items()}
-            ready = next(i for i, v in values.items() if not any(v.degrees()[k] for k in pending))
-            solved = self._solved(pending.pop(ready).kind, self._value(values[ready], point))
-            if solved is None:
+            arguments = {i: self.domain.constant(g.argument) for i, g in pending.items()}
+            ready = next(i for i, v in arguments.items() if not any(v.degrees()[k] for k in pending))
+            value = self._value(arguments[ready], point)
+            if pending.pop(ready).kind is Kind.INVERSE:
+                point[ready] = _power(value, p - 2, p)
+                exists = value.all()
+            else:
+                point[ready] = _power(value, (p + 1) // 4, p)
+                exists = (point[ready] * point[ready] % p == value).all()
+            if not exists:
                 return None
-            point[ready] = solved
         return point
-
-    def _solved(self, kind: Kind, value: Array) -> Array | None:
-        if kind is Kind.INVERSE:
-            return _power(value, self.prime - 2, self.prime) if value.all() else None
-        root = _power(value, (self.prime + 1) // 4, self.prime)
-        return root if (root * root % self.prime == value).all() else None
 
     def _circle(self, count: int) -> tuple[Array, Array]:
         """Points (1 - t^2, 2t) / (1 + t^2) of the unit circle; 1 + t^2 has no zero modulo a prime 4k + 3."""
@@ -192,7 +213,12 @@ class ResidueDomain:
 
 
 def fraction_residue(value: Fraction, prime: int) -> int:
-    """A rational modulo a prime."""
+    """A rational modulo a prime.
+
+    Args:
+        value: The rational; its denominator is no multiple of the prime.
+        prime: The modulus.
+    """
     return value.numerator * pow(value.denominator, -1, prime) % prime
 
 
@@ -234,7 +260,7 @@ def _power(base: Array, exponent: int, prime: int) -> Array:
 
 
 def _prime_with_roots(numbers: Iterable[int]) -> int:
-    """The largest prime 4k + 3 of 31 bits modulo which all the numbers are squares."""
+    """The largest prime 4k + 3 of 31 bits modulo which all the numbers are squares (Euler's criterion)."""
     wanted = list(numbers)
     for candidate in range(_LARGEST, 2**30, -4):
         squares = all(pow(number, (candidate - 1) // 2, candidate) == 1 for number in wanted)
@@ -244,19 +270,12 @@ def _prime_with_roots(numbers: Iterable[int]) -> int:
 
 
 def _is_prime(number: int) -> bool:
-    """Miller and Rabin; these bases decide every number below 3,215,031,751."""
+    """The test of Miller and Rabin for an odd number; these bases decide every one below 3,215,031,751."""
     odd, twos = number - 1, 0
     while odd % 2 == 0:
         odd, twos = odd // 2, twos + 1
-    return all(_is_strong(number, base, odd, twos) for base in (2, 3, 5, 7))
-
-
-def _is_strong(number: int, base: int, odd: int, twos: int) -> bool:
-    value = pow(base, odd, number)
-    if value in (1, number - 1):
-        return True
-    for _ in range(twos - 1):
-        value = value * value % number
-        if value == number - 1:
-            return True
-    return False
+    for base in (2, 3, 5, 7):
+        powers = [pow(base, odd * 2**k, number) for k in range(twos)]
+        if powers[0] != 1 and number - 1 not in powers:
+            return False
+    return True

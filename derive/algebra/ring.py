@@ -1,11 +1,9 @@
 """Exact polynomials in sines, cosines, variables and parameters, reduced by what their generators satisfy.
 
 Everything that a DH chain yields is a polynomial over the rationals in the sine and cosine of each joint angle, the
-prismatic variables and the parameters. A `Ring` holds the generators and their relations (s^2 = 1 - c^2 for every
+prismatic variables and the parameters. A `Ring` holds the generators and their relations (s^2 + c^2 = 1 for every
 angle, w^2 = x for every square root, u*x = 1 for every inverse); a `Polynomial` is always in normal form, so that
 equality is equality of coefficients.
-
-Determinants of square blocks of polynomials, exactly.
 """
 
 from __future__ import annotations
@@ -56,7 +54,11 @@ class Ring:
         max_terms: A product with more terms raises `TooManyTerms`.
 
     Attributes:
-        opening: Bits of the relations that put generators of other relations in place of their own.
+        context: FLINT's ring without the relations.
+        index: Generator name -> its place in the exponent vectors.
+        relations: What the generators satisfy; sets of relations are written as bits, relation r as ``1 << r``.
+        opening: The relations that put generators of other relations in place of their own.
+        always: The relations by which every product must be reduced.
     """
 
     def __init__(self, names: Sequence[str], max_terms: int = 10**9) -> None:
@@ -65,48 +67,149 @@ class Ring:
         self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)
         self.index = {name: i for i, name in enumerate(self.names)}
         self.relations: list[Relation] = []
-        self.opening = 0
+        self.opening = self.always = 0
         self._raw = self.context.gens()
         self.zero = Polynomial(self, self.context.constant(0), 0)
         self.one = Polynomial(self, self.context.constant(1), 0)
 
-    def relate(self, relation: Relation) -> None:
-        """Add a relation; only while the ring is being set up."""
+    # -- relations, added while the ring is set up
+
+    def relate_sine(self, sine: str, cosine: str) -> None:
+        """The Pythagorean identity s^2 + c^2 = 1: every square of the sine becomes 1 - c^2.
+
+        Args:
+            sine: Name of the generator s.
+            cosine: Name of the generator c of the same angle, lower in the order.
+        """
+        c = self.generator(cosine)
+        self.relate_root(sine, 1 - c * c)
+
+    def relate_root(self, name: str, radicand: Polynomial) -> None:
+        """The square of a root, w^2 = x.
+
+        Args:
+            name: Name of the generator w.
+            radicand: x, in generators lower in the order.
+        """
+        generator = self.generator(name)
+        self._relate(Relation(self.index[name], generator.raw**2 - radicand.raw))
+
+    def relate_inverse(self, name: str, value: Polynomial) -> None:
+        """An inverse, u*x = 1.
+
+        Args:
+            name: Name of the generator u.
+            value: x, in generators lower in the order.
+        """
+        generator = self.generator(name)
+        self._relate(Relation(self.index[name], generator.raw * value.raw - 1, always=True))
+
+    def _relate(self, relation: Relation) -> None:
         self.relations.append(relation)
         own = 1 << (len(self.relations) - 1)
         if self.mask(relation.polynomial) & ~own:
             self.opening |= own
+        if relation.always:
+            self.always |= own
+
+    def mask(self, raw: fmpq_mpoly) -> int:
+        """Which relations a raw polynomial may be reduced by.
+
+        Args:
+            raw: A polynomial over `context`.
+
+        Returns:
+            Bit r is set when the generator of relation r occurs.
+        """
+        degrees = raw.degrees() if raw else ()
+        return sum(1 << r for r, rel in enumerate(self.relations) if degrees and degrees[rel.generator])
+
+    def reduce(self, raw: fmpq_mpoly, bits: int) -> fmpq_mpoly:
+        """The remainder of a raw polynomial modulo some relations.
+
+        Args:
+            raw: A polynomial over `context`.
+            bits: The relations to reduce by.
+        """
+        for r, relation in enumerate(self.relations):
+            if bits >> r & 1:
+                raw = divmod(raw, relation.polynomial)[1]
+        if bits & self.always:
+            return self.reduce(raw, self.mask(raw) & ~self.always)
+        return raw
+
+    def settle(self, raw: fmpq_mpoly) -> Polynomial:
+        """Reduce by every relation until nothing changes: a radicand may bring back what was reduced before.
+
+        Args:
+            raw: A polynomial over `context`.
+        """
+        while (reduced := self.reduce(raw, self.mask(raw))) != raw:
+            raw = reduced
+        return Polynomial(self, raw, self.mask(raw))
+
+    # -- elements
 
     def generator(self, name: str) -> Polynomial:
-        """A generator as a polynomial."""
+        """A generator as a polynomial.
+
+        Args:
+            name: Its name in the ring.
+        """
         i = self.index[name]
-        return Polynomial(self, self._raw[i], self._mask_of(i))
+        mask = sum(1 << r for r, relation in enumerate(self.relations) if relation.generator == i)
+        return Polynomial(self, self._raw[i], mask)
 
     def number(self, value: int | Fraction) -> Polynomial:
-        """A rational constant."""
+        """A rational as a constant polynomial.
+
+        Args:
+            value: The rational.
+        """
         if value == 0:
             return self.zero
-        return Polynomial(self, self.context.constant(rational(value)), 0)
+        return Polynomial(self, self.context.constant(fmpq(value.numerator, value.denominator)), 0)
 
     def wrap(self, raw: fmpq_mpoly) -> Polynomial:
-        """A raw polynomial of this ring, reduced to normal form."""
+        """A raw polynomial as an element of this ring, reduced to normal form.
+
+        Args:
+            raw: A polynomial over `context`.
+        """
         mask = self.mask(raw)
         if mask & self.opening:
             return self.settle(raw)
         return Polynomial(self, self.reduce(raw, mask), mask)
 
-    def settle(self, raw: fmpq_mpoly) -> Polynomial:
-        """Reduce by every relation until nothing changes: a radicand may bring back what was reduced before."""
-        while (reduced := self.reduce(raw, self.mask(raw))) != raw:
-            raw = reduced
-        return Polynomial(self, raw, self.mask(raw))
-
     def project(self, p: Polynomial) -> Polynomial:
-        """A polynomial of another ring whose generators all exist here under the same names."""
+        """A polynomial of another ring as one of this ring.
+
+        Args:
+            p: Its generators all exist here under the same names.
+        """
         return self.wrap(p.raw.project_to_context(self.context))
 
+    def sum(self, terms: Iterable[Polynomial]) -> Polynomial:
+        """The sum of polynomials of this ring.
+
+        Args:
+            terms: The summands; none give zero.
+        """
+        total = self.zero
+        for term in terms:
+            total = total + term
+        return total
+
     def coefficients(self, p: Polynomial, generators: Sequence[int]) -> dict[tuple[int, ...], Polynomial]:
-        """The coefficients of the monomials in some generators: polynomials in all the others, by exponents."""
+        """A polynomial as one in some generators, with polynomials in all the others as coefficients.
+
+        Args:
+            p: The polynomial.
+            generators: Indices of the generators that are set apart.
+
+        Returns:
+            Exponents of these generators -> coefficient.
+        """
         parts: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
         for exponents, coefficient in p.raw.terms():
             rest = [int(e) for e in exponents]
@@ -114,35 +217,6 @@ class Ring:
                 rest[i] = 0
             parts.setdefault(tuple(int(exponents[i]) for i in generators), {})[tuple(rest)] = coefficient
         return {monomial: self.wrap(self.context.from_dict(terms)) for monomial, terms in parts.items()}
-
-    def mask(self, raw: fmpq_mpoly) -> int:
-        """Bit r is set when the generator of relation r occurs."""
-        degrees = raw.degrees() if raw else ()
-        return sum(1 << r for r, rel in enumerate(self.relations) if degrees and degrees[rel.generator])
-
-    def reduce(self, raw: fmpq_mpoly, bits: int) -> fmpq_mpoly:
-        """Reduce by the relations whose bits are set."""
-        for r, relation in enumerate(self.relations):
-            if bits >> r & 1:
-                raw = divmod(raw, relation.polynomial)[1]
-        if bits & self.always_bits():
-            again = self.reduce(raw, self.mask(raw) & ~self.always_bits())
-            return again
-        return raw
-
-    def always_bits(self) -> int:
-        """Bits of the relations that every product must be reduced by."""
-        return sum(1 << r for r, relation in enumerate(self.relations) if relation.always)
-
-    def _mask_of(self, generator: int) -> int:
-        return sum(1 << r for r, rel in enumerate(self.relations) if rel.generator == generator)
-
-    def sum(self, terms: Iterable[Polynomial]) -> Polynomial:
-        """The sum of polynomials of this ring."""
-        total = self.zero
-        for term in terms:
-            total = total + term
-        return total
 
 
 class Polynomial:
@@ -192,18 +266,19 @@ class Polynomial:
         o = self._coerce(other)
         if o is None:
             return NotImplemented
+        ring = self.ring
         if not self.raw or not o.raw:
-            return self.ring.zero
+            return ring.zero
         both = self._mask | o._mask
         raw = self.raw * o.raw
-        if len(raw) > self.ring.max_terms:
-            raise TooManyTerms(self.ring.max_terms)
+        if len(raw) > ring.max_terms:
+            raise TooManyTerms(ring.max_terms)
         if both:
-            bits = self._mask & o._mask | both & self.ring.always_bits()
-            raw = self.ring.reduce(raw, bits)
-            if bits & self.ring.opening:
-                return self.ring.settle(raw)
-        return Polynomial(self.ring, raw, both)
+            bits = self._mask & o._mask | both & ring.always
+            raw = ring.reduce(raw, bits)
+            if bits & ring.opening:
+                return ring.settle(raw)
+        return Polynomial(ring, raw, both)
 
     __rmul__ = __mul__
 
@@ -248,11 +323,6 @@ class Polynomial:
         lead = fraction(self.raw.leading_coefficient())
         return lead, (self if lead == 1 else self * (1 / lead)).key()
 
-    def sparse_terms(self) -> Iterator[tuple[tuple[Any, ...], Fraction]]:
-        """As `terms`, with FLINT's own integers as exponents: quicker where most are zero."""
-        for exponents, coefficient in self.raw.terms():
-            yield exponents, fraction(coefficient)
-
     def degrees(self) -> tuple[int, ...]:
         """The degree in every generator (zeros for the zero polynomial)."""
         return tuple(int(d) for d in self.raw.degrees()) if self.raw else (0,) * len(self.ring.names)
@@ -268,18 +338,20 @@ class Polynomial:
         return fraction(self.raw.leading_coefficient()) if self.raw else Fraction(0)
 
     def partial(self, generator: int) -> Polynomial:
-        """The partial derivative in one generator, all others held."""
+        """The partial derivative in one generator, all others held.
+
+        Args:
+            generator: Index of the generator.
+        """
         return Polynomial(self.ring, self.raw.derivative(generator), self._mask)
 
 
-def rational(value: int | Fraction) -> fmpq:
-    """A Python rational as a FLINT one."""
-    f = Fraction(value)
-    return fmpq(f.numerator, f.denominator)
-
-
 def fraction(value: fmpq) -> Fraction:
-    """A FLINT rational as a Python one."""
+    """A FLINT rational as a Python one.
+
+    Args:
+        value: The rational.
+    """
     return Fraction(int(value.p), int(value.q))
 
 
@@ -287,20 +359,23 @@ def determinant(rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
     """The determinant by Laplace expansion, every minor computed once.
 
     With the rows taken from the last one up, a minor is fixed by its columns; a matrix of size n has 2^n of them.
+
+    Args:
+        rows: A square matrix (n, n) over one ring, n at least 1.
     """
     size = len(rows)
     ring = rows[0][0].ring
 
     @cache
-    def minor(columns: tuple[int, ...]) -> Polynomial:
+    def _minor(columns: tuple[int, ...]) -> Polynomial:
         if not columns:
             return ring.one
         row = rows[size - len(columns)]
         total = ring.zero
         for place, column in enumerate(columns):
             if row[column]:
-                rest = row[column] * minor(columns[:place] + columns[place + 1 :])
+                rest = row[column] * _minor(columns[:place] + columns[place + 1 :])
                 total = total - rest if place % 2 else total + rest
         return total
 
-    return minor(tuple(range(size)))
+    return _minor(tuple(range(size)))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from derive.algebra.contraction import Contracted, contract
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Generator, Kind
-from derive.algebra.ring import Polynomial
+from derive.algebra.ring import Polynomial, fraction
 from derive.robot.expression import Expression
 
 Monomial = tuple[tuple[int, int], ...]
@@ -107,8 +107,8 @@ class FactorTable:
         """The polynomial with every aligned group contracted."""
         degrees = p.degrees()
         rows: list[Row] = [
-            ({i: int(e) for i, e in enumerate(exponents) if e}, (), coefficient)
-            for exponents, coefficient in p.sparse_terms()
+            ({i: int(e) for i, e in enumerate(exponents) if e}, (), fraction(coefficient))
+            for exponents, coefficient in p.raw.terms()
         ]
         for group in self._groups:
             if group.may_shorten(degrees):

@@ -9,13 +9,14 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive.algebra.angles import aligned_groups
+from derive.algebra.angles import contracted_groups
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.errors import Location
 from derive.lecture.form import LectureForm
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
+from derive.robot.style import Contraction
 from tests.evaluate import evaluate
 
 PLANAR = """
@@ -115,7 +116,7 @@ def test_products_are_built_in_sympys_own_order() -> None:
 )
 def test_groups_are_aligned_parallel_axes(rows: str, groups: tuple[tuple[int, ...], ...]) -> None:
     robot = Robot.from_text(f"name: r\nconvention: standard\njoints: {rows}\n")
-    assert aligned_groups(robot) == groups
+    assert contracted_groups(robot, Contraction.ALIGNED)[0] == groups
 
 
 @pytest.mark.parametrize("n", [6, 20, 64])
