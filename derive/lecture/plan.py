@@ -7,7 +7,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from derive.lecture.terms import Monomial, Terms, common_factor, divide, project
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+from derive.algebra.ring import fraction
+from derive.lecture.terms import Monomial, Terms, common_factor, divide, partition, project
+
+MAX_TERMS = 120
+"""Sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +59,26 @@ class Plus:
 
 Plan = Term | Times | Plus
 Level = frozenset[int]
+"""Numbers of factors that are collected together."""
+
 Writer = Callable[[Terms], Plan]
 
 
+def cheapest(plans: Iterable[Plan]) -> Plan:
+    """The plan with the fewest operations, of equally cheap ones the first.
+
+    Args:
+        plans: At least one.
+    """
+    return min(plans, key=lambda plan: plan.operations)
+
+
 def flat(terms: Terms) -> Plan:
-    """The sum of the terms as they are."""
+    """The sum of the terms as they are.
+
+    Args:
+        terms: A sum; an empty one is zero.
+    """
     parts = tuple(Term(c, m) for m, c in terms.items())
     if not parts:
         return Term(Fraction(0), ())
@@ -65,78 +86,44 @@ def flat(terms: Terms) -> Plan:
 
 
 def factored(terms: Terms, inside: Writer, among: Level | None = None) -> Plan:
-    """The common factor of all terms (of those factors that are in ``among``) taken out, the rest by ``inside``."""
+    """The common factor of all terms taken out.
+
+    Args:
+        terms: A sum.
+        inside: Writes the rest.
+        among: The factors that may be taken out; all of them by default.
+    """
     common = common_factor(terms) if len(terms) > 1 else ()
     if among is not None:
         common = project(common, among)
     if not common:
         return inside(terms)
-    return times(common, inside({divide(m, common): c for m, c in terms.items()}))
-
-
-def times(monomial: Monomial, inner: Plan) -> Plan:
-    """monomial * inner, merged where inner is a single term or a product; a sum of negatives gets its sign outside."""
-    if isinstance(inner, Plus):
-        if not monomial:
-            return inner
-        sign, plan = _without_sign(inner)
-        return Times(sign, monomial, ((plan, 1),))
-    merged = dict(inner.monomial)
-    for factor, exponent in monomial:
-        merged[factor] = merged.get(factor, 0) + exponent
-    outer = tuple(sorted(merged.items()))
-    if isinstance(inner, Term):
-        return Term(inner.coefficient, outer)
-    return Times(inner.coefficient, outer, inner.inner)
-
-
-def _without_sign(plan: Plus) -> tuple[Fraction, Plus]:
-    """A sum whose parts are all negative as -1 times a sum of positive ones."""
-    if any(_coefficient(part) >= 0 for part in plan.parts):
-        return Fraction(1), plan
-    return Fraction(-1), Plus(tuple(_negated(part) for part in plan.parts))
-
-
-def _coefficient(plan: Plan) -> Fraction:
-    return Fraction(1) if isinstance(plan, Plus) else plan.coefficient
-
-
-def _negated(plan: Plan) -> Plan:
-    match plan:
-        case Term(coefficient, monomial):
-            return Term(-coefficient, monomial)
-        case Times(coefficient, monomial, inner):
-            return Times(-coefficient, monomial, inner)
-        case Plus(parts):
-            return Plus(tuple(_negated(part) for part in parts))
-
-
-def plus(parts: Iterable[Plan]) -> Plan:
-    """The sum of the parts, sums inside it merged."""
-    flattened: list[Plan] = []
-    for part in parts:
-        flattened.extend(part.parts if isinstance(part, Plus) else (part,))
-    return flattened[0] if len(flattened) == 1 else Plus(tuple(flattened))
+    return _times(common, inside({divide(m, common): c for m, c in terms.items()}))
 
 
 def grouped(terms: Terms, level: Level, inside: Writer) -> Plan:
-    """Collected by the monomials in the factors of ``level``, each coefficient written by ``inside``."""
-    return plus([times(outer, inside(rest)) for outer, rest in partition(terms, level).items()])
+    """Collected by the monomials in some factors: ``m1*(...) + m2*(...)``.
 
-
-def partition(terms: Terms, level: Level) -> dict[Monomial, Terms]:
-    """The terms by their monomials in the factors of ``level``."""
-    parts: dict[Monomial, Terms] = {}
-    for monomial, coefficient in terms.items():
-        outer = project(monomial, level)
-        parts.setdefault(outer, {})[divide(monomial, outer)] = coefficient
-    return parts
+    Args:
+        terms: A sum.
+        level: The factors.
+        inside: Writes each coefficient.
+    """
+    flattened: list[Plan] = []
+    for outer, rest in partition(terms, level).items():
+        part = _times(outer, inside(rest))
+        flattened.extend(part.parts if isinstance(part, Plus) else (part,))
+    return flattened[0] if len(flattened) == 1 else Plus(tuple(flattened))
 
 
 def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
     """Grouped by the first level, each coefficient by the next one, and so on; common factors outside.
 
     ``c1*(a2*c2 + a3*c23)`` where the levels are the joints from the base outwards.
+
+    Args:
+        terms: A sum.
+        levels: The factors of each level.
     """
     if len(terms) <= 1:
         return flat(terms)
@@ -147,3 +134,84 @@ def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
     if not present & first:
         return nested(terms, rest)
     return factored(terms, lambda inner: grouped(inner, first, lambda part: nested(part, rest)))
+
+
+def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False) -> Plan | None:
+    """The terms as a product with at least two sums in it, such as (a2*c2 + a3*c23)**2.
+
+    Sines and cosines are independent symbols here: only what is a product by its form is found.
+
+    Args:
+        terms: A sum.
+        write: How each factor that is a sum is written.
+        monomials: Whether a single sum times a monomial counts too.
+
+    Returns:
+        The product, or None where there are fewer sums (a square counts as two).
+    """
+    if not 2 <= len(terms) <= MAX_TERMS:
+        return None
+    names = sorted({f for m in terms for f, _ in m})
+    content, factors = _polynomial(terms, names).factor()
+    coefficient, sums = fraction(content), []
+    monomial: dict[int, int] = {}
+    for factor, exponent in factors:
+        inner = {
+            tuple((names[i], int(e)) for i, e in enumerate(exponents) if e): fraction(c)
+            for exponents, c in factor.terms()
+        }
+        if len(inner) > 1:
+            sums.append((inner, int(exponent)))
+            continue
+        ((single, k),) = inner.items()
+        coefficient *= k ** int(exponent)
+        for f, e in single:
+            monomial[f] = monomial.get(f, 0) + e * int(exponent)
+    if sum(e for _, e in sums) < 2 and not (monomials and monomial):
+        return None
+    parts = []
+    for inner, exponent in sums:
+        sign = -1 if next(iter(inner.values())) < 0 else 1
+        coefficient *= Fraction(sign) ** exponent
+        parts.append((write({m: sign * c for m, c in inner.items()}), exponent))
+    outer = tuple(sorted(monomial.items()))
+    return Times(coefficient, outer, tuple(parts)) if parts else Term(coefficient, outer)
+
+
+def _polynomial(terms: Terms, names: list[int]) -> fmpq_mpoly:
+    """The terms as a polynomial of FLINT's in the factors with these numbers."""
+    context = fmpq_mpoly_ctx.get([f"x{i}" for i in names], Ordering.lex)
+    place = {f: i for i, f in enumerate(names)}
+    data = {}
+    for monomial, c in terms.items():
+        exponents = [0] * len(names)
+        for f, e in monomial:
+            exponents[place[f]] = e
+        data[tuple(exponents)] = fmpq(c.numerator, c.denominator)
+    return context.from_dict(data)
+
+
+def _times(monomial: Monomial, inner: Plan) -> Plan:
+    """monomial * inner, merged where inner is a single term or a product; a sum of negatives gets its sign outside."""
+    if isinstance(inner, Plus):
+        if not monomial:
+            return inner
+        all_negative = all(not isinstance(part, Plus) and part.coefficient < 0 for part in inner.parts)
+        return Times(Fraction(-1 if all_negative else 1), monomial, ((_negated(inner) if all_negative else inner, 1),))
+    merged = dict(inner.monomial)
+    for factor, exponent in monomial:
+        merged[factor] = merged.get(factor, 0) + exponent
+    outer = tuple(sorted(merged.items()))
+    if isinstance(inner, Term):
+        return Term(inner.coefficient, outer)
+    return Times(inner.coefficient, outer, inner.inner)
+
+
+def _negated(plan: Plan) -> Plan:
+    match plan:
+        case Term(coefficient, monomial):
+            return Term(-coefficient, monomial)
+        case Times(coefficient, monomial, inner):
+            return Times(-coefficient, monomial, inner)
+        case Plus(parts):
+            return Plus(tuple(_negated(part) for part in parts))

@@ -4,15 +4,15 @@ A label is the number at the end of a joint variable's name (4, 5, 6 for a wrist
 are a label as a whole if they can be (``c10`` with a joint labelled 10), otherwise labels side by side (``c124``); two
 ways to read them are one too many. What the robot itself calls c1 is never a token.
 
-Printed trees as text in the shorthand of lecture notes, grouping and order kept: ``s1*(a2*c2 - d3*s23)``.
+`read_formula` reads it; `notation_text` writes printed trees in it, grouping and order kept: ``s1*(a2*c2 - d3*s23)``.
 """
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, quoted
@@ -33,7 +33,7 @@ from derive.robot.expression import (
 )
 from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
-from derive.robot.parser import FORMULA_FUNCTIONS, Token, TokenKind, parse_expression, place, tokenize
+from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, place, tokenize
 from derive.robot.robot import Robot
 
 MAX_TOKEN_DIGITS = 24
@@ -42,7 +42,7 @@ MAX_TOKEN_DIGITS = 24
 _CIRCULAR = re.compile(r"([cs])([0-9]+)")
 _LABELLED = re.compile(r"(q|qd|qdd)([0-9]+)")
 _FUNCTION = {"c": "cos", "s": "sin"}
-_RENAME = {"q": lambda variable: variable, "qd": velocity_name, "qdd": acceleration_name}
+_LETTER = {"cos": "c", "sin": "s"}
 
 
 def read_formula(
@@ -72,11 +72,20 @@ def read_formula(
         expression = parse_expression(text, start, functions, FORMULA_LIMITS)
         tokens = tokenize(text, start, FORMULA_LIMITS)
     except ExpressionError as error:
-        raise CheckError(
-            error.found, allowed=error.allowed, remedy=error.remedy, location=error.location or start
-        ) from None
-    meanings = _placed_meanings(vocabulary, set(names(expression)), tokens, text, start)
-    return _bounded(substitute(expression, meanings), start)
+        where = error.location or start
+        raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy, location=where) from None
+    wanted = set(names(expression))
+    meanings: dict[str, Expression] = {}
+    for token in tokens:
+        if token.kind is TokenKind.NAME and token.text in wanted and token.text not in meanings:
+            try:
+                meanings[token.text] = vocabulary.meaning(token.text)
+            except CheckError as error:
+                raise error.at(place(text, token.offset, start)) from None
+    found, limit = substitute(expression, meanings), FORMULA_LIMITS.expanded_terms
+    if expanded_terms(found, limit) > limit:  # abbreviations may have made it long
+        raise CheckError("formula has too many terms when multiplied out", allowed=f"at most {limit}", location=start)
+    return found
 
 
 def resolve_tokens(
@@ -97,31 +106,6 @@ def resolve_tokens(
     return substitute(expression, meanings)
 
 
-def _bounded(expression: Expression, start: Location) -> Expression:
-    """Abbreviations may have made it long."""
-    if expanded_terms(expression, FORMULA_LIMITS.expanded_terms) > FORMULA_LIMITS.expanded_terms:
-        raise CheckError(
-            "formula has too many terms when multiplied out",
-            allowed=f"at most {FORMULA_LIMITS.expanded_terms}",
-            location=start,
-        )
-    return expression
-
-
-def _placed_meanings(
-    vocabulary: _Vocabulary, wanted: set[str], tokens: Iterable[Token], text: str, start: Location
-) -> dict[str, Expression]:
-    meanings: dict[str, Expression] = {}
-    for token in tokens:
-        if token.kind is not TokenKind.NAME or token.text not in wanted or token.text in meanings:
-            continue
-        try:
-            meanings[token.text] = vocabulary.meaning(token.text)
-        except CheckError as error:
-            raise error.at(place(text, token.offset, start)) from None
-    return meanings
-
-
 @dataclass(frozen=True)
 class _Vocabulary:
     """What names mean in the formulas of one robot.
@@ -139,79 +123,84 @@ class _Vocabulary:
     abbreviations: Mapping[str, Expression] = field(default_factory=dict)
 
     def meaning(self, name: str) -> Expression:
-        """The expression that a name stands for."""
+        """The expression that a name stands for.
+
+        Args:
+            name: A name in a printed formula.
+
+        Raises:
+            CheckError: It stands for nothing, or for two things.
+        """
         if name in self.abbreviations:
             return self.abbreviations[name]
         if name in self.own:
             return Name(name)
         if match := _CIRCULAR.fullmatch(name):
-            return self._circular(name, match[1], match[2])
-        if match := _LABELLED.fullmatch(name):
-            return self._labelled(name, match[1], match[2])
-        raise self._unknown(name)
-
-    def _circular(self, token: str, letter: str, digits: str) -> Expression:
-        readings = self._readings(token, digits)
-        if len(readings) > 1:
-            shown = " or ".join(f"{_FUNCTION[letter]}({' + '.join(reading)})" for reading in readings)
-            raise CheckError(f"{token} can be read in two ways, {shown}", remedy="write the function out")
-        if not readings:
-            raise self._no_angle(token, digits)
-        angle = add(*(Name(variable) for variable in readings[0]))
-        return Call(_FUNCTION[letter], (angle,))
-
-    def _readings(self, token: str, digits: str) -> Sequence[tuple[str, ...]]:
-        """At most two ways to read the digits of a token as joint variables."""
-        if len(digits) > MAX_TOKEN_DIGITS:
-            raise CheckError(f"token {quoted(token)}", allowed=f"at most {MAX_TOKEN_DIGITS} digits")
-        if digits in self.revolute:
-            return [(variable,) for variable in self.revolute[digits]][:2]
-        found: dict[frozenset[str], tuple[str, ...]] = {}
-        for reading in _splits(digits, self.revolute, frozenset()):
-            found.setdefault(frozenset(reading), reading)
-            if len(found) == 2:
-                break
-        return list(found.values())
-
-    def _labelled(self, name: str, stem: str, digits: str) -> Expression:
-        variables = (*self.revolute.get(digits, ()), *self.prismatic.get(digits, ()))
-        if not variables:
-            raise self._unknown(name)
-        renamed = [_RENAME[stem](variable) for variable in variables]
+            return self._sine_or_cosine(name, _FUNCTION[match[1]], match[2])
+        match = _LABELLED.fullmatch(name)
+        variables = (*self.revolute.get(match[2], ()), *self.prismatic.get(match[2], ())) if match else ()
+        if match is None or not variables:
+            raise UnknownNameError(
+                f"unknown name {quoted(name)}",
+                allowed="symbols of the robot file, joint variables, their velocities and tokens such as c1, s12, qd1",
+                remedy=self._hint(name),
+            )
+        rename = {"q": str, "qd": velocity_name, "qdd": acceleration_name}[match[1]]
+        renamed = [rename(variable) for variable in variables]
         if len(renamed) > 1:
             raise CheckError(f"{name} can be read in two ways, {' or '.join(renamed[:2])}", remedy="write one of them")
         return Name(renamed[0])
 
-    def _no_angle(self, token: str, digits: str) -> CheckError:
-        sliding = self.prismatic.get(digits)
-        if sliding:
-            return CheckError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
-        labels = ", ".join(self.revolute) or "none"
-        return UnknownNameError(
+    def _sine_or_cosine(self, token: str, function: str, digits: str) -> Expression:
+        """The function of the sum of the joint angles whose labels are the digits."""
+        if len(digits) > MAX_TOKEN_DIGITS:
+            raise CheckError(f"token {quoted(token)}", allowed=f"at most {MAX_TOKEN_DIGITS} digits")
+        readings: dict[frozenset[str], tuple[str, ...]] = {}
+        whole = ((variable,) for variable in self.revolute.get(digits, ()))
+        for reading in whole if digits in self.revolute else _splits(digits, self.revolute, frozenset()):
+            readings.setdefault(frozenset(reading), reading)
+            if len(readings) == 2:
+                shown = " or ".join(f"{function}({' + '.join(reading)})" for reading in readings.values())
+                raise CheckError(f"{token} can be read in two ways, {shown}", remedy="write the function out")
+        if readings:
+            (reading,) = readings.values()
+            return Call(function, (add(*(Name(variable) for variable in reading)),))
+        if sliding := self.prismatic.get(digits):
+            raise CheckError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
+        raise UnknownNameError(
             f"{token}: its digits are no labels of revolute joints",
-            allowed=f"labels {labels}",
+            allowed=f"labels {', '.join(self.revolute) or 'none'}",
             remedy=self._hint(token) or "a symbol of that name must occur in the robot file",
         )
 
-    def _unknown(self, name: str) -> CheckError:
-        return UnknownNameError(
-            f"unknown name {quoted(name)}",
-            allowed="symbols of the robot file, joint variables, their velocities and tokens such as c1, s12, qd1",
-            remedy=self._hint(name),
-        )
-
     def _hint(self, name: str) -> str:
+        """Up to three names that look alike; of equally near ones those with the same first letter."""
         tokens = [f"{letter}{label}" for letter in "cs" for label in self.revolute]
-        known = [*tokens, *self.abbreviations, *sorted(self.own)]
-        close = _nearest(name[:80], known)
-        return f"did you mean {listed(close)}?" if close else ""
+        wrong = name[:80]
+        known = dict.fromkeys([*tokens, *self.abbreviations, *sorted(self.own)])
+        ratios = {candidate: difflib.SequenceMatcher(None, wrong, candidate).ratio() for candidate in known}
+        close = [candidate for candidate, ratio in ratios.items() if ratio >= 0.5]
+        nearest = sorted(close, key=lambda c: (-ratios[c], c[0] != wrong[0]))[:3]
+        return f"did you mean {listed(nearest)}?" if nearest else ""
 
 
-def _nearest(name: str, known: Iterable[str]) -> list[str]:
-    """Up to three names that look alike; of equally near ones those with the same first letter."""
-    ratios = {candidate: difflib.SequenceMatcher(None, name, candidate).ratio() for candidate in known}
-    close = [candidate for candidate, ratio in ratios.items() if ratio >= 0.5]
-    return sorted(close, key=lambda c: (-ratios[c], c[0] != name[0]))[:3]
+def _vocabulary(robot: Robot, abbreviations: Mapping[str, Expression] | None) -> _Vocabulary:
+    plain = _robot_vocabulary(robot)
+    if taken := sorted((abbreviations or {}).keys() & plain.own):
+        raise CheckError(f"abbreviation {taken[0]!r} is also a name of the robot", remedy="choose another name for it")
+    return replace(plain, abbreviations=dict(abbreviations or {}))
+
+
+@lru_cache(maxsize=16)
+def _robot_vocabulary(robot: Robot) -> _Vocabulary:
+    variables = [joint.variable for joint in robot.joints]
+    rates = (rename(variable) for variable in variables for rename in (velocity_name, acceleration_name))
+    by_label: dict[bool, dict[str, tuple[str, ...]]] = {True: {}, False: {}}
+    for joint in robot.joints:
+        if label := joint_label(joint.variable):
+            found = by_label[joint.is_revolute]
+            found[label] = (*found.get(label, ()), joint.variable)
+    return _Vocabulary(frozenset((*robot_symbols(robot), *variables, *rates)), by_label[True], by_label[False])
 
 
 def _splits(digits: str, labels: Mapping[str, tuple[str, ...]], used: frozenset[str]) -> Iterator[tuple[str, ...]]:
@@ -235,67 +224,41 @@ def _divisible(digits: str, labels: tuple[str, ...]) -> bool:
     )
 
 
-def _vocabulary(robot: Robot, abbreviations: Mapping[str, Expression] | None) -> _Vocabulary:
-    given = dict(abbreviations or {})
-    plain = _robot_vocabulary(robot)
-    if taken := sorted(given.keys() & plain.own):
-        raise CheckError(f"abbreviation {taken[0]!r} is also a name of the robot", remedy="choose another name for it")
-    return _Vocabulary(plain.own, plain.revolute, plain.prismatic, given)
-
-
-@lru_cache(maxsize=16)
-def _robot_vocabulary(robot: Robot) -> _Vocabulary:
-    variables = [joint.variable for joint in robot.joints]
-    rates = (rename(variable) for variable in variables for rename in (velocity_name, acceleration_name))
-    own = frozenset((*robot_symbols(robot), *variables, *rates))
-    return _Vocabulary(own, _by_label(robot, revolute=True), _by_label(robot, revolute=False))
-
-
-def _by_label(robot: Robot, revolute: bool) -> dict[str, tuple[str, ...]]:
-    found: dict[str, tuple[str, ...]] = {}
-    for joint in robot.joints:
-        label = joint_label(joint.variable)
-        if label and joint.is_revolute is revolute:
-            found[label] = (*found.get(label, ()), joint.variable)
-    return found
-
-
-LETTER = {"cos": "c", "sin": "s"}
-
-
 def notation_text(expression: Expression, robot: Robot) -> str:
-    """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only."""
-    return to_text(with_tokens(expression, _labels(robot)))
+    """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only.
+
+    Args:
+        expression: The tree.
+        robot: Whose joint angles get tokens.
+    """
+    labels = [joint_label(joint.variable) for joint in robot.joints]
+    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    clear = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
+    if not clear or any(name[0] in "cs" and name[1:].isdigit() for name in taken):
+        return to_text(_with_tokens(expression, {}))
+    digits = {j.variable: label for j, label in zip(robot.joints, labels, strict=True) if j.is_revolute}
+    return to_text(_with_tokens(expression, digits))
 
 
-def with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:
+def _with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:
     """A tree with names such as c12 in the place of cosines and sines of labelled joint angles."""
     match e:
-        case Call(function, (argument,)) if function in LETTER and (digits := _digits(argument, labels)):
-            return Name(LETTER[function] + digits)
+        case Call(function, (argument,)) if function in _LETTER and (digits := _digits(argument, labels)):
+            return Name(_LETTER[function] + digits)
         case Call(function, arguments):
-            return Call(function, tuple(with_tokens(a, labels) for a in arguments))
+            return Call(function, tuple(_with_tokens(a, labels) for a in arguments))
         case Sum(terms):
-            return add(*(with_tokens(t, labels) for t in terms))
+            return add(*(_with_tokens(t, labels) for t in terms))
         case Product(factors):
-            return multiply(*(with_tokens(f, labels) for f in factors))
+            return multiply(*(_with_tokens(f, labels) for f in factors))
         case Power(base, exponent):
-            return power(with_tokens(base, labels), exponent)
+            return power(_with_tokens(base, labels), exponent)
         case _:
             return e
 
 
 def _digits(angle: Expression, labels: Mapping[str, str]) -> str:
+    """The labels of an angle or a sum of angles; empty where it is something else."""
     terms = angle.terms if isinstance(angle, Sum) else (angle,)
     found = [labels.get(term.name, "") if isinstance(term, Name) else "" for term in terms]
     return "".join(sorted(found)) if all(found) and len(set(found)) == len(found) else ""
-
-
-def _labels(robot: Robot) -> dict[str, str]:
-    """Revolute variable -> its digit; empty where tokens would be ambiguous."""
-    labels = [joint_label(joint.variable) for joint in robot.joints]
-    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
-    clear = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
-    if not clear or any(name[0] in "cs" and name[1:].isdigit() for name in taken):
-        return {}
-    return {j.variable: label for j, label in zip(robot.joints, labels, strict=True) if j.is_revolute}

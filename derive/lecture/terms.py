@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from derive.algebra.contraction import Contracted, contract
+from derive.algebra.contraction import contract
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.generators import Generator, Kind
+from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, fraction
 from derive.robot.expression import Expression
 
@@ -19,7 +18,7 @@ Monomial = tuple[tuple[int, int], ...]
 Terms = dict[Monomial, Fraction]
 
 
-class Factor(NamedTuple):
+class PrintedFactor(NamedTuple):
     """Something that is printed as one factor.
 
     Attributes:
@@ -37,7 +36,7 @@ Row = tuple[dict[int, int], Monomial, Fraction]
 """A term on its way: generator exponents, factors already written, coefficient."""
 
 
-class GroupPlaces(NamedTuple):
+class _Group(NamedTuple):
     """An aligned group and its generators.
 
     Attributes:
@@ -52,66 +51,64 @@ class GroupPlaces(NamedTuple):
     sums: bool
     own: frozenset[int]
 
-    def may_shorten(self, degrees: tuple[int, ...]) -> bool:
-        """Whether contraction can change a polynomial of these degrees at all."""
-        if len(self.joints) == 1:
-            return degrees[self.places[1]] >= 2
-        return any(degrees[i] for i in self.places)
 
-
-@dataclass
 class FactorTable:
     """Numbers the factors of one domain; the numbering depends on the domain alone.
 
     Args:
         domain: The domain of the polynomials.
+
+    Attributes:
+        factors: What the numbers stand for.
     """
 
-    domain: PolynomialDomain
-    factors: list[Factor] = field(default_factory=list)
-    _index: dict[Factor, int] = field(default_factory=dict)
+    def __init__(self, domain: PolynomialDomain) -> None:
+        self.domain = domain
+        self.factors: list[PrintedFactor] = []
+        self._index: dict[PrintedFactor, int] = {}
+        self._plain = []
+        for g in domain.generators:
+            if g.kind in (Kind.SINE, Kind.COSINE):
+                factor = PrintedFactor(g.kind, domain.angles[g.joint], None)
+            else:
+                factor = PrintedFactor(g.kind, (g.joint,) if g.joint >= 0 else (), g.argument)
+            self._plain.append(self._number(factor))
+        self._groups = []
+        for joints in domain.groups:
+            places = tuple(domain.places[kind, j] for kind in (Kind.SINE, Kind.COSINE) for j in joints)
+            self._groups.append(_Group(joints, places, domain.adds_angles(joints), frozenset(places)))
+            # every sum of angles at once, so that the numbers do not depend on what is asked for first
+            for start in range(len(joints)):
+                for end in range(start + 1, len(joints) + 1):
+                    self._number(PrintedFactor(Kind.SINE, joints[start:end], None))
+                    self._number(PrintedFactor(Kind.COSINE, joints[start:end], None))
 
-    def __post_init__(self) -> None:
-        self._plain = [self.intern(self._plain_factor(g)) for g in self.domain.generators]
-        place = {(g.kind, g.joint): i for i, g in enumerate(self.domain.generators) if g.joint >= 0}
-        self._groups = [self._places(group, place) for group in self.domain.groups]
-        for group in self.domain.groups:
-            self._intern_runs(group)
-
-    def _intern_runs(self, group: tuple[int, ...]) -> None:
-        """Number every sum of angles at once, so that the numbers do not depend on what is asked for first."""
-        for start in range(len(group)):
-            for end in range(start + 1, len(group) + 1):
-                self.intern(Factor(Kind.SINE, group[start:end], None))
-                self.intern(Factor(Kind.COSINE, group[start:end], None))
-
-    def _places(self, group: tuple[int, ...], place: dict[tuple[Kind, int], int]) -> GroupPlaces:
-        places = tuple(place[kind, j] for kind in (Kind.SINE, Kind.COSINE) for j in group)
-        sums = len(group) > 1 and len(self.domain.angles[group[1]]) > 1
-        return GroupPlaces(group, places, sums, frozenset(places))
-
-    def _plain_factor(self, g: Generator) -> Factor:
-        """What a generator prints as when it is left as it is."""
-        if g.kind in (Kind.SINE, Kind.COSINE):
-            return Factor(g.kind, self.domain.angles[g.joint], None)
-        return Factor(g.kind, (g.joint,) if g.joint >= 0 else (), g.argument)
-
-    def intern(self, factor: Factor) -> int:
-        """The number of a factor."""
+    def _number(self, factor: PrintedFactor) -> int:
         if factor not in self._index:
             self._index[factor] = len(self.factors)
             self.factors.append(factor)
         return self._index[factor]
 
     def terms(self, p: Polynomial) -> Terms:
-        """The polynomial with every aligned group contracted."""
+        """A polynomial with every aligned group contracted: c1*c12 + s1*s12 is c2.
+
+        Args:
+            p: A polynomial of the domain.
+
+        Returns:
+            Monomial in the numbered factors -> coefficient, none of them zero.
+        """
         degrees = p.degrees()
         rows: list[Row] = [
             ({i: int(e) for i, e in enumerate(exponents) if e}, (), fraction(coefficient))
             for exponents, coefficient in p.raw.terms()
         ]
         for group in self._groups:
-            if group.may_shorten(degrees):
+            if len(group.joints) == 1:
+                may_shorten = degrees[group.places[1]] >= 2  # 1 - c^2
+            else:
+                may_shorten = any(degrees[i] for i in group.places)
+            if may_shorten:
                 rows = self._contract_group(rows, group)
         result: Terms = {}
         plain = self._plain
@@ -120,7 +117,7 @@ class FactorTable:
             result[key] = result.get(key, 0) + coefficient
         return {m: c for m, c in result.items() if c}
 
-    def _contract_group(self, rows: list[Row], group: GroupPlaces) -> list[Row]:
+    def _contract_group(self, rows: list[Row], group: _Group) -> list[Row]:
         """Replace the generators of one group, coefficient by coefficient of everything else."""
         parts: dict[object, list[Row]] = {}
         others: list[Row] = []
@@ -138,40 +135,43 @@ class FactorTable:
             result.extend(part if len(part) == 1 else self._contract_part(part, group))
         return result
 
-    def _contract_part(self, part: list[Row], group: GroupPlaces) -> Iterator[Row]:
-        """Terms that differ in the generators of one group only."""
+    def _contract_part(self, part: list[Row], group: _Group) -> Iterator[Row]:
+        """Terms that differ in the generators of one group only.
+
+        The angles are counted in the sense of the group while they are contracted; before and after a sine of an angle
+        that turns the other way changes its sign, so that the first angle of every printed sum is positive.
+        """
+        joints = group.joints
         row, trig, _ = part[0]
         rest = {i: e for i, e in row.items() if i not in group.own}
         items = []
         for other, _, coefficient in part:
             exponents = tuple(other.get(i, 0) for i in group.places)
-            items.append((exponents, self._own_sign(group, exponents) * coefficient.numerator, coefficient.denominator))
-        for term in contract(len(group.joints), group.sums, tuple(sorted(items))):
-            coefficient = Fraction(self._run_sign(group.joints, term) * term.numerator, term.denominator)
-            yield rest, trig + self._trig(group.joints, term), coefficient
+            sign = 1 if group.sums else self._sign(zip(joints, exponents, strict=False))
+            items.append((exponents, sign * coefficient.numerator, coefficient.denominator))
+        for term in contract(len(joints), group.sums, tuple(sorted(items))):
+            sign = self._sign((joints[f.edge[0]], f.exponent) for f in term.factors if f.is_sine)
+            written = tuple(
+                (
+                    self._index[PrintedFactor(Kind.SINE if f.is_sine else Kind.COSINE, joints[slice(*f.edge)], None)],
+                    f.exponent,
+                )
+                for f in term.factors
+            )
+            yield rest, trig + written, Fraction(sign * term.numerator, term.denominator)
 
-    def _own_sign(self, group: GroupPlaces, exponents: tuple[int, ...]) -> int:
-        """The sign that turns sines of single angles into sines of angles counted in the sense of the group."""
-        if group.sums:
-            return 1
-        directions = self.domain.directions
-        odd = sum(e for j, e in zip(group.joints, exponents, strict=False) if directions[j] < 0)
+    def _sign(self, sines: Iterable[tuple[int, int]]) -> int:
+        """The sign of a product of powers of sines when the angles that turn against their group are turned round."""
+        odd = sum(exponent for joint, exponent in sines if self.domain.directions[joint] < 0)
         return -1 if odd % 2 else 1
-
-    def _run_sign(self, group: tuple[int, ...], term: Contracted) -> int:
-        """The sign that makes the first angle of every sum in a sine positive."""
-        odd = sum(f.exponent for f in term.factors if f.is_sine and self.domain.directions[group[f.edge[0]]] < 0)
-        return -1 if odd % 2 else 1
-
-    def _trig(self, group: tuple[int, ...], term: Contracted) -> Monomial:
-        return tuple(
-            (self.intern(Factor(Kind.SINE if f.is_sine else Kind.COSINE, group[slice(*f.edge)], None)), f.exponent)
-            for f in term.factors
-        )
 
 
 def common_factor(monomials: Iterable[Monomial]) -> Monomial:
-    """The greatest monomial that divides all of them."""
+    """The greatest monomial that divides all of some monomials.
+
+    Args:
+        monomials: At least one.
+    """
     iterator = iter(monomials)
     common = dict(next(iterator))
     for monomial in iterator:
@@ -183,7 +183,12 @@ def common_factor(monomials: Iterable[Monomial]) -> Monomial:
 
 
 def divide(monomial: Monomial, divisor: Monomial) -> Monomial:
-    """monomial / divisor, where it divides."""
+    """The quotient of two monomials.
+
+    Args:
+        monomial: What is divided.
+        divisor: A monomial that divides it.
+    """
     if not divisor:
         return monomial
     rest = dict(monomial)
@@ -193,5 +198,27 @@ def divide(monomial: Monomial, divisor: Monomial) -> Monomial:
 
 
 def project(monomial: Monomial, factors: frozenset[int] | set[int]) -> Monomial:
-    """The part of a monomial made of some factors."""
+    """The part of a monomial made of some factors.
+
+    Args:
+        monomial: The monomial.
+        factors: Numbers of the factors that are kept.
+    """
     return tuple((f, e) for f, e in monomial if f in factors)
+
+
+def partition(terms: Terms, level: frozenset[int]) -> dict[Monomial, Terms]:
+    """The terms by their monomials in some factors.
+
+    Args:
+        terms: A sum.
+        level: Numbers of the factors.
+
+    Returns:
+        Monomial in these factors -> the terms of its coefficient.
+    """
+    parts: dict[Monomial, Terms] = {}
+    for monomial, coefficient in terms.items():
+        outer = project(monomial, level)
+        parts.setdefault(outer, {})[divide(monomial, outer)] = coefficient
+    return parts

@@ -9,7 +9,7 @@ import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
-from derive.lecture.terms import Factor
+from derive.lecture.terms import PrintedFactor
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 
 Expr = Any
@@ -19,7 +19,11 @@ _FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "tan": sympy.tan, "sqrt": symp
 
 @cache
 def expression_to_sympy(e: Expression) -> Expr:
-    """The SymPy form of an exact expression; every name becomes a plain symbol."""
+    """The SymPy form of an exact expression; every name becomes a plain symbol.
+
+    Args:
+        e: Any tree.
+    """
     match e:
         case Number(value):
             return sympy.Rational(value.numerator, value.denominator)
@@ -37,8 +41,13 @@ def expression_to_sympy(e: Expression) -> Expr:
             return _FUNCTIONS[function](*(expression_to_sympy(a) for a in arguments))
 
 
-def factor_to_sympy(domain: PolynomialDomain, factor: Factor) -> Expr:
-    """One printed factor as a SymPy expression."""
+def factor_to_sympy(domain: PolynomialDomain, factor: PrintedFactor) -> Expr:
+    """One printed factor as a SymPy expression.
+
+    Args:
+        domain: Says which angles a sine or cosine sums.
+        factor: The factor.
+    """
     if factor.kind in (Kind.SINE, Kind.COSINE):
         angle = expression_to_sympy(domain.angle_sum(factor.joints))
         return sympy.sin(angle) if factor.kind is Kind.SINE else sympy.cos(angle)

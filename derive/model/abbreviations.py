@@ -20,8 +20,7 @@ from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
 from derive.lecture.form import LectureForm
-from derive.lecture.plan import partition
-from derive.lecture.terms import Terms
+from derive.lecture.terms import Terms, partition
 from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import DynamicModel
 from derive.robot.names import robot_symbols
