@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -43,6 +43,7 @@ _CIRCULAR = re.compile(r"([cs])([0-9]+)")
 _LABELLED = re.compile(r"(q|qd|qdd)([0-9]+)")
 _FUNCTION = {"c": "cos", "s": "sin"}
 _LETTER = {"cos": "c", "sin": "s"}
+_RENAME: Mapping[str, Callable[[str], str]] = {"q": str, "qd": velocity_name, "qdd": acceleration_name}
 
 
 def read_formula(
@@ -145,8 +146,7 @@ class _Vocabulary:
                 allowed="symbols of the robot file, joint variables, their velocities and tokens such as c1, s12, qd1",
                 remedy=self._hint(name),
             )
-        rename = {"q": str, "qd": velocity_name, "qdd": acceleration_name}[match[1]]
-        renamed = [rename(variable) for variable in variables]
+        renamed = [_RENAME[match[1]](variable) for variable in variables]
         if len(renamed) > 1:
             raise CheckError(f"{name} can be read in two ways, {' or '.join(renamed[:2])}", remedy="write one of them")
         return Name(renamed[0])
