@@ -1,13 +1,17 @@
-"""Runs the command in a process of its own, as a shell does."""
+"""Runs the command: in this process, or in one of its own, as a shell does."""
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from unittest import mock
 
+from derive.cli.main import main
 from tests.places import ROOT
 
 PENDULUM = """\
@@ -31,18 +35,43 @@ class Outcome:
 
 
 def derive(*arguments: str, folder: Path, **variables: str) -> Outcome:
-    """Run ``derive`` with ``arguments`` in ``folder``."""
-    python_path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
+    """Run ``derive`` with ``arguments`` in ``folder``, in this process: what imports take is spent once."""
+    streams = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2)]
+    with (
+        contextlib.chdir(folder),
+        mock.patch.dict(os.environ, variables),
+        contextlib.redirect_stdout(streams[0]),
+        contextlib.redirect_stderr(streams[1]),
+    ):
+        try:
+            status = main(arguments)
+        except SystemExit as stop:
+            status = stop.code
+    printed = []
+    for stream in streams:
+        stream.flush()
+        printed.append(stream.buffer.getvalue().decode("utf-8"))
+    return Outcome(status, *printed)
+
+
+def derive_process(*arguments: str, folder: Path, **variables: str) -> Outcome:
+    """Run ``derive`` with ``arguments`` in ``folder``, in a process of its own: for what processes differ in."""
     done = subprocess.run(
         [sys.executable, "-m", "derive", *arguments],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": python_path, **variables},
+        env=environment(**variables),
         stdin=subprocess.DEVNULL,
         capture_output=True,
         encoding="utf-8",
-        timeout=120,
+        timeout=300,
     )
     return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def environment(**variables: str) -> dict[str, str]:
+    """The environment of a process that finds this tree first."""
+    python_path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
+    return {**os.environ, "PYTHONPATH": python_path, **variables}
 
 
 def is_one_message(text: str) -> bool:

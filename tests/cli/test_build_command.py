@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import os
 import pty
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from tests.cli.command import PENDULUM, ROOT, derive, is_one_message
+from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +20,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a robot file and its models."""
     folder = tmp_path_factory.mktemp("built")
     (folder / "arm.yaml").write_text(PENDULUM)
-    outcome = derive("build", "arm.yaml", folder=folder)
+    outcome = derive_process("build", "arm.yaml", folder=folder)
     assert outcome.status == 0, outcome.stderr
     return folder
 
@@ -60,7 +61,7 @@ def test_check_of_what_was_never_built_exits_with_1_and_writes_nothing(tmp_path:
 
 
 def test_quiet_build_prints_nothing(tmp_path: Path) -> None:
-    outcome = derive("build", "planar-3r", "--quiet", folder=tmp_path)
+    outcome = derive_process("build", "planar-3r", "--quiet", folder=tmp_path)
     assert (outcome.status, outcome.stdout, outcome.stderr) == (0, "", "")
 
 
@@ -74,8 +75,8 @@ def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> 
     if process == 0:  # pragma: no cover -- the child
         os.chdir(tmp_path)
         os.dup2(os.open("out.txt", os.O_WRONLY | os.O_CREAT), 1)
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm"}
-        os.execve(sys.executable, [sys.executable, "-m", "derive", "build", "planar-3r"], environment)
+        command = [sys.executable, "-m", "derive", "build", "planar-3r", "--effort", "quick"]
+        os.execve(sys.executable, command, environment(TERM="xterm"))
     shown = b""
     while chunk := _read(terminal):
         shown += chunk
@@ -145,10 +146,7 @@ def test_report_on_a_full_disk_is_an_error_of_one_line(tmp_path: Path) -> None:
     full = Path("/dev/full")
     if not full.exists():
         pytest.skip("this system has no /dev/full")
-    command = f"{sys.executable} -m derive schema > /dev/full"
-
-    done = subprocess.run(
-        ["bash", "-c", command], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=60
-    )
+    command = f"{shlex.quote(sys.executable)} -m derive schema > /dev/full"
+    done = subprocess.run(["bash", "-c", command], env=environment(), capture_output=True, text=True, timeout=300)
     assert done.returncode == 2
     assert is_one_message(done.stderr), done.stderr

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import pytest
 from derive.cli import schema
 from derive.cli.main import main
 from derive.errors import VerificationError
-from tests.cli.command import PENDULUM, ROOT, derive, is_one_message
+from tests.cli.command import PENDULUM, derive, derive_process, environment, is_one_message
 
 WRONG = {
     "no command": (),
@@ -78,9 +79,11 @@ def test_new_file_loads_as_it_is(joints: str, tmp_path: Path) -> None:
 
 
 def test_output_on_an_ascii_terminal_is_escaped(tmp_path: Path) -> None:
-    title = 'title: "\N{GREEK SMALL LETTER ALPHA}"\n'
-    (tmp_path / "arm.yaml").write_text(title + PENDULUM, encoding="utf-8")
-    assert derive("build", "arm.yaml", folder=tmp_path, PYTHONIOENCODING="ascii").status == 0
+    robot = "\N{GREEK SMALL LETTER ALPHA}.yaml"
+    outcome = derive_process("show", robot, "T", folder=tmp_path, PYTHONIOENCODING="ascii")
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr), outcome.stderr
+    assert "\\u03b1.yaml" in outcome.stderr
 
 
 def test_unwritable_output_is_refused(tmp_path: Path) -> None:
@@ -91,17 +94,17 @@ def test_unwritable_output_is_refused(tmp_path: Path) -> None:
 
 
 def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
-    command = f"{sys.executable} -m derive schema | head -n 1; echo ${{PIPESTATUS[0]}}"
+    command = f"{shlex.quote(sys.executable)} -m derive schema | head -n 1; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(
-        ["bash", "-c", command],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=60,
+        ["bash", "-c", command], cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=300
     )
     assert done.stderr == ""
     assert done.stdout.splitlines()[-1] in ("0", "141")
+
+
+def heed_interrupts() -> None:
+    """What was started in the background, or with ``nohup``, ignores interrupts, and so do its children."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
@@ -110,15 +113,18 @@ def test_interrupt_from_the_terminal_ends_every_process_with_one_line(jobs: str,
     process = subprocess.Popen(
         [sys.executable, "-m", "derive", "build", "--force", "--jobs", jobs],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        env=environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=heed_interrupts,
     )
-    time.sleep(1.5)
+    deadline = time.monotonic() + 120
+    while not (tmp_path / "generated").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=120)
     assert process.returncode in (130, -signal.SIGINT)
     assert errors == "derive: error: interrupted\n"
 

@@ -26,12 +26,12 @@ def test_build_refuses_in_one_line_and_writes_nothing(
     assert [path.name for path in tmp_path.iterdir()] == ["arm.yaml"]
 
 
-@pytest.mark.parametrize("command", ["show", "build", "verify", "check"])
+@pytest.mark.parametrize("command", ["show", "build", "verify", "check", "handout", "plot"])
 @pytest.mark.parametrize("name", ["import", "tag-object", "tabs", "unknown-key"])
-def test_every_command_refuses_as_a_process(command: str, name: str, tmp_path: Path) -> None:
+def test_every_command_refuses(command: str, name: str, tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_bytes(HOSTILE[name][0])
-    quantities = ["T"] if command == "show" else []
-    outcome = derive(command, "arm.yaml", *quantities, folder=tmp_path)
+    more = {"show": ["T"], "plot": ["-o", "arm.svg"]}.get(command, [])
+    outcome = derive(command, "arm.yaml", *more, folder=tmp_path)
     assert outcome.status == 2
     assert is_one_message(outcome.stderr), outcome.stderr
     assert outcome.stdout == ""

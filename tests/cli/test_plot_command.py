@@ -12,7 +12,7 @@ from derive.cli.main import main
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.figure.workspace import outline, sample_workspace
 from derive.robot.robot import Robot
-from tests.cli.command import PENDULUM, derive, is_one_message
+from tests.cli.command import PENDULUM, derive, derive_process, is_one_message
 
 pytest.importorskip("matplotlib")
 
@@ -32,7 +32,7 @@ def test_figure_is_written_and_the_same_again(suffix: str, tmp_path: Path) -> No
 def test_svg_does_not_depend_on_the_process(option: tuple[str, ...], tmp_path: Path) -> None:
     for index, seed in enumerate(("1", "2")):
         arguments = ("plot", "scara-perugia", *option, "-o", f"{index}.svg")
-        assert derive(*arguments, folder=tmp_path, PYTHONHASHSEED=seed).status == 0
+        assert derive_process(*arguments, folder=tmp_path, PYTHONHASHSEED=seed).status == 0
     assert (tmp_path / "0.svg").read_bytes() == (tmp_path / "1.svg").read_bytes()
 
 
