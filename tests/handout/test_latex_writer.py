@@ -12,8 +12,6 @@ from derive.handout.assemble import context_of, document
 from derive.handout.latex_writer import latex
 from derive.handout.layout.policy import POLICY, SheetPolicy
 from derive.handout.quantities import ModelQuantities
-from derive.programs.effort import Effort
-from derive.publish.render import source_of
 from derive.robot.robot import Robot
 from tests.handout.latex_runner import run_latex
 
@@ -32,8 +30,7 @@ TITLES = [
 
 def sheet(robot: Robot, policy: SheetPolicy = POLICY) -> str:
     """The document."""
-    source = source_of(robot, (), Effort.QUICK)
-    context = replace(context_of(source), policy=policy)
+    context = replace(context_of(robot), policy=policy)
     return latex(document(context), context.text)
 
 

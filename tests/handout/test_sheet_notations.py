@@ -10,8 +10,6 @@ import pytest
 from derive.handout.assemble import context_of, document
 from derive.handout.language import languages
 from derive.handout.latex_writer import latex
-from derive.programs.effort import Effort
-from derive.publish.render import source_of
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.style import (
@@ -47,7 +45,7 @@ def drawn_options(source: random.Random) -> HandoutOptions:
 
 
 def sheet(robot: Robot, options: HandoutOptions) -> str:
-    context = context_of(source_of(robot, (), Effort.QUICK), options)
+    context = context_of(robot, options)
     return latex(document(context), context.text)
 
 

@@ -11,8 +11,6 @@ import pytest
 from derive.handout.assemble import context_of, document, exercise, solutions
 from derive.handout.language import languages
 from derive.handout.latex_writer import latex
-from derive.programs.effort import Effort
-from derive.publish.render import source_of
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.style import (
@@ -25,7 +23,6 @@ from derive.robot.style import (
     NotationOptions,
     SliderLetter,
 )
-from derive.targets.target import Source
 from tests.handout.latex_runner import run_latex
 from tests.random_robots import robot_text
 
@@ -54,10 +51,10 @@ def options_of(number: int, language: str) -> HandoutOptions:
 
 
 def assert_is_clean(
-    source: Source, options: HandoutOptions, folder: Path, most: int = MOST_PAGES, *, sheets: bool = False
+    robot: Robot, options: HandoutOptions, folder: Path, most: int = MOST_PAGES, *, sheets: bool = False
 ) -> None:
     """No error, nothing outside of the margins, no more pages than anybody prints; nothing in it needs a second run."""
-    context = context_of(source, options)
+    context = context_of(robot, options)
     whole = document(context)
     made = (exercise(whole, context.text), solutions(whole, context.text)) if sheets else (whole,)
     for sheet in made:
@@ -72,9 +69,8 @@ def assert_is_clean(
 def test_the_catalogue_in_all_languages(name: str, tmp_path: Path) -> None:
     """As the robot file says, but for the language."""
     robot = Robot.load(name)
-    source = source_of(robot, (), Effort.QUICK)
     for language in LANGUAGES:
-        assert_is_clean(source, replace(robot.handout, language=language), tmp_path)
+        assert_is_clean(robot, replace(robot.handout, language=language), tmp_path)
 
 
 @pytest.mark.parametrize("seed", range(RANDOM_ROBOTS))
@@ -82,11 +78,11 @@ def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
     """One to seven joints of all kinds; language, steps and notation change from one to the next."""
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
     options = options_of(seed, LANGUAGES[seed % len(LANGUAGES)])
-    assert_is_clean(source_of(robot, (), Effort.QUICK), options, tmp_path, MOST_PAGES_WITH_STEPS)
+    assert_is_clean(robot, options, tmp_path, MOST_PAGES_WITH_STEPS)
 
 
 @pytest.mark.parametrize("name", ["scara-perugia", "planar-2r-perugia", "stanford-deluca", "kuka-lwr4"])
 def test_exercises_and_solutions(name: str, tmp_path: Path) -> None:
     """Both sheets, with steps where there are solutions."""
     options = HandoutOptions(derivation=Derivation.STEPS, language="it")
-    assert_is_clean(source_of(Robot.load(name), (), Effort.QUICK), options, tmp_path, sheets=True)
+    assert_is_clean(Robot.load(name), options, tmp_path, sheets=True)
