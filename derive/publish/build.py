@@ -170,7 +170,7 @@ def build_robot(
     with uncollected():
         rendered = render_robot(robot, chosen, spent)
 
-    def check(folder: Path) -> Report | None:
+    def _check(folder: Path) -> Report | None:
         if compiler:
             tell(robot.name, "compile")
             compile_libraries(folder, chosen, compiler, None if force else target)
@@ -179,7 +179,7 @@ def build_robot(
         tell(robot.name, "verify")
         return verify(robot, folder)
 
-    report = publish(rendered.files, target, robot.name, check, libraries)
+    report = publish(rendered.files, target, robot.name, _check, libraries)
     tell(robot.name, "built")
     files = (*rendered.files, *libraries)
     return BuildResult(robot.name, target, files, False, rendered.operations, report, time.perf_counter() - started)

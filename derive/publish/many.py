@@ -181,11 +181,11 @@ def _interrupts_noted() -> Iterator[list[int]]:
         yield noted
         return
 
-    def note(number: int, _frame: object) -> None:
+    def _note(number: int, _frame: object) -> None:
         noted.append(number)
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, note)
+    before = signal.signal(signal.SIGINT, _note)
     try:
         yield noted
     finally:

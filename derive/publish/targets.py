@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from derive.errors import TargetError
 from derive.handout.sheet_target import TARGET as LATEX
-from derive.targets.c.target import TARGET as C
+from derive.targets.c import TARGET as C
 from derive.targets.casadi import C_TARGET as CASADI_C
 from derive.targets.casadi import TARGET as CASADI
 from derive.targets.javascript import TARGET as JAVASCRIPT

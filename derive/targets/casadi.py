@@ -1,6 +1,6 @@
-"""``model_casadi.py``: the functions of a robot as ``casadi.Function`` objects, from the same tapes.
+"""``model_casadi.py``, the functions of a robot as ``casadi.Function`` objects from the same tapes, and their C export.
 
-``model_casadi.c`` and ``.h``: the C export of CasADi itself, of the functions of ``model_casadi.py``.
+The export, ``model_casadi.c`` and ``.h``, is CasADi's own.
 """
 
 from __future__ import annotations
@@ -14,16 +14,23 @@ from derive.algebra.constants import to_float
 from derive.programs.interface import WORDING
 from derive.programs.program import Function
 from derive.programs.tape.tape import PARAMETER, evaluate
-from derive.targets.c.target import c_heading
+from derive.targets.c import c_heading
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
 from derive.targets.templating import render
 
-FILE = "model_casadi.py"
+FILE, CODE, HEADER = "model_casadi.py", "model_casadi.c", "model_casadi.h"
 
 
 def render_casadi(source: Source) -> dict[str, str]:
-    """The module's text."""
+    """The module ``model_casadi.py``.
+
+    Args:
+        source: The robot and its program.
+
+    Returns:
+        Its text by file name.
+    """
     context = python_context(source) | {"columns": 4 * source.robot.n}
     return {FILE: render("casadi/model_casadi.py.jinja", **context)}
 
@@ -36,11 +43,15 @@ TARGET = Target(
 )
 
 
-CODE, HEADER = "model_casadi.c", "model_casadi.h"
-
-
 def render_casadi_c(source: Source) -> dict[str, str]:
-    """Code and header, behind a heading of ours; like CasADi's text, they depend on its version."""
+    """Code and header, behind a heading of ours; like CasADi's text, they depend on its version.
+
+    Args:
+        source: The robot and its program.
+
+    Returns:
+        Their texts by file name.
+    """
     import casadi
 
     parameters = source.program.parameters
@@ -58,8 +69,26 @@ def render_casadi_c(source: Source) -> dict[str, str]:
         return {name: heading + Path(folder, name).read_text(encoding="utf-8") for name in (CODE, HEADER)}
 
 
+C_TARGET = Target(
+    name="casadi-c",
+    summary="CasADi's own C export of its functions",
+    files=(CODE, HEADER),
+    render=render_casadi_c,
+    default=False,
+)
+
+
 def casadi_function(function: Function, joints: int, parameters: int) -> Any:
-    """A tape as a ``casadi.Function`` on SX: columns in, and ``params`` as the last input where there are any."""
+    """A tape as a ``casadi.Function`` on SX.
+
+    Args:
+        function: The function.
+        joints: Number of joints, the length of the columns that it takes.
+        parameters: Number of run-time parameters; where there are any, ``params`` is the last input.
+
+    Returns:
+        A ``casadi.Function`` with named inputs and one output.
+    """
     import casadi
 
     names = [*function.arguments, *(["params"] if parameters else [])]
@@ -91,12 +120,3 @@ def _arranged(results: Sequence[Any], shape: Sequence[int]) -> Any:
     size = rows * columns
     blocks = [column[start : start + size] for start in range(0, len(results), size)]
     return casadi.horzcat(*[casadi.reshape(block, columns, rows).T for block in blocks])
-
-
-C_TARGET = Target(
-    name="casadi-c",
-    summary="CasADi's own C export of its functions",
-    files=(CODE, HEADER),
-    render=render_casadi_c,
-    default=False,
-)

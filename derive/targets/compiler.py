@@ -21,10 +21,13 @@ Command = tuple[str, ...]
 
 
 def find_compiler(environment: Mapping[str, str] | None = None) -> Command | None:
-    """The compiler's command, ``$CC`` before the usual names; None if there is none.
+    """Look for the C compiler.
 
     Args:
         environment: Where ``CC`` and ``PATH`` are looked up; None for the process's.
+
+    Returns:
+        Its command, ``$CC`` before the usual names; None if there is none.
     """
     variables = os.environ if environment is None else environment
     path = variables.get("PATH", os.defpath)
@@ -37,7 +40,7 @@ def find_compiler(environment: Mapping[str, str] | None = None) -> Command | Non
 
 
 def require_compiler() -> Command:
-    """The same.
+    """The command of the C compiler of this process's environment.
 
     Raises:
         TargetError: There is none.

@@ -58,58 +58,102 @@ _ACCENTS = {
     "\N{COMBINING DOT ABOVE}": ".",
     "\N{COMBINING RING ABOVE}": "r",
 }
-_MARKDOWN = frozenset("\\`*_[]{}|~$#!^")
-_MARKDOWN_START = re.compile(r"([-+=>]|[0-9]+(?=[.)]))")
-_LINK = re.compile(r"(?i)(?<=www)\.|:(?=//)|@|(?<=mailto):")
-_GREEK = (
+_GREEK_WORDS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi "
     "omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
 )
-_GREEK_COMMANDS = frozenset(_GREEK.split(" "))
+_GREEK = frozenset(_GREEK_WORDS.split(" "))
+"""Letters that LaTeX has as commands."""
+
+_MARKDOWN = {
+    **{character: f"\\{character}" for character in "\\`*_[]{}|~$#!^"},
+    **{"&": "&amp;", "<": "&lt;", ">": "&gt;"},
+}
+_MARKDOWN_START = re.compile(r"[-+=>]|([0-9]+)(?=[.)])")
+_MARKDOWN_LINK = re.compile(r"(?i)(?<=www)\.|:(?=//)|@|(?<=mailto):")
+
+_C_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
+"""First letters of the pairs that end or open a C comment or begin a trigraph."""
+
+_C_RESERVED = re.compile(r"(is|mem|str|to|wcs)[a-z]|[0-9_]")
+"""How names of functions begin that belong to C's library, now or later (C99 7.26), or to nobody."""
 
 
 def one_line(text: str) -> str:
-    """All white space as single spaces; controls, direction marks and the like as ``<U+202E>``."""
-    return "".join(_visible(character) for character in " ".join(text.split()))
+    """Text without anything that moves or hides other text.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        All white space as single spaces; controls, direction marks and the like as ``<U+202E>``.
+    """
+    hidden = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
+    return "".join(
+        f"<U+{ord(character):04X}>" if unicodedata.category(character) in hidden else character
+        for character in " ".join(text.split())
+    )
 
 
 def python_string(text: str) -> str:
-    """A string literal, quotes included, in ASCII."""
+    """A string literal of Python.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        The literal, quotes included, in ASCII.
+    """
     literal = ascii(text)
     return f'"{literal[1:-1]}"' if literal[0] == "'" and '"' not in literal and "\\'" not in literal else literal
 
 
 def python_docstring(text: str) -> str:
-    """Text for between triple double quotes, on one line."""
+    """Text for between triple double quotes.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        One line.
+    """
     return one_line(text).replace("\\", "\\\\").replace('"', '\\"')
 
 
-def python_comment(text: str) -> str:
-    """Text for behind ``#``."""
-    return one_line(text)
-
-
-_RISKY_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
-"""First letters of the pairs that end or open a C comment or begin a trigraph."""
-
-
 def c_comment(text: str) -> str:
-    """Text for a C comment of either kind; no end of comment, no trigraph, no continued line."""
-    return _RISKY_PAIR.sub(lambda match: match[0] + " ", one_line(text).replace("\\", "/"))
+    """Text for a C comment of either kind.
 
+    Args:
+        text: Any text.
 
-_RESERVED_START = re.compile(r"(is|mem|str|to|wcs)[a-z]|[0-9_]")
-"""How names of functions begin that belong to C's library, now or later (C99 7.26), or to nobody."""
+    Returns:
+        One line: no end of comment, no trigraph, no continued line.
+    """
+    return _C_PAIR.sub(lambda match: match[0] + " ", one_line(text).replace("\\", "/"))
 
 
 def c_prefix(name: str) -> str:
-    """A robot's name as the beginning of C identifiers, its underscore at the end included."""
+    """A robot's name as the beginning of C identifiers.
+
+    Args:
+        name: Name of the robot.
+
+    Returns:
+        Letters, digits and underscores, one of these at the end.
+    """
     plain = re.sub(r"[^A-Za-z0-9]", "_", name)
-    return f"robot_{plain}_" if _RESERVED_START.match(plain) else f"{plain}_"
+    return f"robot_{plain}_" if _C_RESERVED.match(plain) else f"{plain}_"
 
 
 def html_text(text: str) -> str:
-    """Text for an HTML element or a quoted attribute; a space at either end stays."""
+    """Text for an HTML element or a quoted attribute.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        One line; a space at either end stays.
+    """
     body = html.escape(one_line(text))
     if not body:
         return " " if text else ""
@@ -117,74 +161,84 @@ def html_text(text: str) -> str:
 
 
 def javascript_string(text: str) -> str:
-    """A string literal, quotes included, in ASCII; inert inside an HTML script element, too."""
+    """A string literal of JavaScript.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        The literal, quotes included, in ASCII; inert inside an HTML script element, too.
+    """
     return json.dumps(text).replace("<", "\\u003c").replace(">", "\\u003e").replace("\x7f", "\\u007f")
 
 
 def javascript_name(name: str) -> str:
-    """The variable that holds a user's symbol: a namespace of its own, clear of keywords and of our names."""
+    """The variable that holds a user's symbol.
+
+    Args:
+        name: The symbol.
+
+    Returns:
+        A name in a namespace of its own, clear of keywords and of our names.
+    """
     return f"p_{name}"
 
 
 def javascript_comment(text: str) -> str:
-    """Text for a comment of either kind, also inside an HTML script element."""
+    """Text for a comment of either kind, also inside an HTML script element.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        One line.
+    """
     return c_comment(text).replace("<", "< ")
 
 
 def latex_text(text: str) -> str:
-    """Text for a LaTeX paragraph, for any engine and font encoding; letters no font has appear as their code."""
+    """Text for a LaTeX paragraph, for any engine and font encoding.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        One line in ASCII; letters that no font has appear as their code.
+    """
     return "".join(_latex_character(character) for character in unicodedata.normalize("NFC", one_line(text)))
 
 
-def markdown_text(text: str) -> str:
-    """Text for a Markdown paragraph, heading or table cell; neither markup nor HTML nor a link."""
-    escaped = "".join(_markdown_character(character) for character in one_line(text))
-    unlinked = _LINK.sub(lambda found: "\\" + found.group(), escaped)
-    start = _MARKDOWN_START.match(unlinked)
-    if start is None:
-        return unlinked
-    digits = start.group().isdigit()
-    at = start.end() if digits else 0
-    return unlinked[:at] + "\\" + unlinked[at:]
-
-
-def _visible(character: str) -> str:
-    hidden = unicodedata.category(character) in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
-    return f"<U+{ord(character):04X}>" if hidden else character
-
-
 def _latex_character(character: str) -> str:
-    if character in _LATEX:
-        return _LATEX[character]
-    if character.isascii():
-        return character
+    """One character: as it is, by its escape, as a Greek command, as a letter with an accent, or by its code."""
+    if character in _LATEX or character.isascii():
+        return _LATEX.get(character, character)
     name = unicodedata.name(character, "")
     if name.startswith("GREEK ") and " LETTER " in name:
-        return _greek(name) or _code(character)
+        size, _, letter = name.removeprefix("GREEK ").partition(" LETTER ")
+        word = letter.lower().replace("lamda", "lambda")
+        command = word.capitalize() if size == "CAPITAL" else word
+        if command in _GREEK:
+            return f"\\ensuremath{{\\{command}}}"
     base, *marks = tuple(unicodedata.normalize("NFD", character))
     if base.isascii() and base.isalpha() and len(marks) == 1 and marks[0] in _ACCENTS:
         letter = "\\" + base + "{}" if base in "ij" and marks[0] not in "\N{COMBINING CEDILLA}" else base
         return f"\\{_ACCENTS[marks[0]]}{{{letter}}}"
-    return _code(character)
-
-
-def _greek(name: str) -> str:
-    """A Greek letter that LaTeX has as a command, or nothing."""
-    size, _, letter = name.removeprefix("GREEK ").partition(" LETTER ")
-    word = letter.lower().replace("lamda", "lambda")
-    command = word.capitalize() if size == "CAPITAL" else word
-    return f"\\ensuremath{{\\{command}}}" if command in _GREEK_COMMANDS else ""
-
-
-def _code(character: str) -> str:
     return f"{{[}}U+{ord(character):04X}{{]}}"
 
 
-def _markdown_character(character: str) -> str:
-    if character == "&":
-        return "&amp;"
-    if character == "<":
-        return "&lt;"
-    if character == ">":
-        return "&gt;"
-    return "\\" + character if character in _MARKDOWN else character
+def markdown_text(text: str) -> str:
+    """Text for a Markdown paragraph, heading or table cell.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        One line, neither markup nor HTML nor a link.
+    """
+    escaped = "".join(_MARKDOWN.get(character, character) for character in one_line(text))
+    unlinked = _MARKDOWN_LINK.sub(lambda found: "\\" + found.group(), escaped)
+    start = _MARKDOWN_START.match(unlinked)
+    if start is None:
+        return unlinked
+    at = start.end(1) if start[1] else 0  # "1. " would begin a list
+    return unlinked[:at] + "\\" + unlinked[at:]

@@ -9,10 +9,8 @@ from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_
 from derive.programs.program import Function, Program
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
-from derive.targets.kernel import Kernel, rows_of, write_kernel
-from derive.targets.printer import JavaScriptPrinter
-from derive.targets.python_kernel import wrapped
-from derive.targets.target import Source, Target, joint_limits
+from derive.targets.kernel import JAVASCRIPT, Kernel, rows_of, wrapped, write_kernel
+from derive.targets.target import Source, Target, joint_limits, shape_text
 from derive.targets.templating import render
 
 FILE = "model.mjs"
@@ -25,7 +23,7 @@ class JavaScriptFunction:
     Attributes:
         name: ``inertiaMatrix``.
         label: The same as a string literal.
-        arguments: ``q, qd``.
+        signature: ``q, qd, params``.
         documentation: Lines of its comment.
         parameters: Names of the run-time parameters that it needs, as lines of string literals.
         hoists: Whether it needs any.
@@ -54,52 +52,76 @@ class JavaScriptFunction:
 
 
 def render_javascript(source: Source) -> dict[str, str]:
-    """The module's text."""
-    return {FILE: render("javascript/model.mjs.jinja", **javascript_context(source))}
+    """The module ``model.mjs``.
 
+    Args:
+        source: The robot and its program.
 
-def javascript_body(robot: Robot, program: Program) -> str:
-    """Declarations of the functions and their constants, without exports: for a page's script."""
-    return render("javascript/functions.js.jinja", **_body_context(robot, program))
-
-
-def javascript_context(source: Source) -> dict[str, object]:
-    """What the template asks for."""
+    Returns:
+        Its text by file name.
+    """
     robot = source.robot
-    return _body_context(robot, source.program) | {
+    context = _body_context(robot, source.program) | {
         "title": javascript_comment(robot.title or robot.name),
         "version": javascript_comment(source.version),
         "digest": robot.digest,
         "convention": robot.convention.value,
         "joints": joint_lines(robot),
     }
+    return {FILE: render("javascript/model.mjs.jinja", **context)}
+
+
+TARGET = Target(
+    name="javascript",
+    summary="a JavaScript module for browsers and Node, one configuration a call",
+    files=(FILE,),
+    render=render_javascript,
+    default=False,
+)
+
+
+def javascript_body(robot: Robot, program: Program) -> str:
+    """Declarations of the functions and their constants, without exports: for a page's script.
+
+    Args:
+        robot: The robot.
+        program: Its functions.
+
+    Returns:
+        JavaScript.
+    """
+    return render("javascript/functions.js.jinja", **_body_context(robot, program))
 
 
 def camel_case(name: str) -> str:
-    """``inertia_matrix`` -> ``inertiaMatrix``."""
+    """A function's name as JavaScript has it.
+
+    Args:
+        name: For instance ``inertia_matrix``.
+
+    Returns:
+        ``inertiaMatrix``.
+    """
     first, *rest = name.split("_")
     return first + "".join(part.capitalize() for part in rest)
 
 
 def _body_context(robot: Robot, program: Program) -> dict[str, object]:
+    """What the template of the declarations asks for."""
+    limits = [f"[{pair[0]!r}, {pair[1]!r}]" if pair else "null" for pair in joint_limits(robot)]
     return {
         "dof": robot.n,
         "joint_names": wrapped([javascript_string(joint.variable) for joint in robot.joints]),
         "joint_types": wrapped([javascript_string(joint.type.value) for joint in robot.joints]),
-        "limits": wrapped([_pair(text) for text in joint_limits(robot)]),
+        "limits": wrapped(limits),
         "parameters": wrapped([javascript_string(name) for name in program.parameters]),
         "has_parameters": bool(program.parameters),
         "functions": tuple(_function(function, program.parameters, robot.n) for function in program),
     }
 
 
-def _pair(limits: str) -> str:
-    """Python's pair or None in JavaScript."""
-    return "null" if limits == "None" else f"[{limits[1:-1]}]"
-
-
 def _function(function: Function, parameters: Sequence[str], joints: int) -> JavaScriptFunction:
-    kernel = write_kernel(function.tape, JavaScriptPrinter(), parameters)
+    kernel = write_kernel(function.tape, JAVASCRIPT, parameters)
     needed = [parameters[index] for index in kernel.parameters]
     return JavaScriptFunction(
         name=camel_case(function.name),
@@ -146,24 +168,15 @@ def _nested(results: Sequence[str], shape: Sequence[int]) -> tuple[str, ...]:
 
 
 def _documentation(function: Function) -> tuple[str, ...]:
+    """The lines of a function's comment."""
     wording = WORDING[function.name]
-    shape = " x ".join(str(k) for k in function.shape)
     lines = (
         wording.summary,
         "",
         *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments),
         "@param {Object|number[]} [params] Numbers of the free parameters.",
-        f"@returns {{Array}} {wording.symbol}, {shape}: {wording.result}.",
+        f"@returns {{Array}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
         "",
         *function_notes(function),
     )
     return tuple(f" * {line}".rstrip() for line in lines)
-
-
-TARGET = Target(
-    name="javascript",
-    summary="a JavaScript module for browsers and Node, one configuration a call",
-    files=(FILE,),
-    render=render_javascript,
-    default=False,
-)

@@ -1,30 +1,193 @@
-"""Straight-line code from a tape: statements in order, values used once written where they are used."""
+"""Straight-line code from a tape, for every language: how operations are written, and which values get a line.
+
+A value that is used once is written where it is used, unless it is long; any other gets a name in a line of its own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 
-from derive.programs.tape.tape import LEAVES, PARAMETER, Layer, Node, Op, Source, Tape
-from derive.targets.printer import Piece, Printer, print_operation
+from derive.algebra.constants import Constant, to_float
+from derive.programs.tape.tape import FUNCTION_NAMES, LEAVES, PARAMETER, Layer, Op, Output, Source, Tape
+
+SUM, PRODUCT, ATOM = 1, 2, 3
+"""How tightly the outermost operation of a text binds."""
+
+TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}
+"""Letters of the names that sines and cosines get."""
 
 _INLINE_WIDTH = 52
-"""Longest value, in characters, that is written inside another one; longer ones get a name."""
+"""Longest value, in characters, that is written inside another one."""
 
-_TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}
+LINE_WIDTH = 104
+"""Longest line of a list of values or names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """Text of a value, and how tightly its outermost operation binds."""
+
+    text: str
+    binding: int = ATOM
+
+    def inside(self, binding: int) -> str:
+        """The text as an operand.
+
+        Args:
+            binding: How tightly the operation binds that it is an operand of.
+
+        Returns:
+            The text, in parentheses where they are needed.
+        """
+        return f"({self.text})" if self.binding < binding else self.text
+
+
+@dataclass(frozen=True, slots=True)
+class Language:
+    """How a language writes the operations of a tape: infix, in the tape's order, whatever the language may reorder.
+
+    Attributes:
+        assignment: The statement that names a value, with ``{name}`` and ``{value}`` in it.
+        double_minus: Whether ``--2`` is 2; where it is a mistake, a negative number is no atom.
+    """
+
+    assignment: str
+    double_minus: bool = False
+
+    def number(self, value: Constant | None) -> Piece:
+        """An exact constant.
+
+        Args:
+            value: The number, which every constant of a tape has.
+
+        Returns:
+            The shortest decimal that reads back as the nearest double.
+        """
+        assert value is not None
+        text = repr(to_float(value))
+        return Piece(text, SUM if text.startswith("-") and not self.double_minus else ATOM)
+
+    def operation(self, op: Op, operands: Sequence[Piece]) -> Piece:
+        """One operation.
+
+        Args:
+            op: Anything but a constant or an input.
+            operands: Its operands.
+
+        Returns:
+            Its text.
+        """
+        a, b = operands[0], operands[-1]
+        match op:
+            case Op.ADD:
+                return Piece(f"{a.inside(SUM)} + {b.inside(PRODUCT)}", SUM)
+            case Op.SUBTRACT:
+                return Piece(f"{a.inside(SUM)} - {b.inside(PRODUCT)}", SUM)
+            case Op.MULTIPLY:
+                return Piece(f"{a.inside(PRODUCT)}*{b.inside(ATOM)}", PRODUCT)
+            case Op.DIVIDE:
+                return Piece(f"{a.inside(PRODUCT)}/{b.inside(ATOM)}", PRODUCT)
+            case Op.NEGATE:
+                return Piece(f"-{a.inside(PRODUCT)}", SUM)
+            case _:
+                return Piece(f"{FUNCTION_NAMES[op]}({a.text})")
+
+    def output(self, tape: Tape, output: Output, pieces: Mapping[int, Piece]) -> str:
+        """A result, with its sign.
+
+        Args:
+            tape: The program.
+            output: The result.
+            pieces: Texts of the tape's values.
+
+        Returns:
+            Its text.
+        """
+        node = tape.nodes[output.node]
+        if output.negative and node.op is Op.CONSTANT and node.value is not None:
+            return self.number(-node.value).text
+        piece = pieces[output.node]
+        return self.operation(Op.NEGATE, [piece]).text if output.negative else piece.text
+
+
+PYTHON = Language("{name} = {value}", double_minus=True)
+"""Python: floats, arrays and CasADi expressions alike."""
+
+JAVASCRIPT = Language("const {name} = {value};")
+"""JavaScript: numbers, with ``sin``, ``cos``, ``sqrt`` and ``sign`` taken from ``Math``."""
+
+C = Language("const double {name} = {value};")
+"""C: doubles, with ``sin``, ``cos`` and ``sqrt`` of <math.h> and a ``sign`` of our own."""
+
+
+def input_name(source: Source, parameters: Sequence[str]) -> str:
+    """The variable that holds an input.
+
+    Args:
+        source: The input.
+        parameters: Names of the run-time parameters.
+
+    Returns:
+        ``q1``, ``qd1``, ..., or ``p_name``: users' names have a namespace of their own.
+    """
+    return f"p_{parameters[source.index]}" if source.kind == PARAMETER else f"{source.kind}{source.index + 1}"
+
+
+def temporary_names() -> Iterator[str]:
+    """``t1``, ``t2``, ..."""
+    return (f"t{k}" for k in count(1))
+
+
+def write_statements(
+    tape: Tape,
+    language: Language,
+    nodes: Iterable[int],
+    pieces: dict[int, Piece],
+    free_names: Iterator[str],
+    names: Mapping[int, str] | None = None,
+) -> tuple[str, ...]:
+    """Statements that compute some values of a tape.
+
+    Args:
+        tape: The program.
+        language: How it is written.
+        nodes: Operations, operands before what uses them.
+        pieces: Texts of the values that are known; those of ``nodes`` are added.
+        free_names: Names for values that need one.
+        names: Values that get a name in any case, and it; the next free one where that is empty.
+
+    Returns:
+        One assignment for each value with a name.
+    """
+    named = names or {}
+    lines = []
+    for i in nodes:
+        node = tape.nodes[i]
+        piece = language.operation(node.op, [pieces[k] for k in node.operands])
+        if i in named or tape.use_counts[i] != 1 or len(piece.text) > _INLINE_WIDTH:
+            name = named.get(i) or next(free_names)
+            lines.append(language.assignment.format(name=name, value=piece.text))
+            piece = Piece(name)
+        pieces[i] = piece
+    return tuple(lines)
 
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """The text of one function.
+    """The text of one function in Python or JavaScript.
 
     Attributes:
         parameters: Indices of the run-time parameters that it needs.
         hoisted: Statements on run-time parameters alone.
         constants: Names of the values that the body takes from there.
+        constant_values: What they are.
         arguments: Arguments that the body reads.
         body: Statements on the arguments.
         results: The outputs.
+        hoisted_calls: Whether sines, roots or the like occur in the hoisted part.
+        calls: Whether they occur in the body.
     """
 
     parameters: tuple[int, ...]
@@ -34,96 +197,93 @@ class Kernel:
     arguments: tuple[str, ...]
     body: tuple[str, ...]
     results: tuple[str, ...]
+    hoisted_calls: bool
+    calls: bool
 
 
-def input_name(source: Source, parameters: Sequence[str]) -> str:
-    """``q1``, ``qd1``, ... and ``p_name``: users' names have a namespace of their own."""
-    return f"p_{parameters[source.index]}" if source.kind == PARAMETER else f"{source.kind}{source.index + 1}"
-
-
-def write_kernel(tape: Tape, printer: Printer, parameters: Sequence[str]) -> Kernel:
-    """The statements of a tape.
+def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> Kernel:
+    """A tape in two parts: work on run-time parameters alone, and everything else.
 
     Args:
         tape: The program.
-        printer: The language.
+        language: Python or JavaScript.
         parameters: Names of the run-time parameters.
+
+    Returns:
+        The texts of both parts.
     """
-    writer = _Writer(tape, printer, parameters)
-    hoisted = writer.statements(Layer.HOISTED)
-    values = tape.hoisted_results
-    constant_values = tuple(writer.pieces[i].text for i in values)
-    names = tuple(writer.constant_name(i, k) for k, i in enumerate(values))
-    for i, name in zip(values, names, strict=True):
-        writer.pieces[i] = Piece(name)
-    body = writer.statements(Layer.BODY)
+    pieces, names = _leaves_and_names(tape, language, parameters)
+    layers = {
+        layer: [i for i, node in enumerate(tape.nodes) if node.layer is layer and node.op not in LEAVES]
+        for layer in (Layer.HOISTED, Layer.BODY)
+    }
+    free_names = temporary_names()
+    hoisted = write_statements(tape, language, layers[Layer.HOISTED], pieces, free_names, names)
+    crossing = tape.hoisted_results
+    values = tuple(pieces[i].text for i in crossing)
+    for place, i in enumerate(crossing):
+        if tape.nodes[i].op not in LEAVES:  # a bare parameter keeps its name
+            pieces[i] = Piece(f"k{place + 1}")
+    body = write_statements(tape, language, layers[Layer.BODY], pieces, free_names, names)
     kinds = {node.source.kind for node in tape.nodes if node.source is not None}
     return Kernel(
         parameters=tape.parameters,
         hoisted=hoisted,
-        constants=names,
-        constant_values=constant_values,
+        constants=tuple(pieces[i].text for i in crossing),
+        constant_values=values,
         arguments=tuple(kind for kind in ("q", "qd", "qdd", "tau") if kind in kinds),
         body=body,
-        results=tuple(writer.result(o.node, o.negative) for o in tape.outputs),
+        results=tuple(language.output(tape, output, pieces) for output in tape.outputs),
+        hoisted_calls=any(tape.nodes[i].op in FUNCTION_NAMES for i in layers[Layer.HOISTED]),
+        calls=any(tape.nodes[i].op in FUNCTION_NAMES for i in layers[Layer.BODY]),
     )
 
 
-class _Writer:
-    def __init__(self, tape: Tape, printer: Printer, parameters: Sequence[str]) -> None:
-        self.tape = tape
-        self.printer = printer
-        self.parameters = parameters
-        self.pieces: dict[int, Piece] = {}
-        self.crossing = set(tape.hoisted_results)
-        self.count = 0
-        for i, node in enumerate(tape.nodes):
-            if node.op is Op.CONSTANT:
-                self.pieces[i] = printer.number(node.value)
-            elif node.source is not None:
-                self.pieces[i] = Piece(input_name(node.source, parameters))
-
-    def statements(self, layer: Layer) -> tuple[str, ...]:
-        """Statements of one layer; values used once stay pieces."""
-        lines: list[str] = []
-        for i, node in enumerate(self.tape.nodes):
-            if node.layer is layer and node.op not in LEAVES:
-                piece = print_operation(self.printer, node.op, [self.pieces[k] for k in node.operands])
-                if not self._stays_inside(i, node, piece):
-                    name = self._name(node)
-                    lines.append(self.printer.assign(name, piece))
-                    piece = Piece(name)
-                self.pieces[i] = piece
-        return tuple(lines)
-
-    def result(self, index: int, negative: bool) -> str:
-        """An output."""
-        node = self.tape.nodes[index]
-        if negative and node.op is Op.CONSTANT:
-            return self.printer.number(-node.value).text  # type: ignore[operator]
-        piece = self.pieces[index]
-        return self.printer.negate(piece).text if negative else piece.text
-
-    def constant_name(self, index: int, place: int) -> str:
-        """Bare parameters keep their name."""
-        node = self.tape.nodes[index]
-        return self.pieces[index].text if node.op in LEAVES else f"k{place + 1}"
-
-    def _stays_inside(self, index: int, node: Node, piece: Piece) -> bool:
-        if node.op in _TRIGONOMETRIC or index in self.crossing:
-            return False
-        return self.tape.use_counts[index] == 1 and len(piece.text) <= _INLINE_WIDTH
-
-    def _name(self, node: Node) -> str:
-        """``s2`` and ``c2`` for the sine and cosine of q2, else the next free ``t``."""
-        if node.op in _TRIGONOMETRIC:
-            source = self.tape.nodes[node.operands[0]].source
-            if source is not None and source.kind == "q":
-                return f"{_TRIGONOMETRIC[node.op]}{source.index + 1}"
-        self.count += 1
-        return f"t{self.count}"
+def _leaves_and_names(
+    tape: Tape, language: Language, parameters: Sequence[str]
+) -> tuple[dict[int, Piece], dict[int, str]]:
+    """Texts of constants and inputs, and the values with a name: ``s2`` and ``c2`` are the sine and cosine of q2."""
+    pieces: dict[int, Piece] = {}
+    names = dict.fromkeys(tape.hoisted_results, "")
+    for i, node in enumerate(tape.nodes):
+        if node.op is Op.CONSTANT:
+            pieces[i] = language.number(node.value)
+        elif node.source is not None:
+            pieces[i] = Piece(input_name(node.source, parameters))
+        elif node.op in TRIGONOMETRIC:
+            angle = tape.nodes[node.operands[0]].source
+            names[i] = f"{TRIGONOMETRIC[node.op]}{angle.index + 1}" if angle and angle.kind == "q" else ""
+    return pieces, names
 
 
 def rows_of(values: Sequence[str], columns: int) -> tuple[tuple[str, ...], ...]:
-    """Outputs in rows, for printing."""
+    """Values in rows, for printing.
+
+    Args:
+        values: All values, row by row.
+        columns: Values in a row.
+
+    Returns:
+        The rows.
+    """
     return tuple(tuple(values[i : i + columns]) for i in range(0, len(values), columns))
+
+
+def wrapped(values: Sequence[str]) -> tuple[str, ...]:
+    """Values with a comma after each, in lines.
+
+    Args:
+        values: The texts, none of which is broken.
+
+    Returns:
+        The lines.
+    """
+    lines: list[str] = []
+    line = ""
+    for value in values:
+        text = f"{value}, "
+        if line and len(line) + len(text) > LINE_WIDTH:
+            lines.append(line.rstrip())
+            line = ""
+        line += text
+    return (*lines, line.rstrip()) if line else tuple(lines)

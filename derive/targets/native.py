@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import prod
-from typing import Any
 
 from derive.programs.program import Function
-from derive.targets.c.functions import CFunction
-from derive.targets.c.target import c_context
+from derive.targets.c import CFunction, c_context, c_functions
 from derive.targets.numpy import python_context
-from derive.targets.python_kernel import PythonFunction
 from derive.targets.target import Source, Target
 from derive.targets.templating import render
 
@@ -36,9 +33,22 @@ class Input:
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """What the templates ask for beyond the C function itself: places in the loop's arguments and steps."""
+    """NumPy's inner loop around a C function: where things are among the loop's arguments and steps.
 
-    c: CFunction
+    Attributes:
+        inputs: Names of the inputs, the constants from the parameters included.
+        loads: The inputs that are read.
+        constants_place: Place of the constants.
+        constants_core: Place of the bytes between them.
+        result_place: Place of the result.
+        result_core: Place of the bytes between its entries, one for each axis.
+        axes: Axes of the result.
+        dimensions: Its shape, as the inside of an array.
+        lengths: Lengths of the inputs and of the result, as the inside of an array.
+        buffer_count: Inputs and the result.
+        starts: Arguments of the call for one configuration.
+    """
+
     inputs: tuple[str, ...]
     loads: tuple[Input, ...]
     constants_place: int
@@ -51,58 +61,25 @@ class Loop:
     buffer_count: int
     starts: str
 
-    def __getattr__(self, name: str) -> Any:
-        """The attributes of the C function."""
-        return getattr(self.c, name)
-
 
 def render_native(source: Source) -> dict[str, str]:
-    """Module and code."""
-    c, python = c_context(source), python_context(source)
-    pairs = zip(source.program, c["functions"], strict=True)  # type: ignore[call-overload]
-    loops = [_loop(function, text, source.robot.n) for function, text in pairs]
-    counts = {loop.c.name: loop.c.constant_count for loop in loops}
-    functions = [_Both(function, counts[function.name]) for function in python["functions"]]  # type: ignore[attr-defined]
-    module = render("native/model_native.py.jinja", **{**python, "functions": functions, "library": LIBRARY})
-    return {MODULE: module, CODE: render("native/model_native.c.jinja", **{**c, "functions": loops})}
+    """Module and code.
 
+    Args:
+        source: The robot and its program.
 
-@dataclass(frozen=True, slots=True)
-class _Both:
-    """A function's Python texts and the number of its constants in C."""
-
-    python: PythonFunction
-    constant_count: int
-
-    @property
-    def one_arguments(self) -> str:
-        """Of the call for one configuration: the arguments, and an array for the result."""
-        return ", ".join([text for text in (self.python.arguments, f"np.empty({self.python.shape})") if text])
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.python, name)
-
-
-def _loop(function: Function, text: CFunction, joints: int) -> Loop:
-    constants = ["k"] if text.constant_count else []
-    inputs = (*function.arguments, *constants)
-    count = len(inputs)
-    cores = {name: count + 1 + place for place, name in enumerate(inputs)}
-    lengths = [*(joints for _ in function.arguments), *(text.constant_count for _ in constants), prod(function.shape)]
-    return Loop(
-        c=text,
-        inputs=inputs,
-        loads=tuple(Input(a, joints, i, cores[a]) for i, a in enumerate(function.arguments) if a in text.used),
-        constants_place=count - 1,
-        constants_core=2 * count,
-        result_place=count,
-        result_core=2 * count + 1,
-        axes=len(function.shape),
-        dimensions=", ".join(map(str, function.shape)),
-        lengths=", ".join(map(str, lengths)),
-        buffer_count=count + 1,
-        starts=", ".join(f"starts[{i}]" for i in range(count + 1)),
-    )
+    Returns:
+        Their texts by file name.
+    """
+    texts = c_functions(source.program)
+    loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
+    counts = {text.name: text.constant_count for text in texts}
+    module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}
+    code = c_context(source) | {"loops": list(zip(texts, loops, strict=True))}
+    return {
+        MODULE: render("native/model_native.py.jinja", **module),
+        CODE: render("native/model_native.c.jinja", **code),
+    }
 
 
 TARGET = Target(
@@ -114,3 +91,23 @@ TARGET = Target(
     requires=("c",),
     compiled={LIBRARY: (CODE, "model.c", "model.h")},
 )
+
+
+def _loop(function: Function, text: CFunction, joints: int) -> Loop:
+    constants = ["k"] if text.constant_count else []
+    inputs = (*function.arguments, *constants)
+    count = len(inputs)
+    lengths = [*(joints for _ in function.arguments), *(text.constant_count for _ in constants), prod(function.shape)]
+    return Loop(
+        inputs=inputs,
+        loads=tuple(Input(a, joints, i, count + 1 + i) for i, a in enumerate(function.arguments) if a in text.used),
+        constants_place=count - 1,
+        constants_core=2 * count,
+        result_place=count,
+        result_core=2 * count + 1,
+        axes=len(function.shape),
+        dimensions=", ".join(map(str, function.shape)),
+        lengths=", ".join(map(str, lengths)),
+        buffer_count=count + 1,
+        starts=", ".join(f"starts[{i}]" for i in range(count + 1)),
+    )

@@ -1,18 +1,76 @@
-"""``model_numpy.py``: the functions of a robot for one configuration or any batch, importing NumPy alone."""
+"""``model_numpy.py``: the functions of a robot for one configuration or any batch, importing NumPy alone.
+
+The texts of functions and constants made here are those of the other modules in Python, too.
+"""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.programs.interface import joint_lines
+from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_lines
+from derive.programs.program import Function, Program
 from derive.targets.escape import python_docstring, python_string
-from derive.targets.python_kernel import python_functions, python_tuple, wrapped
+from derive.targets.kernel import LINE_WIDTH, PYTHON, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, joint_limits
 from derive.targets.templating import render
 
 FILE = "model_numpy.py"
+
 _SHORT = 100
+"""Longest constant that stands on one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class PythonFunction:
+    """One function, ready for a template; every text is finished.
+
+    Attributes:
+        name: Its name.
+        arguments: ``q, qd``.
+        signature: ``q, qd, params=None, out=None``.
+        kernel_arguments: ``functions, k, q, qd``.
+        arguments_tuple: The same as the inside of a tuple.
+        argument_names: Quoted, as the inside of a tuple.
+        symbol: How the notes write its result.
+        shape: As a Python tuple.
+        parameter_places: Indices of the run-time parameters that it needs, in lines.
+        hoists: Whether it needs any.
+        unpack_parameters: Statement that names the parameters.
+        hoisted: Statements on parameters alone.
+        hoisted_results: The values that the body takes from there.
+        hoisted_calls: Whether sines and the like occur in them.
+        unpack: Statements that name the entries of the arguments.
+        body: Statements.
+        results: Rows of outputs.
+        calls: Whether sines and the like occur in the statements or results.
+        summary: First line of the docstring.
+        documentation: The other lines.
+        operations: Counts as a Python dictionary.
+    """
+
+    name: str
+    arguments: str
+    signature: str
+    kernel_arguments: str
+    arguments_tuple: str
+    argument_names: str
+    symbol: str
+    shape: str
+    parameter_places: tuple[str, ...]
+    hoists: bool
+    unpack_parameters: str
+    hoisted: tuple[str, ...]
+    hoisted_results: tuple[str, ...]
+    hoisted_calls: bool
+    unpack: tuple[str, ...]
+    body: tuple[str, ...]
+    results: tuple[str, ...]
+    calls: bool
+    summary: str
+    documentation: tuple[str, ...]
+    operations: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,59 +84,15 @@ class Constant:
 
 
 def render_numpy(source: Source) -> dict[str, str]:
-    """The module's text."""
-    text = render("numpy/model_numpy.py.jinja", **python_context(source))
-    return {FILE: text}
+    """The module ``model_numpy.py``.
 
+    Args:
+        source: The robot and its program.
 
-def python_context(source: Source) -> dict[str, object]:
-    """What the Python templates ask for."""
-    robot, program = source.robot, source.program
-    return {
-        "title": python_docstring(robot.title or robot.name),
-        "name": python_docstring(robot.name),
-        "version": python_docstring(source.version),
-        "digest": robot.digest,
-        "convention": robot.convention.value,
-        "joints": joint_lines(robot),
-        "dof": robot.n,
-        "constants": _constants(source),
-        "tables": tuple(_tables(source)),
-        "has_parameters": bool(program.parameters),
-        "has_dynamics": robot.has_dynamics,
-        "functions": python_functions(program, robot.n),
-    }
-
-
-def _constants(source: Source) -> tuple[Constant, ...]:
-    robot = source.robot
-    columns: dict[str, Sequence[str]] = {
-        "JOINT_NAMES": [python_string(joint.variable) for joint in robot.joints],
-        "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
-        "LIMITS": joint_limits(robot),
-        "PARAMETERS": [python_string(name) for name in source.program.parameters],
-        **_tables(source),
-    }
-    return tuple(_constant(name, values) for name, values in columns.items())
-
-
-def _tables(source: Source) -> dict[str, Sequence[str]]:
-    """The names of the regressors' columns, and what the base parameters are."""
-    program = source.program
-    if "regressor" not in program:
-        return {}
-    standard, base = program["regressor"].columns, program["base_parameters"].columns
-    return {
-        "STANDARD_PARAMETERS": [python_string(column.name) for column in standard],
-        "BASE_PARAMETERS": [python_string(column.name) for column in base],
-        "BASE_FORMULAS": [python_string(column.formula) for column in base],
-    }
-
-
-def _constant(name: str, values: Sequence[str]) -> Constant:
-    lines = wrapped(values)
-    inside = python_tuple(values) if values else ""
-    return Constant(name, short=len(name) + len(inside) <= _SHORT, inside=inside, lines=lines)
+    Returns:
+        Its text by file name.
+    """
+    return {FILE: render("numpy/model_numpy.py.jinja", **python_context(source))}
 
 
 TARGET = Target(
@@ -87,3 +101,124 @@ TARGET = Target(
     files=(FILE,),
     render=render_numpy,
 )
+
+
+def python_context(source: Source) -> dict[str, object]:
+    """What the templates of all modules in Python ask for.
+
+    Args:
+        source: The robot and its program.
+
+    Returns:
+        Values by name.
+    """
+    robot, program = source.robot, source.program
+    tables: dict[str, Sequence[str]] = {}
+    if "regressor" in program:
+        standard, base = program["regressor"].columns, program["base_parameters"].columns
+        tables = {
+            "STANDARD_PARAMETERS": [python_string(column.name) for column in standard],
+            "BASE_PARAMETERS": [python_string(column.name) for column in base],
+            "BASE_FORMULAS": [python_string(column.formula) for column in base],
+        }
+    constants: dict[str, Sequence[str]] = {
+        "JOINT_NAMES": [python_string(joint.variable) for joint in robot.joints],
+        "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
+        "LIMITS": [repr(limits) for limits in joint_limits(robot)],
+        "PARAMETERS": [python_string(name) for name in program.parameters],
+        **tables,
+    }
+    return {
+        "title": python_docstring(robot.title or robot.name),
+        "name": python_docstring(robot.name),
+        "version": python_docstring(source.version),
+        "digest": robot.digest,
+        "convention": robot.convention.value,
+        "joints": joint_lines(robot),
+        "dof": robot.n,
+        "constants": [_constant(name, values) for name, values in constants.items()],
+        "tables": tuple(tables),
+        "has_parameters": bool(program.parameters),
+        "has_dynamics": robot.has_dynamics,
+        "functions": python_functions(program, robot.n),
+    }
+
+
+def python_functions(program: Program, joints: int) -> tuple[PythonFunction, ...]:
+    """The functions of a program as Python.
+
+    Args:
+        program: The functions as tapes.
+        joints: Number of joints, the length of every argument.
+
+    Returns:
+        Their texts, in the program's order.
+    """
+    return tuple(_python_function(function, program.parameters, joints) for function in program)
+
+
+def _python_function(function: Function, parameters: Sequence[str], joints: int) -> PythonFunction:
+    kernel = write_kernel(function.tape, PYTHON, parameters)
+    unpack = [_unpacking([f"{kind}{i + 1}" for i in range(joints)], kind) for kind in kernel.arguments]
+    if kernel.constants:
+        unpack.append(_unpacking(kernel.constants, "k"))
+    return PythonFunction(
+        name=function.name,
+        arguments=", ".join(function.arguments),
+        signature=", ".join((*function.arguments, "params=None", "out=None")),
+        kernel_arguments=", ".join(("functions", "k", *function.arguments)),
+        arguments_tuple=_tuple(function.arguments),
+        argument_names=_tuple([f'"{name}"' for name in function.arguments]),
+        symbol=WORDING[function.name].symbol,
+        shape=str(function.shape),
+        parameter_places=wrapped([str(index) for index in kernel.parameters]),
+        hoists=bool(kernel.parameters),
+        unpack_parameters=_unpacking([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
+        hoisted=kernel.hoisted,
+        hoisted_results=wrapped(kernel.constant_values),
+        hoisted_calls=kernel.hoisted_calls,
+        unpack=tuple(unpack),
+        body=kernel.body,
+        results=tuple(row for columns in rows_of(kernel.results, function.shape[-1]) for row in wrapped(columns)),
+        calls=kernel.calls,
+        summary=WORDING[function.name].summary,
+        documentation=_documentation(function),
+        operations=str(function.operations.as_dict()).replace("'", '"'),
+    )
+
+
+def _unpacking(names: Sequence[str], source: str) -> str:
+    """A statement that names the entries of a tuple or array, broken as a formatter would."""
+    lines = textwrap.wrap(", ".join(names) + ",", LINE_WIDTH)
+    if len(lines) == 1:
+        return f"{lines[0][:-1]} = {source}" if len(names) > 1 else f"({lines[0]}) = {source}"
+    return "\n".join(["(", *(f"        {line}" for line in lines), f"    ) = {source}"])
+
+
+def _documentation(function: Function) -> tuple[str, ...]:
+    """The lines of a docstring after its first."""
+    wording = WORDING[function.name]
+    shape = ", ".join(str(k) for k in function.shape)
+    lines = (
+        "Args:",
+        *(f"    {name}: {ARGUMENTS[name]}, (..., n)." for name in function.arguments),
+        "    params: Numbers of the free parameters; see the module's docstring.",
+        "    out: Where to write the result, if not to a new array.",
+        "",
+        "Returns:",
+        f"    {wording.symbol}, (..., {shape}):",
+        f"    {wording.result}.",
+        "",
+        *function_notes(function),
+    )
+    return tuple(f"    {line}" if line else "" for line in lines)
+
+
+def _constant(name: str, values: Sequence[str]) -> Constant:
+    inside = _tuple(values)
+    return Constant(name, short=len(name) + len(inside) <= _SHORT, inside=inside, lines=wrapped(values))
+
+
+def _tuple(texts: Sequence[str]) -> str:
+    """What stands in the parentheses of a tuple."""
+    return f"{texts[0]}," if len(texts) == 1 else ", ".join(texts)

@@ -7,10 +7,9 @@ from typing import Any
 from derive.programs.interface import ARGUMENTS, WORDING, cost_text, joint_lines
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
-from derive.robot.robot import Robot
 from derive.targets import templating
 from derive.targets.escape import markdown_text
-from derive.targets.target import Source, Target, package_name
+from derive.targets.target import Source, Target, package_name, shape_text
 
 FILES = {
     "model_numpy.py": "the functions for one configuration or any batch; imports NumPy alone",
@@ -30,8 +29,15 @@ FILES = {
 
 
 def render(source: Source) -> dict[str, str]:
-    """The page."""
-    return {"README.md": templating.render("readme/README.md.jinja", **readme_context(source))}
+    """The page.
+
+    Args:
+        source: The robot and its program.
+
+    Returns:
+        Its text by file name.
+    """
+    return {"README.md": templating.render("readme/README.md.jinja", **_context(source))}
 
 
 TARGET = Target(
@@ -42,9 +48,20 @@ TARGET = Target(
 )
 
 
-def readme_context(source: Source) -> dict[str, Any]:
+def _context(source: Source) -> dict[str, Any]:
     """What the template asks for."""
-    robot = source.robot
+    robot, program = source.robot, source.program
+    free, numbers = free_symbols(robot), number_of(robot)
+    base = program["base_parameters"].columns if "base_parameters" in program else ()
+    functions = [
+        {
+            "call": f"{function.name}({', '.join(function.arguments)})",
+            "shape": shape_text(function.shape),
+            "summary": WORDING[function.name].summary,
+            "cost": cost_text(function.operations),
+        }
+        for function in program
+    ]
     return {
         "title": markdown_text(robot.title),
         "name": robot.name,
@@ -58,35 +75,14 @@ def readme_context(source: Source) -> dict[str, Any]:
         "has_numpy": "model_numpy.py" in source.files,
         "has_casadi": "model_casadi.py" in source.files,
         "has_dynamics": robot.has_dynamics,
-        "functions": _functions(source),
+        "functions": functions,
         "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
-        "numbers": _numbers(robot),
-        "base": _base(source),
-        "free": free_symbols(robot),
+        # symbols whose number is part of the code
+        "numbers": [
+            (name, to_text(numbers[name])) for name in robot_symbols(robot) if name in numbers and name not in free
+        ],
+        "base": [(column.name, column.formula) for column in base],  # the cell grammar keeps formulas free of markup
+        "free": free,
         "example": ", ".join(["0.1"] * robot.n),
-        "example_parameters": ", ".join(f'"{name}": 1.0' for name in free_symbols(robot)),
+        "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }
-
-
-def _functions(source: Source) -> list[dict[str, str]]:
-    return [
-        {
-            "call": f"{function.name}({', '.join(function.arguments)})",
-            "shape": " x ".join(map(str, function.shape)),
-            "summary": WORDING[function.name].summary,
-            "cost": cost_text(function.operations),
-        }
-        for function in source.program
-    ]
-
-
-def _base(source: Source) -> list[tuple[str, str]]:
-    """The base parameters and their formulas, which the cell grammar keeps free of markup."""
-    name = "base_parameters"
-    return [(c.name, c.formula) for c in source.program[name].columns] if name in source.program else []
-
-
-def _numbers(robot: Robot) -> list[tuple[str, str]]:
-    """Symbols whose number is baked in, with it."""
-    free, numbers = set(free_symbols(robot)), number_of(robot)
-    return [(name, to_text(numbers[name])) for name in robot_symbols(robot) if name in numbers and name not in free]

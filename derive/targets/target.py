@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from derive.algebra.constants import exact_number, to_float
 from derive.programs.program import Program
-from derive.robot.description import Joint
 from derive.robot.names import number_of
 from derive.robot.robot import Robot
 
@@ -65,15 +64,31 @@ def package_name(robot: Robot) -> str:
     return robot.name.replace("-", "_")
 
 
-def joint_limits(robot: Robot) -> tuple[str, ...]:
-    """``(lower, upper)`` or ``None`` for each joint [rad, m]; None also where a limit has no number."""
-    return tuple(_limits(robot, joint) for joint in robot.joints)
+def shape_text(shape: tuple[int, ...]) -> str:
+    """A shape in comments and tables.
+
+    Args:
+        shape: Lengths of the axes.
+
+    Returns:
+        For instance ``6 x 6``.
+    """
+    return " x ".join(map(str, shape))
 
 
-def _limits(robot: Robot, joint: Joint) -> str:
-    if joint.limits is None:
-        return "None"
-    bounds = [exact_number(bound, number_of(robot)) for bound in joint.limits]
-    if any(bound is None for bound in bounds):
-        return "None"
-    return f"({', '.join(repr(to_float(bound)) for bound in bounds)})"
+def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
+    """Limits of the joints as numbers.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Lower and upper limit of each joint [rad or m]; None where there is none or it has no number.
+    """
+    numbers = number_of(robot)
+    limits: list[tuple[float, float] | None] = []
+    for joint in robot.joints:
+        bounds = [exact_number(bound, numbers) for bound in joint.limits or ()]
+        known = [to_float(bound) for bound in bounds if bound is not None]
+        limits.append((known[0], known[1]) if len(known) == 2 else None)
+    return tuple(limits)

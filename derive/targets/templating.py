@@ -19,6 +19,9 @@ def render(template: str, **context: object) -> str:
     Args:
         template: Path below the template folder, for instance ``numpy/model_numpy.py.jinja``.
         context: What the template asks for.
+
+    Returns:
+        The text.
     """
     return environment().get_template(template).render(context)
 

@@ -10,7 +10,7 @@ import pytest
 
 from derive.programs.program import Program
 from derive.robot.robot import Robot
-from derive.targets.c.target import render_c
+from derive.targets.c import render_c
 from derive.targets.compiler import find_compiler
 from derive.verify.compiled import CModel, load_c_model
 from tests.targets.generated_models import source_of

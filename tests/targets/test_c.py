@@ -16,7 +16,7 @@ import pytest
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
-from derive.targets.c.target import render_c
+from derive.targets.c import render_c
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.escape import c_prefix
 from derive.verify.compiled import CModel

@@ -1,1 +1,0 @@
-"""C99: functions, kernels and files."""
