@@ -1,4 +1,7 @@
-"""Random robots from the text of their file to generated NumPy and CasADi code, against Pinocchio and the oracle."""
+"""Generated code against Pinocchio and the oracle: random robots from the text of their file on, and committed models.
+
+Programs are searched with the effort that users get.
+"""
 
 from __future__ import annotations
 
@@ -12,26 +15,31 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from derive.model.identification.base_parameters import base_set
+from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
+from derive.publish.build import folder_of
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
+from derive.targets.compiler import find_compiler
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
 from derive.verify.generated import GeneratedModel, load_models
 from derive.verify.oracle.oracle import FUNCTIONS, Oracle
 from derive.verify.report import TOLERANCE
 from derive.verify.verify import verify
+from tests.places import GENERATED
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
 from tests.verify.oracle.pinocchio_reference import Array, reference
 
+SEEDS = 28
 FIXTURE_IS_A_FACTORY = [HealthCheck.function_scoped_fixture]
 """Every example writes over the files of the one before."""
 
 
-def generate(robot: Robot, folder: Path) -> tuple[GeneratedModel, ...]:
+def generate(robot: Robot, folder: Path, effort: Effort = Effort.FULL) -> tuple[GeneratedModel, ...]:
     """Write both modules into ``folder`` and load them."""
-    source = Source(robot, build_program(robot), "0.0.0")
+    source = Source(robot, build_program(robot, effort), "0.0.0")
     for name, text in {**render_numpy(source), **render_casadi(source)}.items():
         (folder / name).write_text(text, encoding="utf-8")
     return load_models(folder)
@@ -51,50 +59,59 @@ def check_with_pinocchio(robot: RandomRobot, models: tuple[GeneratedModel, ...])
             assert np.abs(got - wanted).max() < TOLERANCE * max(1.0, np.abs(wanted).max()), (model.target, name)
 
 
-@given(robots())
-@settings(max_examples=25, deadline=None, suppress_health_check=FIXTURE_IS_A_FACTORY)
-def test_generated_code_agrees_with_pinocchio(tmp_path: Path, robot: RandomRobot) -> None:
-    models = generate(Robot.from_text(robot.text), tmp_path)
-    assert [model.target for model in models] == ["numpy", "casadi"]
-    check_with_pinocchio(robot, models)
+def check_with_the_oracle(robot: RandomRobot, loaded: Robot, folder: Path, seed: int) -> None:
+    """Everything that `derive verify` looks at, and that it looks at everything."""
+    report = verify(loaded, folder, samples=6, seed=seed)
+    base = base_set(loaded).parameters if loaded.has_dynamics else None
+    assert report.worst < 1e-10
+    assert {(row.target, row.function) for row in report.rows} == {
+        (target, function)
+        for target in ("numpy", "casadi")
+        for function in Oracle.of(loaded, robot.values, base).functions
+    }
 
 
 @given(robots(max_joints=5))
 @settings(max_examples=15, deadline=None, suppress_health_check=FIXTURE_IS_A_FACTORY)
-def test_generated_code_passes_verification(tmp_path: Path, robot: RandomRobot) -> None:
+def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, robot: RandomRobot) -> None:
+    """Other robots in every run."""
     loaded = Robot.from_text(robot.text)
-    generate(loaded, tmp_path)
-    report = verify(loaded, tmp_path, samples=6)
-    base = base_set(loaded).parameters if loaded.has_dynamics else None
-    functions = Oracle.of(loaded, robot.values, base).functions
-    assert report.worst < 1e-10
-    assert {(row.target, row.function) for row in report.rows} == {
-        (target, function) for target in ("numpy", "casadi") for function in functions
-    }
+    models = generate(loaded, tmp_path)
+    assert [model.target for model in models] == ["numpy", "casadi"]
+    check_with_pinocchio(robot, models)
+    check_with_the_oracle(robot, loaded, tmp_path, seed=0)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(0, 100, 20))
-def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, first: int) -> None:
-    for seed in range(first, first + 20):
-        robot = random_robot(random.Random(seed), dynamics=seed % 5 > 0)
-        loaded = Robot.from_text(robot.text)
-        check_with_pinocchio(robot, generate(loaded, tmp_path))
-        assert verify(loaded, tmp_path, samples=6, seed=seed).worst < 1e-10
+@pytest.mark.parametrize("seed", range(SEEDS))
+def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, seed: int) -> None:
+    """The same robots in every run: one to seven joints of all kinds, every fifth without links."""
+    robot = random_robot(random.Random(seed), 1 + seed % 7, dynamics=seed % 5 > 0)
+    loaded = Robot.from_text(robot.text)
+    check_with_pinocchio(robot, generate(loaded, tmp_path))
+    check_with_the_oracle(robot, loaded, tmp_path, seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("standard", [True, False])
-def test_generated_code_of_a_long_chain_agrees_with_pinocchio(tmp_path: Path, standard: bool) -> None:
-    """Eighteen joints with dynamics, sixty-four without."""
-    for n in (18, 64):
-        robot = random_robot(random.Random(n), n, standard=standard, dynamics=n < 64)
-        check_with_pinocchio(robot, generate(Robot.from_text(robot.text), tmp_path))
+@pytest.mark.parametrize(
+    ("joints", "standard", "effort"),
+    [(18, True, Effort.QUICK), (18, False, Effort.QUICK), (32, True, Effort.FULL), (64, False, Effort.FULL)],
+)
+def test_generated_code_of_a_long_chain_agrees_with_pinocchio(
+    tmp_path: Path, joints: int, standard: bool, effort: Effort
+) -> None:
+    """Eighteen joints with dynamics, for which a long search would take minutes; more of them without."""
+    robot = random_robot(random.Random(joints), joints, standard=standard, dynamics=joints == 18)
+    check_with_pinocchio(robot, generate(Robot.from_text(robot.text), tmp_path, effort))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", catalogue_names())
-def test_generated_code_of_the_catalogue_passes_verification(tmp_path: Path, name: str) -> None:
+def test_committed_models_pass_verification(name: str) -> None:
+    """The files of ``generated/`` themselves, at other configurations than those of their build."""
     robot = Robot.load(name)
-    generate(robot, tmp_path)
-    assert verify(robot, tmp_path, samples=12, seed=1).worst < 1e-10
+    folder = folder_of(robot, GENERATED)
+    targets = {"numpy", "casadi"} | ({"c"} if find_compiler() else set())
+    report = verify(robot, folder, samples=12, seed=1)
+    assert {row.target for row in report.rows} == targets
+    assert report.worst < 1e-10

@@ -1,0 +1,70 @@
+"""Random arms in floats: the recursions themselves, without a tape between them and the numbers."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.floats import FloatDomain
+from derive.model.identification.base_parameters import base_set
+from derive.robot.expression import Number
+from derive.robot.robot import Robot
+from derive.verify.oracle.oracle import Oracle
+from tests.random_robots import configurations, random_robot
+
+Array = npt.NDArray[np.float64]
+SEEDS = range(21)
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A random robot whose symbols all have numbers, at a state.
+
+    Attributes:
+        robot: The robot.
+        q: Joint variables; likewise velocities and accelerations.
+    """
+
+    robot: Robot
+    q: Array
+    qd: Array
+    qdd: Array
+
+    @property
+    def chain(self) -> Chain[float]:
+        """Its chain of joint frames."""
+        return self.chain_of(self.robot)
+
+    def chain_of(self, robot: Robot) -> Chain[float]:
+        """The chain of a robot at this configuration."""
+        return build_chain(robot, FloatDomain(robot, self.q.tolist()))
+
+    def expected(self, function: str, *arguments: Array) -> Array:
+        """What the independent recursion says."""
+        base = base_set(self.robot).parameters if "regressor" in function else None
+        return Oracle.of(self.robot, base=base).evaluate(function, *(arguments or (self.q,)))
+
+
+@cache
+def arm_of(seed: int) -> Arm:
+    """One to seven joints of all kinds."""
+    drawn = random_robot(random.Random(seed), 1 + seed % 7)
+    robot = Robot.from_text(drawn.text)
+    known = dict(robot.parameters) | {name: Number(Fraction(value)) for name, value in drawn.values.items()}
+    robot = replace(robot, parameters=tuple(known.items()), runtime=())
+    q, qd, qdd = configurations(random.Random(seed + 1), robot.n, 3)
+    return Arm(robot, q, qd, qdd)
+
+
+def assert_close(found: Any, wanted: Any, tolerance: float = 1e-12) -> None:
+    """Equal against the largest entry."""
+    found, wanted = np.array(found, dtype=float), np.array(wanted, dtype=float)
+    assert found.shape == wanted.shape
+    assert np.abs(found - wanted).max(initial=0.0) <= tolerance * max(1.0, np.abs(wanted).max(initial=0.0))
