@@ -11,7 +11,7 @@ from dataclasses import replace
 from derive.handout.context import Context
 from derive.handout.language import Text
 from derive.handout.notation.symbols import EntryNamer, bold
-from derive.handout.quantities import ModelQuantities
+from derive.model.dynamic_entries import ModelEntries
 from derive.model.matrices import aligned_latex
 from derive.model.model import Model as ClosedForms
 from derive.version import __version__
@@ -26,7 +26,7 @@ class Model(ClosedForms):
     def _repr_latex_(self) -> str:
         """T, J and, where the robot has links, B and g, in the notation of the handout."""
         robot = replace(self.robot, style=self.style, contraction=self.contraction)
-        context = Context(robot, ModelQuantities(robot), robot.handout, Text(), __version__)
+        context = Context(ModelEntries(ClosedForms(robot)), robot.handout, Text(), __version__)
         return aligned_latex(list(_lines(context)))
 
 
@@ -35,7 +35,7 @@ def _lines(context: Context) -> Iterator[str]:
     names = {"T": "T", "J": "J"} | ({"B": letter, "g": "g"} if context.robot.has_dynamics else {})
     for group, (name, shown) in enumerate(names.items()):
         namer = EntryNamer(context.symbols, shown.lower())
-        quantity = context.quantities[name]
+        quantity = getattr(context.entries, name)
         block = context.layouter.block(bold(shown), namer, quantity, group=group, symmetric=name == "B")
         printed = [*block.named, *block.lines]
         whole = printed and not block.omitted and not block.landscape and len(printed) <= MOST_LINES

@@ -71,11 +71,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _arm(robot: Robot, arguments: argparse.Namespace, suffix: str) -> tuple[bytes, str]:
+    from derive.handout.data_printer import DataPrinter
     from derive.handout.figure.arm import arm_drawing
     from derive.handout.figure.matplotlib_writer import drawing_bytes
     from derive.handout.figure.poses import RobotPoses
     from derive.handout.notation.notation import Notation
-    from derive.handout.tables import DataPrinter
 
     poses = RobotPoses(robot)
     q = _configuration(robot, poses, arguments)

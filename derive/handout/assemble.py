@@ -1,60 +1,71 @@
-"""From the context of a robot to its handout: the parts that are asked for, in their order.
-
-An exercise and its solutions, two sheets of one handout.
-"""
+"""From a robot to its handout, part by part; and from the handout to an exercise and its solutions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from typing import NamedTuple
 
 from derive.errors import DeriveError
 from derive.handout.context import Context
-from derive.handout.document import Blank, Block, Document, Formula, Rows, Section, Steps, map_blocks
-from derive.handout.example import Example
+from derive.handout.document import Blank, Block, Document, Formula, Section, Steps
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.language import Text, text_for
-from derive.handout.parts import (
-    energies,
-    example,
-    figure,
-    inertia,
-    jacobian,
-    kinematics,
-    motion,
-    newton_euler,
-    orientation,
-    singularities,
-    table,
-)
-from derive.handout.quantities import ModelQuantities
+from derive.handout.parts.bodies import link_jacobians
+from derive.handout.parts.example import example
+from derive.handout.parts.figure import arm, convention
+from derive.handout.parts.inertia import energies, inertia
+from derive.handout.parts.jacobian import jacobian
+from derive.handout.parts.kinematics import end_effector, transforms
+from derive.handout.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
+from derive.handout.parts.newton_euler import newton_euler
+from derive.handout.parts.orientation import orientation
+from derive.handout.parts.singularities import singularities
+from derive.handout.parts.table import dh_table, parameters
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
 from derive.robot.robot import Robot
 from derive.robot.style import PARTS, HandoutOptions
 from derive.version import __version__
 
-Part = Callable[[Context], Section | None]
 
-_SECTIONS: dict[str, Part] = {
-    "figure": figure.figure_section,
-    "table": table.table_section,
-    "convention": figure.convention_section,
-    "parameters": table.parameters_section,
-    "transforms": kinematics.transforms_section,
-    "kinematics": kinematics.kinematics_section,
-    "orientation": orientation.section,
-    "jacobian": jacobian.section,
-    "singularities": singularities.section,
-    "link-jacobians": inertia.link_jacobians_section,
-    "energies": energies.section,
-    "inertia": inertia.inertia_section,
-    "christoffel": motion.christoffel_section,
-    "coriolis": motion.coriolis_section,
-    "skew": motion.skew_section,
-    "gravity": motion.gravity_section,
-    "motion": motion.motion_section,
-    "newton-euler": newton_euler.section,
-    "example": example.section,
-}
+class Part(NamedTuple):
+    """A part of the handout.
+
+    Attributes:
+        title: Its heading.
+        blocks: Its content; nothing where the robot has nothing to show.
+        needs_closed_dynamics: Whether it is left out where the closed form of the dynamics is not derived.
+    """
+
+    title: str
+    blocks: Callable[[Context], Iterable[Block]]
+    needs_closed_dynamics: bool = False
+
+
+def _parts(_: Text) -> dict[str, Part]:
+    """Every part by its name in ``handout: parts:``."""
+    return {
+        "figure": Part(_("The arm"), arm),
+        "table": Part(_("Denavit-Hartenberg table"), dh_table),
+        "convention": Part(_("Convention"), convention),
+        "parameters": Part(_("Parameters"), parameters),
+        "transforms": Part(_("Transforms of the rows"), transforms),
+        "kinematics": Part(_("End effector"), end_effector),
+        "orientation": Part(_("Position and orientation"), orientation),
+        "jacobian": Part(_("Geometric Jacobian"), jacobian),
+        "singularities": Part(_("Singularities"), singularities),
+        "link-jacobians": Part(_("Jacobians of links and motors"), link_jacobians, True),
+        "energies": Part(_("Energies"), energies, True),
+        "inertia": Part(_("Inertia matrix"), inertia),
+        "christoffel": Part(_("Christoffel symbols"), christoffel, True),
+        "coriolis": Part(_("Coriolis matrix"), coriolis, True),
+        "skew": Part(_("Skew symmetry"), skew, True),
+        "gravity": Part(_("Gravity"), gravity, True),
+        "motion": Part(_("Equations of motion"), equations_of_motion, True),
+        "newton-euler": Part(_("Newton-Euler recursion"), newton_euler, True),
+        "example": Part(_("Example in numbers"), example),
+    }
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
@@ -64,37 +75,49 @@ def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
         robot: The robot.
         options: What is shown; None for what the robot file says.
 
+    Returns:
+        The context; it has no poses where no numbers are found with which the robot could be drawn.
+
     Raises:
         TargetError: There is no message catalogue for the language.
     """
     chosen = options or robot.handout
-    return Context(
-        robot=robot,
-        quantities=ModelQuantities(robot),
-        options=chosen,
-        text=text_for(chosen.language),
-        version=__version__,
-        poses=_poses(robot),
-        numbers=Example(robot),
-    )
-
-
-def _poses(robot: Robot) -> RobotPoses | None:
-    """Where its frames are; None if no numbers are found with which it could be drawn."""
+    text = text_for(chosen.language)
     try:
-        return RobotPoses(robot)
+        poses = RobotPoses(robot)
     except DeriveError:
+        poses = None
+    return Context(ModelEntries(Model(robot)), chosen, text, __version__, poses)
+
+
+def section_of(context: Context, name: str) -> Section | None:
+    """One part.
+
+    Args:
+        context: The handout.
+        name: The part, one of `PARTS`.
+
+    Returns:
+        Its section; None where the robot has nothing to show there.
+    """
+    part = _parts(context.text)[name]
+    if part.needs_closed_dynamics and not context.has_closed_dynamics:
         return None
+    blocks = tuple(part.blocks(context))
+    return Section(name, part.title, blocks) if blocks else None
 
 
 def document(context: Context) -> Document:
-    """The handout of a robot."""
-    _ = context.text
+    """The handout of a robot: the parts that are asked for, in the order of `PARTS`.
+
+    Args:
+        context: The handout.
+
+    Returns:
+        The document.
+    """
     robot = context.robot
-    digest = robot.digest[:16]
-    footer = _("derive %(version)s, robot file `%(digest)s`", version=context.version, digest=digest)
-    wanted = [part for part in PARTS if part in context.options.parts]
-    sections = (section_of(context, part) for part in wanted)
+    sections = (section_of(context, name) for name in PARTS if name in context.options.parts)
     return Document(
         title=robot.title,
         subtitle="",
@@ -102,18 +125,17 @@ def document(context: Context) -> Document:
         language=context.text.language,
         digest=robot.digest,
         version=context.version,
-        footer=footer,
+        footer=context.text(
+            "derive %(version)s, robot file `%(digest)s`", version=context.version, digest=robot.digest[:16]
+        ),
         sections=tuple(section for section in sections if section is not None),
     )
 
 
-def section_of(context: Context, part: str) -> Section | None:
-    """One part; None where the robot has nothing to show there."""
-    return _SECTIONS[part](context)
+# -- exercise and solutions
 
-
-LEAST_LINES = 2
-MOST_LINES = 24
+_LEAST_LINES = 2
+_MOST_LINES = 24
 """Lines of room for one answer: less than half a page, however long the solution is."""
 
 _HANDWRITING = 1.5
@@ -126,10 +148,20 @@ def exercise(document: Document, text: Text) -> Document:
     Args:
         document: The handout.
         text: Translates the subtitle.
+
+    Returns:
+        The exercise.
     """
-    blank = map_blocks(document, _question)
-    sections = tuple(section for section in blank.sections if section.blocks)
-    return replace(blank, subtitle=text("Exercise"), sections=sections)
+    sections = []
+    for section in document.sections:
+        blocks = tuple(
+            Blank(block.blanks, _room(block)) if isinstance(block, Formula) and block.blanks else block
+            for block in section.blocks
+            if not isinstance(block, Steps)
+        )
+        if blocks:
+            sections.append(replace(section, blocks=blocks))
+    return replace(document, subtitle=text("Exercise"), sections=tuple(sections))
 
 
 def solutions(document: Document, text: Text) -> Document:
@@ -138,22 +170,15 @@ def solutions(document: Document, text: Text) -> Document:
     Args:
         document: The handout.
         text: Translates the subtitle.
+
+    Returns:
+        The solutions.
     """
     return replace(document, subtitle=text("Solutions"))
 
 
-def _question(block: Block) -> Block | None:
-    if isinstance(block, Steps):
-        return None
-    return Blank(block.blanks, room(block)) if isinstance(block, Formula) and block.blanks else block
-
-
-def room(formula: Formula) -> int:
-    """Lines that the answer needs by hand."""
-    printed = [*(line for rows in formula.rows for line in _lines(rows)), *formula.named, *formula.omitted]
-    return max(LEAST_LINES, min(MOST_LINES, round(_HANDWRITING * len(printed))))
-
-
-def _lines(rows: Rows) -> Iterable[str]:
-    r"""Lines on paper: a matrix takes one for each of its rows, which ``\\`` ends."""
-    return (part for line in rows.lines for part in line.split("\\\\"))
+def _room(formula: Formula) -> int:
+    r"""Lines that an answer needs by hand; a matrix takes one for each of its rows, which ``\\`` ends."""
+    rows = sum(line.count("\\\\") + 1 for part in formula.rows for line in part.lines)
+    printed = rows + len(formula.named) + len(formula.omitted)
+    return max(_LEAST_LINES, min(_MOST_LINES, round(_HANDWRITING * printed)))

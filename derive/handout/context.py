@@ -1,53 +1,23 @@
-"""What the parts of one handout share."""
+"""What the parts of one handout share: the robot, its closed forms, the options, and what prints them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
+from derive.handout.data_printer import DataPrinter
 from derive.handout.dynamics import DynamicsLayout
+from derive.handout.figure.poses import RobotPoses
 from derive.handout.language import Text
 from derive.handout.layout.policy import POLICY, SheetPolicy
 from derive.handout.layout.quantity import Layouter
 from derive.handout.notation.notation import Notation
 from derive.handout.notation.printer import LatexPrinter
 from derive.handout.notation.symbols import Symbols
-from derive.handout.quantity import Quantities
-from derive.handout.rate_forms import RateForms
-from derive.handout.tables import DataPrinter
+from derive.model.dynamic_entries import ModelEntries
+from derive.robot.description import Convention
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, HandoutOptions
-
-Pose = tuple[tuple[float, ...], ...]
-"""A 4x4 transform."""
-
-
-class Poses(Protocol):
-    """Where the frames of the robot are, in numbers; symbols without a number have the values of a figure."""
-
-    @property
-    def zero(self) -> tuple[float, ...]:
-        """The zero configuration [rad or m]."""
-
-    @property
-    def configuration(self) -> tuple[float, ...] | None:
-        """The figure configuration [rad or m], None if the robot file states none."""
-
-    @property
-    def assumed(self) -> tuple[tuple[str, float, str], ...]:
-        """Symbols drawn with a number that no file gives: name, value and unit (``m`` or ``rad``)."""
-
-    def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
-        """Base frame 0, frames 1 to n and the end effector in the world [m]."""
-
-
-Numbers = Callable[[str, Sequence[float]], Sequence[Sequence[float]]]
-"""Value of T, J, B or g, by name, at a configuration; symbols without a number have those of the figure.
-
-Its argument is the joint variables [rad or m]; its result the rows of a matrix, g a column.
-"""
 
 
 @dataclass(frozen=True)
@@ -55,24 +25,30 @@ class Context:
     """One robot on its way to a handout.
 
     Attributes:
-        robot: The robot.
-        quantities: Its derived quantities by name.
+        entries: Its closed forms, entry by entry.
         options: What the handout shows.
         text: Translates messages.
         version: Version of the tool.
         poses: Where its frames are, for figures; None where nothing is drawn.
-        numbers: Its quantities at a configuration, for the example; None where there is none.
         policy: How much is printed.
     """
 
-    robot: Robot
-    quantities: Quantities
+    entries: ModelEntries
     options: HandoutOptions
     text: Text
     version: str
-    poses: Poses | None = None
-    numbers: Numbers | None = None
+    poses: RobotPoses | None = None
     policy: SheetPolicy = POLICY
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self.entries.robot
+
+    @property
+    def is_standard(self) -> bool:
+        """Whether the convention is the standard one, in which joint i moves about z of frame i-1."""
+        return self.robot.convention is Convention.STANDARD
 
     @cached_property
     def notation(self) -> Notation:
@@ -101,14 +77,8 @@ class Context:
 
     @cached_property
     def dynamics(self) -> DynamicsLayout:
-        """Lays out the dynamics; sizes and Christoffel symbols are found once for all parts."""
-        letter = self.options.notation.inertia.value
-        return DynamicsLayout(self.robot, self.quantities, self.layouter, self.symbols, letter)
-
-    @cached_property
-    def rate_forms(self) -> RateForms:
-        """C, N and the equations of motion in named terms."""
-        return RateForms(self.dynamics)
+        """Lays out the dynamics."""
+        return DynamicsLayout(self.entries, self.layouter, self.symbols)
 
     @property
     def has_closed_dynamics(self) -> bool:

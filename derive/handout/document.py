@@ -3,15 +3,13 @@
 Texts are plain Unicode in the language of the handout. Inside a text, mathematics stands between dollar signs as LaTeX
 and code between backticks; a writer escapes everything else. Mathematics is LaTeX that pdflatex with amsmath and KaTeX
 both understand.
-
-Texts of a document: plain words, mathematics between dollar signs and code between backticks.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, TypeAlias
 
@@ -179,6 +177,12 @@ class Document:
     def section(self, part: str) -> Section:
         """The section of that name.
 
+        Args:
+            part: A name in ``handout: parts:``.
+
+        Returns:
+            The section.
+
         Raises:
             KeyError: The document has no such part.
         """
@@ -189,22 +193,20 @@ class Document:
 
 
 def blocks_of(section: Section) -> Iterator[Block]:
-    """All blocks of a section, those inside of steps included."""
+    """All blocks of a section, those inside of steps included.
+
+    Args:
+        section: The section.
+
+    Yields:
+        Each block, before the blocks inside of it.
+    """
     pending = list(reversed(section.blocks))
     while pending:
         block = pending.pop()
         yield block
         if isinstance(block, Steps):
             pending += reversed(block.blocks)
-
-
-def map_blocks(document: Document, change: Callable[[Block], Block | None]) -> Document:
-    """The document with every outer block changed, or left out where ``change`` gives None."""
-    sections = []
-    for section in document.sections:
-        blocks = tuple(new for new in map(change, section.blocks) if new is not None)
-        sections.append(replace(section, blocks=blocks))
-    return replace(document, sections=tuple(sections))
 
 
 _SPAN = re.compile(r"\$([^$]*)\$|`([^`]*)`")
@@ -231,7 +233,14 @@ class Span(NamedTuple):
 
 
 def spans(text: str) -> Iterator[Span]:
-    """The parts of a text, in their order."""
+    """The parts of a text.
+
+    Args:
+        text: With ``$mathematics$`` and `` `code` ``.
+
+    Yields:
+        Its spans, in their order.
+    """
     end = 0
     for match in _SPAN.finditer(text):
         if match.start() > end:

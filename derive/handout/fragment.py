@@ -10,14 +10,12 @@ from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
 from derive.handout.assemble import context_of, section_of
 from derive.handout.context import Context
 from derive.handout.document import Block, Figure, Rows, Section, Table, blocks_of
-from derive.handout.formula import formula
-from derive.handout.frames import entry_namer
+from derive.handout.formula import entry_namer, formula
 from derive.handout.latex_writer import fragment
-from derive.handout.layout.quantity import Item
-from derive.handout.layout.quantity import LaidOut as Layout
+from derive.handout.layout.quantity import Item, LaidOut
 from derive.handout.notation.pieces import Box, italic, script
 from derive.handout.notation.symbols import EntryNamer, bold
-from derive.handout.quantities import Written, expanded_terms
+from derive.model.entries import expanded_terms, of_matrix
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY, parse
 from derive.robot.robot import Robot
@@ -95,7 +93,7 @@ def _rows(block: Block) -> tuple[Rows, ...]:
 
 def _quantity(context: Context, name: str) -> Section:
     """A section that holds one quantity, as the handout prints it where it does."""
-    model: Model = getattr(context.quantities, "model", None) or Model(context.robot)
+    model = context.entries.model
     word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
     if word not in REGISTRY:  # what is meant may be a part or a quantity
         raise TargetError(
@@ -106,20 +104,20 @@ def _quantity(context: Context, name: str) -> Section:
     row, indices, entry = parse(model, name)
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
-    layout = _known(context, row.name, indices) if entry is None else None
-    layout = layout or _written(context, name, row.name, indices, model)
-    return Section("", "", (formula(context, layout, _FUNCTIONS.get(row.name, "")),))
+    laid_out = _known(context, row.name, indices) if entry is None else None
+    laid_out = laid_out or _written(context, name, row.name, indices, model)
+    return Section("", "", (formula(context, laid_out, _FUNCTIONS.get(row.name, "")),))
 
 
-def _known(context: Context, name: str, indices: tuple[int, ...]) -> Layout | None:
+def _known(context: Context, name: str, indices: tuple[int, ...]) -> LaidOut | None:
     """As the handout prints it; None for what no part prints as a whole."""
     dynamics, layouter, symbols = context.dynamics, context.layouter, context.symbols
-    makers: dict[str, Callable[[], Layout | None]] = {
-        "T": lambda: layouter.block(bold("T"), EntryNamer(symbols, "t"), context.quantities["T"]),
-        "J": lambda: layouter.block(bold("J"), EntryNamer(symbols, "J"), context.quantities["J"], group=1),
+    makers: dict[str, Callable[[], LaidOut | None]] = {
+        "T": lambda: layouter.block(bold("T"), EntryNamer(symbols, "t"), context.entries.T),
+        "J": lambda: layouter.block(bold("J"), EntryNamer(symbols, "J"), context.entries.J, group=1),
         "B": dynamics.inertia,
-        "C": lambda: dynamics.closed("C", 4),
-        "N": lambda: dynamics.closed("N", 5),
+        "C": dynamics.coriolis,
+        "N": dynamics.skew,
         "g": dynamics.gravity,
         "tau": dynamics.torque,
         "potential": dynamics.potential,
@@ -136,14 +134,13 @@ class _Name:
     entry: Callable[[int, int], Box]
 
 
-def _written(context: Context, text: str, name: str, indices: tuple[int, ...], model: Model) -> Layout:
+def _written(context: Context, text: str, name: str, indices: tuple[int, ...], model: Model) -> LaidOut:
     """Any other quantity, or an entry: by the value that the model has for it."""
     value = model.quantity(text)
     called = _called(context, name, indices)
     if hasattr(value, "shape"):
-        shape: tuple[int, int] = value.shape
         limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
-        return context.layouter.block(called.symbol, called.entry, Written(shape, lambda: value), limit=limit)
+        return context.layouter.block(called.symbol, called.entry, of_matrix(value), limit=limit)
     symbol = _entry_symbol(called, text, indices) if "[" in text else called.symbol
     item = Item(symbol, max(1, expanded_terms(value)), lambda: value)
     return context.layouter.entries([item], limit=context.policy.grouped_terms)

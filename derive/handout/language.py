@@ -1,13 +1,9 @@
-"""Texts of the handout in the reader's language.
+"""Texts of the handout in the reader's language: English, and one message catalogue for each other.
 
-Every text is written in English where it is used, as ``_("Link %(index)s", index=3)``; a message catalogue
-``derive/emit/handout/locale/<language>.po`` translates it.
-
-The languages of the handout: English, and one message catalogue for each other.
-
-``locale/<language>.po`` holds the translations in the format of gettext. A new language is one such file, made from
-``locale/derive.pot``; ``make messages`` keeps all of them complete. A language with a country, ``pt_BR``, has its own
-file or the one of the language.
+Every text is written in English where it is used, as ``_("Link %(index)s", index=3)``.
+``derive/handout/locale/<language>.po`` holds the translations in the format of gettext. A new language is one such
+file, made from ``locale/derive.pot``; ``make messages`` keeps all of them complete. A language with a country,
+``pt_BR``, has its own file or the one of the language.
 """
 
 from __future__ import annotations
@@ -33,7 +29,15 @@ class Text:
     messages: Mapping[str, str] = field(default_factory=dict)
 
     def __call__(self, message: str, **values: object) -> str:
-        """The message in the language, its ``%(name)s`` places filled in; English where there is no translation."""
+        """The message in the language; English where there is no translation.
+
+        Args:
+            message: The text in English.
+            values: What its ``%(name)s`` places are filled with.
+
+        Returns:
+            The text.
+        """
         return (self.messages.get(message) or message) % values
 
 
@@ -48,8 +52,11 @@ def languages(folder: Traversable | None = None) -> tuple[str, ...]:
 
     Args:
         folder: Where the catalogues are; None for those of the package.
+
+    Returns:
+        The codes, English among them.
     """
-    names = (entry.name for entry in (folder or locale_folder()).iterdir())
+    names = (entry.name for entry in (folder or _locale_folder()).iterdir())
     found = {name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)}
     return tuple(sorted(found | {ENGLISH}))
 
@@ -61,6 +68,9 @@ def text_for(language: str, folder: Traversable | None = None) -> Text:
         language: Its code, such as ``it`` or ``pt_BR``.
         folder: Where the catalogues are; None for those of the package.
 
+    Returns:
+        What translates.
+
     Raises:
         TargetError: There is no catalogue for it, or Babel is missing that reads it.
     """
@@ -69,15 +79,15 @@ def text_for(language: str, folder: Traversable | None = None) -> Text:
         if code == ENGLISH:
             return Text(language)
         if code in known:
-            return _read(folder or locale_folder(), code, language)
+            return _read(folder or _locale_folder(), code, language)
     raise TargetError(
         f"no message catalogue for the language {quoted(language)}",
         allowed=f"allowed: {listed(known)}",
-        remedy=near_miss(language, known) or "a new language is one file in derive/emit/handout/locale",
+        remedy=near_miss(language, known) or "a new language is one file in derive/handout/locale",
     )
 
 
-def locale_folder() -> Traversable:
+def _locale_folder() -> Traversable:
     """Where the package has its catalogues."""
     return files("derive.handout") / "locale"
 

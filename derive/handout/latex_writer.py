@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import singledispatchmethod
 
 from derive.handout.document import (
     Blank,
@@ -23,10 +22,11 @@ from derive.handout.document import (
 from derive.handout.figure.latex_writer import PREAMBLE, latex_drawing
 from derive.handout.language import Text
 from derive.handout.layout.lines import displays
+from derive.handout.textbook import macros
 from derive.targets import templating
 from derive.targets.escape import latex_text
 
-LONGEST_WORD = 16
+_LONGEST_WORD = 16
 """Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
 
 _DISPLAY = "\\begin{align*}"
@@ -43,143 +43,127 @@ def latex(document: Document, text: Text) -> str:
     Args:
         document: The handout.
         text: The language of the writer's own words.
+
+    Returns:
+        The LaTeX source.
     """
-    writer = _Writer(text)
     blocks = [block for section in document.sections for block in blocks_of(section)]
+    rows = [part for block in blocks for part in _rows_of(block)]
+    sections = [{"title": _words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
     return templating.render(
         "handout/document.tex.jinja",
         name=document.name,
         version=document.version,
         digest=document.digest,
-        title=breakable_text(document.title),
-        subtitle=words(document.subtitle),
-        footer=words(document.footer),
-        landscape=any(rows.landscape for rows in _all_rows(blocks)),
+        title=_breakable(document.title),
+        subtitle=_words(document.subtitle),
+        footer=_words(document.footer),
+        landscape=any(part.landscape for part in rows),
         figures=any(isinstance(block, Figure) for block in blocks),
         figure_preamble=PREAMBLE.rstrip(),
-        sections=[
-            {"title": words(section.title), "blocks": writer.blocks(section.blocks)} for section in document.sections
-        ],
+        sections=sections,
     )
 
 
 def fragment(section: Section, text: Text) -> str:
-    r"""One section for ``\input`` into other notes; formulas need amsmath alone."""
-    return "\n".join(_Writer(text).blocks(section.blocks)) + "\n"
+    r"""One section for ``\input`` into other notes; formulas need amsmath alone.
+
+    Args:
+        section: The section.
+        text: The language of the writer's own words.
+
+    Returns:
+        Its LaTeX without a heading.
+    """
+    return "\n".join(_joined(section.blocks, text)) + "\n"
 
 
-def words(text: str) -> str:
+def _rows_of(block: Block) -> tuple[Rows, ...]:
+    return (block,) if isinstance(block, Rows) else block.rows if isinstance(block, Formula) else ()
+
+
+# -- texts
+
+
+def _words(text: str) -> str:
     """A text with its marks."""
-    return "".join(_span(kind, part) for kind, part in spans(text))
+    written = []
+    for kind, part in spans(text):
+        if kind is Kind.MATHEMATICS:
+            written.append(f"${part}$")
+        elif kind is Kind.CODE:
+            written.append("\\texttt{" + latex_text(part).replace("\\_", "\\_\\allowbreak{}") + "}")
+        else:
+            before, after = (" " if edge.isspace() else "" for edge in (part[:1], part[-1:]))
+            body = latex_text(part)
+            written.append(f"{before}{body}{after}" if body else " ")
+    return "".join(written)
 
 
-def _span(kind: Kind, part: str) -> str:
-    if kind is Kind.MATHEMATICS:
-        return f"${part}$"
-    if kind is Kind.CODE:
-        return "\\texttt{" + latex_text(part).replace("\\_", "\\_\\allowbreak{}") + "}"
-    space_before, space_after = part[:1].isspace(), part[-1:].isspace()
-    body = latex_text(part)
-    if not body:
-        return " "
-    return f"{' ' if space_before else ''}{body}{' ' if space_after else ''}"
-
-
-def breakable_text(text: str) -> str:
+def _breakable(text: str) -> str:
     """Escaped text in which even a word without end can be broken."""
-    pieces = ([word[k : k + LONGEST_WORD] for k in range(0, len(word), LONGEST_WORD)] for word in text.split())
+    pieces = ([word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in text.split())
     return " ".join("\\allowbreak{}".join(latex_text(part) for part in parts) for parts in pieces)
 
 
-def _all_rows(blocks: Iterable[Block]) -> Iterable[Rows]:
+# -- blocks
+
+
+def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[str]:
+    """Blocks one after the other; a display joins the paragraph before it, which may be that of a title."""
+    written: list[str] = []
     for block in blocks:
-        if isinstance(block, Rows):
-            yield block
-        elif isinstance(block, Formula):
-            yield from block.rows
+        source = _written(block, text)
+        is_display = source.startswith(_DISPLAY)
+        if is_display and not is_open:
+            source = f"\\begingroup\\abovedisplayskip=0pt\n{source}\n\\endgroup"
+        elif is_open and not is_display:
+            source = f"\\par\n{source}"
+        written.append(source)
+        is_open = source.endswith(_OPEN)
+    return [*written, "\\par"] if is_open else written
 
 
-class _Writer:
-    """Writes blocks in one language."""
+def _written(block: Block, _: Text) -> str:
+    """One block by its macro."""
+    match block:
+        case Paragraph(text):
+            return _words(text) + _OPEN
+        case Rows(lines, landscape):
+            return _macro("rows", displays=displays(lines), landscape=landscape)
+        case Formula():
+            sentences = {
+                "named": _words(_("With the abbreviations")),
+                "entries": _words(_("the entries are as follows.")),
+                "omitted": _words(
+                    _(
+                        "Too long to print; multiplied out the numbers of terms are as follows, and `model_numpy.py` "
+                        "computes them in `%(function)s`:",
+                        function=block.function,
+                    )
+                ),
+            }
+            return _macro(
+                "formula",
+                named=displays(block.named),
+                rows=[_written(rows, _) for rows in block.rows if rows.lines],
+                omitted=displays(block.omitted),
+                note=_words(block.note),
+                words=sentences,
+            )
+        case Blank(names, lines):
+            height = max(1.2, 1.4 * lines / max(1, min(len(names), _SHARED_ROOM)))
+            room = f"\\rule[-{height:.1f}\\baselineskip]{{0pt}}{{{height:.1f}\\baselineskip}}"
+            return "\n".join(displays([f"{name} = {room}" for name in names]))
+        case Table(header, rows, long):
+            cells = [[_words(cell) for cell in row] for row in rows]
+            return _macro("table", header=[_words(cell) for cell in header], rows=cells, long=long)
+        case Figure(drawing, caption):
+            return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
+        case Steps(title, blocks):
+            return _macro("steps", title=_words(title), blocks=_joined(blocks, _, is_open=True))
 
-    def __init__(self, text: Text) -> None:
-        self._text = text
 
-    def blocks(self, blocks: Iterable[Block]) -> list[str]:
-        """Blocks one after the other; a display joins the paragraph before it."""
-        written: list[str] = []
-        for block in blocks:
-            text = self.block(block)
-            if text.startswith(_DISPLAY) and not (written and written[-1].endswith(_OPEN)):
-                text = f"\\begingroup\\abovedisplayskip=0pt\n{text}\n\\endgroup"
-            elif written and written[-1].endswith(_OPEN) and not text.startswith(_DISPLAY):
-                text = f"\\par\n{text}"
-            written.append(text)
-        if written and written[-1].endswith(_OPEN):
-            written.append("\\par")
-        return written
-
-    @singledispatchmethod
-    def block(self, block: Block) -> str:
-        raise TypeError(block)
-
-    @block.register
-    def _paragraph(self, block: Paragraph) -> str:
-        return words(block.text) + _OPEN
-
-    @block.register
-    def _rows(self, block: Rows) -> str:
-        body = "\n".join(displays(block.lines))
-        return f"\\begin{{landscape}}\n{body}\n\\end{{landscape}}" if block.landscape else body
-
-    @block.register
-    def _formula(self, block: Formula) -> str:
-        parts = [*self._named(block), *(self._rows(rows) for rows in block.rows if rows.lines), *self._omitted(block)]
-        if block.note:
-            parts.append(words(block.note) + _OPEN)
-        return "\n".join(parts)
-
-    def _named(self, block: Formula) -> list[str]:
-        if not block.named:
-            return []
-        _ = self._text
-        return [words(_("With the abbreviations")), *displays(block.named), words(_("the entries are as follows."))]
-
-    def _omitted(self, block: Formula) -> list[str]:
-        if not block.omitted:
-            return []
-        _ = self._text
-        message = _(
-            "Too long to print; multiplied out the numbers of terms are as follows, and `model_numpy.py` computes them "
-            "in `%(function)s`:",
-            function=block.function,
-        )
-        return [words(message), *displays(block.omitted)]
-
-    @block.register
-    def _blank(self, block: Blank) -> str:
-        height = max(1.2, 1.4 * block.lines / max(1, min(len(block.names), _SHARED_ROOM)))
-        room = f"\\rule[-{height:.1f}\\baselineskip]{{0pt}}{{{height:.1f}\\baselineskip}}"
-        return "\n".join(displays([f"{name} = {room}" for name in block.names]))
-
-    @block.register
-    def _table(self, block: Table) -> str:
-        columns = "@{}" + "l" * len(block.header) + "@{}"
-        head = " & ".join(words(cell) for cell in block.header) + " \\\\"
-        rows = "\n".join(" & ".join(words(cell) for cell in row) + " \\\\" for row in block.rows)
-        top = f"\\toprule\n{head}\n\\midrule"
-        if block.long:
-            body = f"{top}\n\\endhead\n\\bottomrule\n\\endfoot\n{rows}"
-            return f"\\begin{{longtable}}{{{columns}}}\n{body}\n\\end{{longtable}}"
-        return f"\\begin{{tabular}}{{{columns}}}\n{top}\n{rows}\n\\bottomrule\n\\end{{tabular}}\\par"
-
-    @block.register
-    def _figure(self, block: Figure) -> str:
-        caption = f"{{\\small {words(block.caption)}\\par}}"
-        body = f"\\centering\n{latex_drawing(block.drawing)}\\par\n\\smallskip\n{caption}"
-        return f"\\begin{{minipage}}{{\\linewidth}}\n{body}\n\\end{{minipage}}\\par"
-
-    @block.register
-    def _steps(self, block: Steps) -> str:
-        title = f"\\medskip\\textit{{{words(block.title)}}}{_OPEN}"
-        return "\n".join([title, *self.blocks((Paragraph(""), *block.blocks))[1:]])
+def _macro(name: str, **values: object) -> str:
+    source: str = getattr(macros("handout/blocks.tex.jinja"), name)(**values)
+    return source.removesuffix("\n")

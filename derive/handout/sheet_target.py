@@ -8,7 +8,14 @@ from derive.targets.target import Source, Target
 
 
 def render(source: Source) -> dict[str, str]:
-    """The files of the target: name -> text."""
+    """The files of the target.
+
+    Args:
+        source: The robot and its program.
+
+    Returns:
+        Name -> text.
+    """
     context = context_of(source.robot)
     return {"sheet.tex": latex(document(context), context.text)}
 

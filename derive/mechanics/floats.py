@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 
+from derive.mechanics.chain import build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
+from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.robot.description import Joint
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Expression
@@ -70,3 +74,36 @@ class FloatDomain:
             joint: Its row of the table.
         """
         return joint.sign * self.q[index] + self.constant(joint.d)
+
+
+def value_at(robot: Robot, name: str, q: Sequence[float]) -> Sequence[Sequence[float]]:
+    """T, J, B or g of a robot at a configuration, by the recursions of the generated functions.
+
+    Args:
+        robot: The robot; symbols without a number have those of its figure.
+        name: T (4x4), J (6xn), B (nxn) or g (nx1).
+        q: Joint variables [rad or m], n entries.
+
+    Returns:
+        The rows of the matrix, in SI units, world frame.
+
+    Raises:
+        KeyError: Another name.
+        ExpressionError: A symbol has no number, or a cell has no finite value.
+    """
+    known = {symbol for symbol, _ in robot.parameters}
+    further = tuple((symbol, value) for symbol, value in robot.figure.values if symbol not in known)
+    robot = replace(robot, parameters=robot.parameters + further)
+    if name in ("T", "J"):
+        robot = replace(robot, links=(), gravity=None)
+    chain = build_chain(robot, FloatDomain(robot, q))
+    match name:
+        case "T":
+            return forward_kinematics(chain).rows(chain.zero, chain.one)
+        case "J":
+            return jacobian(chain)
+        case "B":
+            return inertia_matrix(chain)
+        case "g":
+            return [[torque] for torque in gravity_vector(chain)]
+    raise KeyError(name)

@@ -11,7 +11,8 @@ import pytest
 from derive.handout.assemble import context_of, document
 from derive.handout.latex_writer import latex
 from derive.handout.layout.policy import POLICY, SheetPolicy
-from derive.handout.quantities import ModelQuantities
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.handout.latex_runner import run_latex
 
@@ -96,19 +97,19 @@ ENTRY = re.compile(r"(b|C|N|J|t|g|\\tau )_\{(\d),?(\d?)\}(?: = | \\colon)")
 def test_no_entry_is_left_out_in_silence() -> None:
     """With a budget of next to nothing every entry that is not zero appears with its number of terms."""
     robot = chain(4)
-    quantities = ModelQuantities(robot)
+    entries = ModelEntries(Model(robot))
     policy = SheetPolicy(flat_terms=3, grouped_terms=3, matrix_terms=0, compact_terms=0)
     text = sheet(robot, policy)
     listed = {match.groups() for match in ENTRY.finditer(text)}
     for letter, name, columns in (("t", "T", 4), ("J", "J", 4), ("b", "B", 4)):
-        quantity = quantities[name]
+        quantity = getattr(entries, name)
         for i in range(1, quantity.shape[0] + 1):
             for j in range(1, columns + 1):
                 wanted = quantity.terms(i, j) and (letter != "b" or i <= j)
                 assert not wanted or (letter, str(i), str(j)) in listed, (name, i, j)
     triples = [(i, j, k) for i in range(1, 5) for j in range(1, 5) for k in range(j, 5)]
     for i, j, k in triples:
-        assert bool(quantities[f"christoffel[{i},{j},{k}]"].terms(1, 1)) == (
+        assert bool(entries.christoffel(i, j, k).terms(1, 1)) == (
             f"c_{{{i},{j}{k}}} \\colon" in text or (f"c_{{{i},{j}{k}}} = " in text)
         )
 

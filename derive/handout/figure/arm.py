@@ -13,13 +13,13 @@ from fractions import Fraction
 
 import numpy as np
 
+from derive.handout.data_printer import DataPrinter
 from derive.handout.figure.drawing import Array, Drawing, Item, Path, Point, label_width
 from derive.handout.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, bounds, moved, resized
 from derive.handout.figure.projection import View, best_view, paint
 from derive.handout.figure.scene import LETTERS, Scene, Segment, arm_scene
 from derive.handout.figure.solids import Sizes, joint_centers, solid_faces
 from derive.handout.notation.pieces import joined
-from derive.handout.tables import DataPrinter
 from derive.robot.description import Convention
 from derive.robot.expression import Name, Number, Product, Sum, names
 from derive.robot.robot import Robot

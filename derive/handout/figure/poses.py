@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from derive.errors import DeriveError, ExpressionError
-from derive.handout.context import Pose
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.joint_motion import advance
@@ -25,6 +24,9 @@ from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Call, Expression, children, names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
+
+Pose = tuple[tuple[float, ...], ...]
+"""A 4x4 transform."""
 
 ASSUMED_ANGLE = math.pi / 6
 """Drawn for an angle without a number [rad]."""

@@ -20,7 +20,7 @@ from derive.handout.notation.names import Glyph
 from derive.handout.notation.numbers import magnitude
 from derive.handout.notation.pieces import Box, concatenate, italic, joined
 from derive.handout.notation.printer import LatexPrinter
-from derive.handout.quantity import Quantity
+from derive.model.entries import Entries
 
 SHORTEST = 3
 """Terms of a bracket that gets a name when it occurs twice."""
@@ -105,7 +105,7 @@ class Layouter:
         self,
         symbol: Box,
         name: Namer,
-        quantity: Quantity,
+        quantity: Entries,
         *,
         group: int = 0,
         symmetric: bool = False,

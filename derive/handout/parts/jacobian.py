@@ -1,7 +1,5 @@
 """The part with the geometric Jacobian: how its columns are made from axes and origins, and the result.
 
-Axes and origins of the joints, from which the columns of the Jacobian are made.
-
 Column i is (z x (p - o), z) for a revolute joint and (z, 0) for a prismatic one, times the sign of its variable, with
 z and o of frame i-1 in the standard convention and of frame i in the modified one (Siciliano, Sciavicco, Villani,
 Oriolo, Robotics, section 3.1).
@@ -9,21 +7,20 @@ Oriolo, Robotics, section 3.1).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from derive.handout.angles import euler_zyz
+from derive.handout import groups
 from derive.handout.context import Context
-from derive.handout.document import Block, Paragraph, Rows, Section, Steps
-from derive.handout.formula import formula
-from derive.handout.frames import Whole, axes_group, column, packed, total_terms, whole
+from derive.handout.document import Block, Paragraph, Rows, Steps
+from derive.handout.formula import Small, component_namer, formula, side_by_side, small
 from derive.handout.layout.lines import EQUALS, fits, matrix, pack
-from derive.handout.layout.quantity import LaidOut, Namer
+from derive.handout.layout.quantity import LaidOut
 from derive.handout.notation.pieces import BINARY_WIDTH, BRACKET_WIDTH, MINUS_WIDTH, Box, concatenate, italic, script
 from derive.handout.notation.symbols import EntryNamer, bold
-from derive.handout.quantity import Quantity
-from derive.robot.description import Convention
+from derive.handout.parts.orientation import euler_names
+from derive.handout.textbook import textbook
 
 _UPPER = (1, 2, 3)
 _ALL = (1, 2, 3, 4, 5, 6)
@@ -37,237 +34,213 @@ class Vector:
 
     Attributes:
         box: ``symbol = ...`` without its entries, where these are too long.
-        whole: The vector with its entries; None where these are too wide.
+        small: The vector with its entries; None where these are too wide.
         entries: Its entries one by one, in that case; None where these are too long, or stand elsewhere.
     """
 
     box: Box
-    whole: Whole | None = None
+    small: Small | None = None
     entries: LaidOut | None = None
 
 
-@dataclass(frozen=True)
-class JointAxes:
-    """The axes of one robot.
+def jacobian(context: Context) -> Iterator[Block]:
+    """J, from axes and origins to its entries, and how the analytic Jacobian follows.
 
-    Attributes:
+    Args:
         context: The handout.
+
+    Yields:
+        The blocks of the part.
     """
-
-    context: Context
-
-    def general(self, *, revolute: bool) -> Box:
-        """The column of joint i in general."""
-        index = "i-1" if self._standard else "i"
-        symbol = script(bold("J"), italic("i"))
-        return concatenate(symbol, EQUALS, _column(index, revolute=revolute, negative=False))
-
-    def summary(self) -> Box | None:
-        """J by the axes and origins of this robot; None if that is too wide."""
-        upper, lower = zip(*(self._halves(i) for i in self._joints), strict=True)
-        box = concatenate(bold("J"), EQUALS, matrix([upper, lower]))
-        return box if fits(box, 2) else None
-
-    def axis(self, i: int) -> Vector:
-        """The axis of joint i, from 1."""
-        symbol = script(bold("z"), italic(str(self._frame(i))))
-        return self._of_frame(symbol, i, 3)
-
-    def origin(self, i: int) -> Vector:
-        """The origin on the axis of joint i, from 1."""
-        symbol = script(bold("o"), italic(str(self._frame(i))))
-        return self._of_frame(symbol, i, 4)
-
-    def end(self) -> Vector:
-        """The origin of the end effector."""
-        return Vector(bold("p"), self._whole(bold("p"), bold("p"), column(self.context.quantities["T"], 4, _UPPER)))
-
-    def column(self, i: int) -> Vector:
-        """Column i of J, from 1."""
-        symbol = script(bold("J"), italic(str(i)))
-        upper, lower = self._halves(i)
-        box = concatenate(symbol, EQUALS, matrix([[upper], [lower]]))
-        return Vector(box, self._whole(symbol, box, column(self.context.quantities["J"], i, _ALL)))
-
-    @property
-    def _standard(self) -> bool:
-        return self.context.robot.convention is Convention.STANDARD
-
-    @property
-    def _joints(self) -> range:
-        return range(1, self.context.robot.n + 1)
-
-    def _frame(self, i: int) -> int:
-        return i - 1 if self._standard else i
-
-    def _of_frame(self, symbol: Box, i: int, index: int) -> Vector:
-        frame = self._frame(i)
-        if frame > self._last_short:
-            return Vector(symbol)
-        quantity = column(self.context.quantities[f"frame[{frame}]"], index, _UPPER)
-        found = self._whole(symbol, symbol, quantity)
-        if found is not None or total_terms(quantity) > self.context.policy.matrix_terms:
-            return Vector(symbol, found)
-        namer, group = _component_namer(symbol), axes_group(self.context.robot, frame, index)
-        block = self.context.layouter.block(symbol, namer, quantity, group=group)
-        return Vector(symbol, entries=block)
-
-    @cached_property
-    def _last_short(self) -> int:
-        """The last frame before one without a column that could be printed; not even derived are those behind it."""
-        for frame in range(self.context.robot.n + 1):
-            quantity = self.context.quantities[f"frame[{frame}]"]
-            if min(total_terms(column(quantity, k, _UPPER)) for k in (3, 4)) > self.context.policy.matrix_terms:
-                return frame - 1
-        return self.context.robot.n
-
-    def _halves(self, i: int) -> tuple[Box, Box]:
-        joint = self.context.robot.joints[i - 1]
-        return _halves(str(self._frame(i)), revolute=joint.is_revolute, negative=joint.sign < 0)
-
-    def _whole(self, symbol: Box, box: Box, quantity: Quantity) -> Whole | None:
-        return whole(self.context, box, quantity, _component_namer(symbol))
-
-
-def _component_namer(symbol: Box) -> Namer:
-    """Components of a vector: (z_1)_2."""
-
-    def component(row: int, _: int) -> Box:
-        return script(concatenate(Box("(", BRACKET_WIDTH), symbol, Box(")", BRACKET_WIDTH)), italic(str(row)))
-
-    return component
-
-
-def _column(index: str, *, revolute: bool, negative: bool) -> Box:
-    upper, lower = _halves(index, revolute=revolute, negative=negative)
-    return matrix([[upper], [lower]])
-
-
-def _halves(index: str, *, revolute: bool, negative: bool) -> tuple[Box, Box]:
-    z, o = (script(bold(letter), italic(index)) for letter in "zo")
-    if negative:
-        z = concatenate(Box("-", MINUS_WIDTH), z)
-    if not revolute:
-        return z, _ZERO
-    opening, closing = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
-    arm = concatenate(opening, bold("p"), Box(" - ", BINARY_WIDTH), o, closing)
-    return concatenate(z, _CROSS, arm), z
-
-
-def section(context: Context) -> Section:
-    """J."""
     _ = context.text
-    block = context.layouter.block(bold("J"), EntryNamer(context.symbols, "J"), context.quantities["J"], group=1)
-    blocks: list[Block] = [
-        Paragraph(
-            _(
-                "In the world frame, linear velocity of the end effector in rows 1 to 3, angular velocity in rows "
-                "4 to 6."
-            )
-        ),
-        *_construction(context),
-        *_steps(context),
-        formula(context, block, "jacobian"),
-        *_analytic(context),
-    ]
-    return Section("jacobian", _("Geometric Jacobian"), tuple(blocks))
+    axes = _JointAxes(context)
+    yield Paragraph(
+        _("In the world frame, linear velocity of the end effector in rows 1 to 3, angular velocity in rows 4 to 6.")
+    )
+    yield from _construction(context, axes)
+    if context.steps:
+        yield Steps(_("Axes, origins and columns"), tuple(_steps(context, axes)))
+    name = EntryNamer(context.symbols, "J")
+    laid_out = context.layouter.block(bold("J"), name, context.entries.J, group=groups.J)
+    yield formula(context, laid_out, "jacobian")
+    yield from _analytic(context)
 
 
-def _construction(context: Context) -> Iterator[Block]:
+def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
     _ = context.text
-    joints, axes = context.robot.joints, JointAxes(context)
-    yield Paragraph(_axis_text(context))
-    if any(joint.is_revolute for joint in joints):
-        yield Paragraph(_("The column of a revolute joint is"))
-        yield Rows((axes.general(revolute=True).tex,))
-    if not all(joint.is_revolute for joint in joints):
-        yield Paragraph(_("The column of a prismatic joint is"))
-        yield Rows((axes.general(revolute=False).tex,))
-    if any(joint.sign < 0 for joint in joints):
-        yield Paragraph(_("with the opposite sign where the joint variable has a minus sign in the table."))
-    summary = axes.summary()
-    if summary is not None:
-        yield Paragraph(_("so that for this arm"))
-        yield Rows((summary.tex,))
-
-
-def _axis_text(context: Context) -> str:
-    _ = context.text
-    if context.robot.convention is Convention.STANDARD:
-        return _(
+    joints = context.robot.joints
+    if context.is_standard:
+        text = _(
             "Joint $i$ moves about or along $%(z)s$, the axis $z$ of frame $i-1$, through its origin $%(o)s$; "
             "$%(p)s$ is the origin of the end effector, all in the world.",
             z="\\mathbf{z}_{i-1}",
             o="\\mathbf{o}_{i-1}",
             p="\\mathbf{p}",
         )
-    return _(
-        "Joint $i$ moves about or along $%(z)s$, the axis $z$ of frame $i$, through its origin $%(o)s$; "
-        "$%(p)s$ is the origin of the end effector, all in the world.",
-        z="\\mathbf{z}_{i}",
-        o="\\mathbf{o}_{i}",
-        p="\\mathbf{p}",
-    )
+    else:
+        text = _(
+            "Joint $i$ moves about or along $%(z)s$, the axis $z$ of frame $i$, through its origin $%(o)s$; "
+            "$%(p)s$ is the origin of the end effector, all in the world.",
+            z="\\mathbf{z}_{i}",
+            o="\\mathbf{o}_{i}",
+            p="\\mathbf{p}",
+        )
+    yield Paragraph(text)
+    if any(joint.is_revolute for joint in joints):
+        yield Paragraph(_("The column of a revolute joint is"))
+        yield Rows((axes.general(is_revolute=True).tex,))
+    if not all(joint.is_revolute for joint in joints):
+        yield Paragraph(_("The column of a prismatic joint is"))
+        yield Rows((axes.general(is_revolute=False).tex,))
+    if any(joint.sign < 0 for joint in joints):
+        yield Paragraph(_("with the opposite sign where the joint variable has a minus sign in the table."))
+    summary = axes.summary()
+    if fits(summary, 2):
+        yield Paragraph(_("so that for this arm"))
+        yield Rows((summary.tex,))
 
 
-# -- steps
-
-
-def _steps(context: Context) -> Iterator[Block]:
-    if context.steps:
-        yield Steps(context.text("Axes, origins and columns"), tuple(_step_blocks(context)))
-
-
-def _step_blocks(context: Context) -> Iterator[Block]:
+def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
+    """Vectors that fit share lines; then those by their entries, and those whose entries are too long."""
     _ = context.text
-    axes = JointAxes(context)
     joints = range(1, context.robot.n + 1)
     turning = [i for i in joints if context.robot.joints[i - 1].is_revolute]
-    origins = [*(axes.origin(i) for i in turning), axes.end()] if turning else []
     for title, vectors in (
         (_("Axes:"), [axes.axis(i) for i in joints]),
-        (_("Origins, and that of the end effector:"), origins),
+        (_("Origins, and that of the end effector:"), [*map(axes.origin, turning), axes.end()] if turning else []),
         (_("Columns:"), [axes.column(i) for i in joints]),
     ):
-        if vectors:
-            yield Paragraph(title)
-            yield from _vectors(context, vectors)
-
-
-def _vectors(context: Context, vectors: Sequence[Vector]) -> Iterator[Block]:
-    """Those that fit share lines; then those by their entries, and those whose entries are too long."""
-    fitting = [vector.whole for vector in vectors if vector.whole is not None]
-    if fitting:
-        yield formula(context, packed(fitting))
-    yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
-    left = [vector.box for vector in vectors if vector.whole is None and vector.entries is None]
-    if left:
-        yield Paragraph(context.text("Too long for a step:"))
-        yield Rows(tuple(pack(left)))
-
-
-# -- analytic
+        if not vectors:
+            continue
+        yield Paragraph(title)
+        fitting = [vector.small for vector in vectors if vector.small is not None]
+        if fitting:
+            yield formula(context, side_by_side(fitting))
+        yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
+        left = [vector.box for vector in vectors if vector.small is None and vector.entries is None]
+        if left:
+            yield Paragraph(_("Too long for a step:"))
+            yield Rows(tuple(pack(left)))
 
 
 def _analytic(context: Context) -> Iterator[Block]:
     """How the Jacobian of the angles ZYZ follows, where they are not singular in every configuration."""
-    end = context.quantities["T"]
+    end = context.entries.T
     if not (end.terms(1, 3) or end.terms(2, 3)):
         return
-    _ = context.text
-    phi, theta, psi = (name.tex.strip() for name in euler_zyz(context).names)
+    phi, theta, psi = (name.tex.strip() for name in euler_names(context))
     yield Paragraph(
-        _(
+        context.text(
             "The analytic Jacobian for Euler angles ZYZ, $%(angles)s$, has the same linear rows; its angular rows are "
             "those of $%(jacobian)s$ multiplied from the left by the inverse of",
             angles=f"{phi}, {theta}, {psi}",
             jacobian="\\mathbf{J}",
         )
     )
-    rows = (
-        f"0 & -\\sin {phi} & \\cos {phi}\\,\\sin {theta}",
-        f"0 & \\cos {phi} & \\sin {phi}\\,\\sin {theta}",
-        f"1 & 0 & \\cos {theta}",
-    )
-    body = " \\\\ ".join(rows)
-    yield Rows((f"\\begin{{bmatrix}} {body} \\end{{bmatrix}}",))
+    yield textbook("euler_zyz_rates", phi=phi, theta=theta)
+
+
+@dataclass(frozen=True)
+class _JointAxes:
+    """Axes and origins of the joints of one robot, from which the columns of J are made; joints from 1."""
+
+    context: Context
+
+    def general(self, *, is_revolute: bool) -> Box:
+        """The column of joint i.
+
+        Args:
+            is_revolute: Whether the joint turns.
+
+        Returns:
+            The equation.
+        """
+        upper, lower = _halves("i-1" if self.context.is_standard else "i", is_revolute=is_revolute, is_opposed=False)
+        return concatenate(script(bold("J"), italic("i")), EQUALS, matrix([[upper], [lower]]))
+
+    def summary(self) -> Box:
+        """J by the axes and origins of this robot."""
+        upper, lower = zip(*(self._halves(i) for i in range(1, self.context.robot.n + 1)), strict=True)
+        return concatenate(bold("J"), EQUALS, matrix([upper, lower]))
+
+    def axis(self, i: int) -> Vector:
+        """The axis of a joint.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            z of its frame, world frame.
+        """
+        return self._column_of_frame("z", self._frame(i), 3)
+
+    def origin(self, i: int) -> Vector:
+        """The origin on the axis of a joint.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            o of its frame, world frame.
+        """
+        return self._column_of_frame("o", self._frame(i), 4)
+
+    def end(self) -> Vector:
+        """The origin of the end effector."""
+        p = bold("p")
+        return Vector(p, small(self.context, p, self.context.entries.T.part(_UPPER, (4,)), component_namer(p)))
+
+    def column(self, i: int) -> Vector:
+        """A column of J.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            J_i, by axis and origin, with its entries where they fit.
+        """
+        symbol = script(bold("J"), italic(str(i)))
+        upper, lower = self._halves(i)
+        box = concatenate(symbol, EQUALS, matrix([[upper], [lower]]))
+        return Vector(box, small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)))
+
+    def _column_of_frame(self, letter: str, frame: int, column: int) -> Vector:
+        symbol = script(bold(letter), italic(str(frame)))
+        if frame > self._last_short:
+            return Vector(symbol)
+        quantity, namer = self.context.entries.frame(frame).part(_UPPER, (column,)), component_namer(symbol)
+        found = small(self.context, symbol, quantity, namer)
+        if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
+            return Vector(symbol, found)
+        group = groups.axis(self.context.robot.n, frame, column)
+        return Vector(symbol, entries=self.context.layouter.block(symbol, namer, quantity, group=group))
+
+    @cached_property
+    def _last_short(self) -> int:
+        """The last frame before one without a column that could be printed; not even derived are those behind it."""
+        limit = self.context.policy.matrix_terms
+        for frame in range(self.context.robot.n + 1):
+            quantity = self.context.entries.frame(frame)
+            if not any(quantity.part(_UPPER, (column,)).is_short(limit) for column in (3, 4)):
+                return frame - 1
+        return self.context.robot.n
+
+    def _frame(self, i: int) -> int:
+        """The frame about or along whose z axis joint i moves."""
+        return i - 1 if self.context.is_standard else i
+
+    def _halves(self, i: int) -> tuple[Box, Box]:
+        joint = self.context.robot.joints[i - 1]
+        return _halves(str(self._frame(i)), is_revolute=joint.is_revolute, is_opposed=joint.sign < 0)
+
+
+def _halves(index: str, *, is_revolute: bool, is_opposed: bool) -> tuple[Box, Box]:
+    """Linear and angular half of a column, by z and o of the frame with that index."""
+    z, o = (script(bold(letter), italic(index)) for letter in "zo")
+    if is_opposed:
+        z = concatenate(Box("-", MINUS_WIDTH), z)
+    if not is_revolute:
+        return z, _ZERO
+    opening, closing = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
+    arm = concatenate(opening, bold("p"), Box(" - ", BINARY_WIDTH), o, closing)
+    return concatenate(z, _CROSS, arm), z

@@ -1,179 +1,154 @@
-"""The part with the end effector: T as a product, step by step, its entries and the names of its columns.
-
-The part with the transform of each row of the table.
-"""
+"""The parts with the transforms of the rows and with the end effector: T as a product and by its entries."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
+from derive.handout import groups
 from derive.handout.context import Context
-from derive.handout.document import Block, Paragraph, Rows, Section, Steps
-from derive.handout.formula import formula
-from derive.handout.frames import (
-    Whole,
-    between_base_and_tool,
-    entry_namer,
-    factor_group,
-    packed,
-    product_of_rows,
-    rows_group,
-    step_group,
-    total_terms,
-    transform_block,
-    whole,
-)
-from derive.handout.layout import quantity
+from derive.handout.document import Block, Paragraph, Rows, Steps
+from derive.handout.formula import Small, entry_namer, formula, side_by_side, small
 from derive.handout.layout.lines import EQUALS, Equation, equation_lines, pack
-from derive.handout.layout.quantity import LaidOut, places
+from derive.handout.layout.quantity import LaidOut
 from derive.handout.notation.pieces import Box, Break, Piece, concatenate
 from derive.handout.notation.symbols import EntryNamer, bold
+from derive.handout.parts.table import BASE, TOOL
+from derive.handout.textbook import textbook
+from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
 
+FEW_FACTORS = 8
+"""So many factors of a product are all written; of more the first and the last."""
+
+_DOTS = Box("\\cdots ", 15.0)
 _END = bold("T")
-_COLUMNS = (
-    r"\mathbf{T} = \begin{bmatrix} \mathbf{n} & \mathbf{s} & \mathbf{a} & \mathbf{p} \\ 0 & 0 & 0 & 1 \end{bmatrix}"
-)
 
 
-def kinematics_section(context: Context) -> Section:
-    """T."""
+def transforms(context: Context) -> Iterator[Block]:
+    """A_1 ... A_n; those that fit share lines, the others are given entry by entry.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    yield Paragraph(context.text("Frame $i$ in frame $i-1$, row by row:"))
+    fitting: list[Small] = []
+    for i in range(1, context.robot.n + 1):
+        symbol, quantity = context.symbols.frame("A", i, i - 1), context.entries.A(i)
+        one = small(context, symbol, quantity, entry_namer(symbol))
+        if one is not None:
+            fitting.append(one)
+            continue
+        if fitting:
+            yield formula(context, side_by_side(fitting), "link_transforms")
+        yield formula(context, _laid_out(context, symbol, quantity, groups.row(i)), "link_transforms")
+        fitting = []
+    if fitting:
+        yield formula(context, side_by_side(fitting), "link_transforms")
+
+
+def end_effector(context: Context) -> Iterator[Block]:
+    """T as a product and by its entries, and the names of its columns.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
     _ = context.text
-    end = context.layouter.block(_END, EntryNamer(context.symbols, "t"), context.quantities["T"], group=0)
-    blocks: list[Block] = [
-        Paragraph(_("The end effector in the world:")),
-        Rows((_product_line(context),)),
-        *_steps(context),
-        *(_partial_products(context) if end.omitted else ()),
-        formula(context, end, "forward_kinematics"),
-        Paragraph(
-            _(
-                "The columns of $%(end)s$: $%(n)s$, $%(s)s$ and $%(a)s$ are the axes $x$, $y$ and $z$ of the end "
-                "effector in the world, $%(p)s$ is its origin.",
-                end=_END.tex,
-                **{letter: bold(letter).tex for letter in "nsap"},
-            )
-        ),
-        Rows((_COLUMNS,)),
-    ]
-    return Section("kinematics", _("End effector"), tuple(blocks))
+    end = context.layouter.block(_END, EntryNamer(context.symbols, "t"), context.entries.T, group=groups.T)
+    yield Paragraph(_("The end effector in the world:"))
+    yield Rows((concatenate(_END, EQUALS, *_between_base_and_tool(context, _product_of_rows(context))).tex,))
+    if context.steps:
+        yield Steps(_("The product, row by row"), tuple(_steps(context)))
+    if end.omitted:
+        yield from _partial_products(context)
+    yield formula(context, end, "forward_kinematics")
+    yield Paragraph(
+        _(
+            "The columns of $%(end)s$: $%(n)s$, $%(s)s$ and $%(a)s$ are the axes $x$, $y$ and $z$ of the end "
+            "effector in the world, $%(p)s$ is its origin.",
+            end=_END.tex,
+            **{letter: bold(letter).tex for letter in "nsap"},
+        )
+    )
+    yield textbook("columns_of_T")
 
 
-def _product_line(context: Context) -> str:
-    factors = between_base_and_tool(context.robot, product_of_rows(context))
-    return concatenate(_END, EQUALS, *factors).tex
+def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> LaidOut:
+    return context.layouter.block(symbol, entry_namer(symbol), quantity, group=group)
 
 
-# -- steps
+def _product_of_rows(context: Context) -> list[Box]:
+    """The factors A_1 ... A_n, those in the middle by dots if there are many."""
+    n = context.robot.n
+    shown = range(1, n + 1) if n <= FEW_FACTORS else (1, 2, 3, n)
+    factors = [context.symbols.frame("A", i, i - 1) for i in shown]
+    return factors if n <= FEW_FACTORS else [*factors[:3], _DOTS, factors[3]]
+
+
+def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box]:
+    """The factors of the arm with those of base and tool, where these are not the identity."""
+    base = [BASE] if context.robot.base != IDENTITY else []
+    tool = [TOOL] if context.robot.tool != IDENTITY else []
+    return [*base, *factors, *tool]
 
 
 def _steps(context: Context) -> Iterator[Block]:
-    if context.steps:
-        _ = context.text
-        yield Steps(_("The product, row by row"), tuple(_step_blocks(context)))
-
-
-def _step_blocks(context: Context) -> Iterator[Block]:
     """T_i^0 = T_{i-1}^0 A_i, with its entries as long as they are short."""
-    robot = context.robot
-    first = concatenate(context.symbols.frame("T", 1, 0), EQUALS, context.symbols.frame("A", 1, 0))
-    yield Rows((first.tex,))
-    bare = robot.base == IDENTITY and robot.tool == IDENTITY
-    printed = robot.n - 1 if bare else robot.n
-    long = next((i for i in range(2, printed + 1) if not _is_short(context, i)), printed + 1)
+    robot, frame = context.robot, context.symbols.frame
+    yield Rows((concatenate(frame("T", 1, 0), EQUALS, frame("A", 1, 0)).tex,))
+    is_bare = robot.base == IDENTITY and robot.tool == IDENTITY
+    last = robot.n - 1 if is_bare else robot.n
+    products = {
+        i: concatenate(frame("T", i, 0), EQUALS, frame("T", i - 1, 0), frame("A", i, i - 1))
+        for i in range(1, robot.n + 1)
+    }
+    limit = context.policy.matrix_terms
+    long = next((i for i in range(2, last + 1) if not context.entries.transform(0, i).is_short(limit)), last + 1)
     for i in range(2, long):
-        yield from _step(context, i)
-    products = [_step_product(context, i) for i in range(long, robot.n + 1)]
-    if long <= printed:
+        symbol, quantity = frame("T", i, 0), context.entries.transform(0, i)
+        on_one_line = small(context, products[i], quantity, entry_namer(symbol))
+        if on_one_line is not None:
+            yield formula(context, side_by_side([on_one_line]))
+        else:
+            yield Rows((products[i].tex,))
+            yield formula(context, _laid_out(context, symbol, quantity, groups.product(i)), "link_transforms")
+    if long <= last:
         yield Paragraph(context.text("From here on the entries are too long for a step:"))
-    last = concatenate(_END, EQUALS, *between_base_and_tool(robot, [context.symbols.frame("T", robot.n, 0)]))
-    yield Rows(tuple(pack([*products, last])))
-
-
-def _is_short(context: Context, i: int) -> bool:
-    return total_terms(context.quantities[f"T[0,{i}]"]) <= context.policy.matrix_terms
-
-
-def _step_product(context: Context, i: int) -> Box:
-    factors = context.symbols.frame("T", i - 1, 0), context.symbols.frame("A", i, i - 1)
-    return concatenate(context.symbols.frame("T", i, 0), EQUALS, *factors)
-
-
-def _step(context: Context, i: int) -> Iterator[Block]:
-    """The product and its entries, on one line if they fit."""
-    product, symbol = _step_product(context, i), context.symbols.frame("T", i, 0)
-    quantity = context.quantities[f"T[0,{i}]"]
-    namer = entry_namer(symbol)
-    on_one_line = whole(context, product, quantity, namer)
-    if on_one_line is not None:
-        yield formula(context, packed([on_one_line]))
-        return
-    yield Rows((product.tex,))
-    yield formula(context, transform_block(context, symbol, quantity, step_group(i)), "link_transforms")
-
-
-# -- where T is too long
+    end = concatenate(_END, EQUALS, *_between_base_and_tool(context, [frame("T", robot.n, 0)]))
+    yield Rows(tuple(pack([*(products[i] for i in range(long, robot.n + 1)), end])))
 
 
 def _partial_products(context: Context) -> Iterator[Block]:
-    """The arm as a product of a few transforms that can be printed, if it is long enough to be taken apart."""
-    blocks, factors, start = [], [], 0
-    while start < context.robot.n:
-        end = _last_short(context, start)
-        blocks.append(_factor(context, start, end))
-        factors.append(Piece(context.symbols.frame("T", end, start), Break.COMMA))
-        start = end
-    if len(blocks) == 1:
-        return
+    """Where T is too long: the arm as a product of a few transforms that can be printed, if it is long enough."""
     _ = context.text
+    n, frame = context.robot.n, context.symbols.frame
+    cuts = [0]
+    while cuts[-1] < n:
+        cuts.append(_last_short(context, cuts[-1]))
+    if len(cuts) == 2:
+        return
     yield Paragraph(
         _("Multiplied out, the entries are too long to print; here they are as a product of shorter transforms:")
     )
-    yield from (formula(context, block, "link_transforms") for block in blocks)
+    for start, end in pairwise(cuts):
+        quantity = context.entries.transform(start, end)
+        laid_out = _laid_out(context, frame("T", end, start), quantity, groups.factor(start))
+        yield formula(context, laid_out, "link_transforms")
     yield Paragraph(_("The arm as a whole is"))
-    arm = Equation(context.symbols.frame("T", context.robot.n, 0), tuple(factors))
-    yield Rows(tuple(equation_lines([arm])))
-
-
-def _factor(context: Context, start: int, end: int) -> quantity.LaidOut:
-    quantity = context.quantities[f"T[{start},{end}]"]
-    return transform_block(context, context.symbols.frame("T", end, start), quantity, factor_group(start))
+    factors = (Piece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
+    yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))
 
 
 def _last_short(context: Context, start: int) -> int:
-    """The frame up to which the product from frame ``start`` on is short."""
-    end = start + 1
-    while end < context.robot.n and _is_factor(context, start, end + 1):
-        end += 1
-    return end
-
-
-def _is_factor(context: Context, start: int, end: int) -> bool:
-    quantity = context.quantities[f"T[{start},{end}]"]
-    longest = max(quantity.terms(*place) for place in places(quantity.shape))
-    return longest <= context.policy.factor_terms
-
-
-def transforms_section(context: Context) -> Section:
-    """A_1 ... A_n."""
-    _ = context.text
-    introduction = Paragraph(_("Frame $i$ in frame $i-1$, row by row:"))
-    formulas = (formula(context, block, "link_transforms") for block in _blocks(context))
-    return Section("transforms", _("Transforms of the rows"), (introduction, *formulas))
-
-
-def _blocks(context: Context) -> Iterator[LaidOut]:
-    """Those that fit share lines; the others are given entry by entry."""
-    side_by_side: list[Whole] = []
-    for i in range(1, context.robot.n + 1):
-        symbol, quantity = context.symbols.frame("A", i, i - 1), context.quantities[f"A[{i}]"]
-        fitting = whole(context, symbol, quantity, entry_namer(symbol))
-        if fitting is not None:
-            side_by_side.append(fitting)
-            continue
-        if side_by_side:
-            yield packed(side_by_side)
-        yield transform_block(context, symbol, quantity, rows_group(i))
-        side_by_side = []
-    if side_by_side:
-        yield packed(side_by_side)
+    """The frame up to which every entry of the product from frame ``start`` on is short."""
+    for end in range(start + 2, context.robot.n + 1):
+        quantity = context.entries.transform(start, end)
+        if max(quantity.terms(*place) for place in quantity.places) > context.policy.factor_terms:
+            return end - 1
+    return context.robot.n

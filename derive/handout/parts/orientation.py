@@ -1,70 +1,99 @@
-"""The part with position and orientation: p, roll, pitch and yaw, and Euler angles ZYZ from the entries of T."""
+"""The part with position and orientation: p, roll, pitch and yaw, and Euler angles ZYZ from the entries of T.
+
+Roll, pitch, yaw: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll); Euler ZYZ: R = Rot(z, phi) Rot(y, theta) Rot(z, psi)
+(Siciliano, Sciavicco, Villani, Oriolo, Robotics, section 2.4).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from derive.handout.angles import Angles, euler_zyz, roll_pitch_yaw
+from derive.handout import groups
 from derive.handout.context import Context
-from derive.handout.document import Block, Paragraph, Rows, Section
+from derive.handout.document import Block, Paragraph, Rows
 from derive.handout.formula import formula
-from derive.handout.frames import column, rows_group, total_terms
 from derive.handout.layout.lines import EQUALS, Equation, equation_lines, matrix
-from derive.handout.layout.quantity import LaidOut as Laid
-from derive.handout.notation.pieces import Box, concatenate, italic, script
+from derive.handout.layout.quantity import LaidOut
+from derive.handout.notation.pieces import (
+    BINARY_WIDTH,
+    BRACKET_WIDTH,
+    MINUS_WIDTH,
+    Box,
+    Break,
+    Piece,
+    concatenate,
+    fraction,
+    greek,
+    italic,
+    operator,
+    script,
+    upright,
+)
 from derive.handout.notation.symbols import bold
+from derive.model.entries import Entries
 
 SHORT_ANGLES = 12
 """Most terms of the entries of T from which angles are written out; of more they are given by the entries alone."""
 
 _END = bold("T").tex
+_COMMA = Piece(Box(",\\, ", 5.0), depth=1)
+_RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
+
+Angles = tuple[tuple[Piece, ...], tuple[Piece, ...], tuple[Piece, ...]]
+"""Each angle by entries of T."""
+
+Names = tuple[Box, Box, Box]
+Place = tuple[int, int]
 
 
-def section(context: Context) -> Section:
-    """Position and angles."""
-    _ = context.text
-    blocks = (*_position(context), *_roll_pitch_yaw(context), *_euler(context))
-    return Section("orientation", _("Position and orientation"), blocks)
+def orientation(context: Context) -> Iterator[Block]:
+    """The position of the end effector, and its orientation by two sets of angles.
 
+    Args:
+        context: The handout.
 
-# -- position
+    Yields:
+        The blocks of the part.
+    """
+    yield from _position(context)
+    yield from _roll_pitch_yaw(context)
+    yield from _euler_zyz(context)
 
 
 def _position(context: Context) -> Iterator[Block]:
     _ = context.text
     yield Paragraph(_("The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END))
-    quantity = column(context.quantities["T"], 4, (1, 2, 3))
-    if total_terms(quantity) > context.policy.compact_terms:
-        entries = [[context.symbols.entry("t", i, 4)] for i in (1, 2, 3)]
-        yield Rows((concatenate(bold("p"), EQUALS, matrix(entries)).tex,))
+    quantity = context.entries.T.part((1, 2, 3), (4,))
+    if not quantity.is_short(context.policy.compact_terms):
+        yield Rows((concatenate(bold("p"), EQUALS, matrix([[_t(context, i, 4)] for i in (1, 2, 3)])).tex,))
         return
-    group = rows_group(context.robot.n + 1)
-    block = context.layouter.block(bold("p"), lambda i, _: _coordinate(context, i), quantity, group=group)
-    yield formula(context, block, "forward_kinematics")
 
+    def coordinate(i: int, _: int) -> Box:
+        name = script(italic("p"), italic("xyz"[i - 1]))
+        return _t(context, i, 4) if name.tex in context.notation.taken else name
 
-def _coordinate(context: Context, i: int) -> Box:
-    name = script(italic("p"), italic("xyz"[i - 1]))
-    return context.symbols.entry("t", i, 4) if name.tex in context.notation.taken else name
-
-
-# -- angles
+    group = groups.row(context.robot.n + 1)
+    yield formula(context, context.layouter.block(bold("p"), coordinate, quantity, group=group), "forward_kinematics")
 
 
 def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
+    """Singular where t_11 = t_21 = 0, at t_31 = -+1."""
     _ = context.text
-    angles = roll_pitch_yaw(context)
-    roll, pitch, yaw = (f"${name.tex}$" for name in angles.names)
+    words = _("roll"), _("pitch"), _("yaw")
+    names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in words)
+    roll, pitch, yaw = (f"${name.tex}$" for name in names)
     yield Paragraph(
         _(
             "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: "
             "$\\mathbf{R} = %(product)s$. With the entries $t_{ij}$ of $%(end)s$:",
-            product=_rotations(("z", "y", "x"), angles.names[::-1]),
+            product=_rotations("zyx", names[::-1]),
             end=_END,
         )
     )
-    yield from _angles(context, angles)
-    if angles.is_always_singular:
+    if _vanish(context, (1, 1), (2, 1)):
+        pitch_by_entry = (Piece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
+        angles: Angles = (Piece(italic("0")),), pitch_by_entry, _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2))
+        yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy)
         yield Paragraph(
             _(
                 "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
@@ -72,30 +101,59 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
                 roll=roll, pitch=pitch, yaw=yaw,
             )
         )  # fmt: skip
-    elif angles.is_never_singular:
-        yield Paragraph(_("They are never singular for this arm, for %(zero)s.", zero=_is_zero(angles)))
-    else:
-        yield Paragraph(
-            _(
-                "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm\\pi/2$: there only "
-                "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
-                zeros=_vanishing(angles), roll=roll, pitch=pitch, yaw=yaw,
-            )
-        )  # fmt: skip
+        return
+    angles = (
+        _atan2(_t(context, 3, 2), _t(context, 3, 3)),
+        _atan2(_minus(_t(context, 3, 1)), _root(_t(context, 3, 2), _t(context, 3, 3))),
+        _atan2(_t(context, 2, 1), _t(context, 1, 1)),
+    )
+    used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
+    yield from _angles(context, names, angles, used, context.entries.rpy)
+    if _vanish(context, (3, 1)):
+        yield _never_singular(context, _t(context, 3, 1))
+        return
+    yield Paragraph(
+        _(
+            "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm\\pi/2$: there only "
+            "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
+            zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$", roll=roll, pitch=pitch, yaw=yaw,
+        )
+    )  # fmt: skip
 
 
-def _euler(context: Context) -> Iterator[Block]:
+def euler_names(context: Context) -> Names:
+    """The Euler angles ZYZ: Greek letters, with an index where the robot has a symbol of that name.
+
+    Args:
+        context: The handout.
+
+    Returns:
+        Names of the three angles.
+    """
+    taken = {tex.strip() for tex in context.notation.taken}
+    phi, theta, psi = (
+        script(letter, upright("e")) if letter.tex.strip() in taken else letter
+        for letter in map(greek, ("varphi", "vartheta", "psi"))
+    )
+    return phi, theta, psi
+
+
+def _euler_zyz(context: Context) -> Iterator[Block]:
+    """Singular where t_13 = t_23 = 0, at t_33 = +-1."""
     _ = context.text
-    angles = euler_zyz(context)
-    first, second, third = (f"${name.tex.strip()}$" for name in angles.names)
+    names, cosine = euler_names(context), _t(context, 3, 3)
+    first, second, third = (f"${name.tex.strip()}$" for name in names)
     yield Paragraph(
         _(
             "Euler angles ZYZ turn about the moving axes $z$, $y$ and $z$: $\\mathbf{R} = %(product)s$.",
-            product=_rotations(("z", "y", "z"), angles.names),
+            product=_rotations("zyz", names),
         )
     )
-    yield from _angles(context, angles)
-    if angles.is_always_singular:
+    if _vanish(context, (1, 3), (2, 3)):
+        signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
+        inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
+        angles: Angles = _atan2(*signed), (Piece(concatenate(_RIGHT_ANGLE, inside)),), (Piece(italic("0")),)
+        yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz)
         yield Paragraph(
             _(
                 "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
@@ -104,43 +162,85 @@ def _euler(context: Context) -> Iterator[Block]:
                 first=first, third=third,
             )
         )  # fmt: skip
-    elif angles.is_never_singular:
-        yield Paragraph(_("They are never singular for this arm, for %(zero)s.", zero=_is_zero(angles)))
-    else:
-        yield Paragraph(
-            _(
-                "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= \\pi$: there only "
-                "%(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
-                zeros=_vanishing(angles), first=first, second=second, third=third,
-            )
-        )  # fmt: skip
+        return
+    angles = (
+        _atan2(_t(context, 2, 3), _t(context, 1, 3)),
+        _atan2(_root(_t(context, 1, 3), _t(context, 2, 3)), cosine),
+        _atan2(_t(context, 3, 2), _minus(_t(context, 3, 1))),
+    )
+    used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
+    yield from _angles(context, names, angles, used, context.entries.euler_zyz)
+    if _vanish(context, (3, 3)):
+        yield _never_singular(context, cosine)
+        return
+    yield Paragraph(
+        _(
+            "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= \\pi$: there only "
+            "%(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
+            zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$", first=first, second=second, third=third,
+        )
+    )  # fmt: skip
 
 
-def _rotations(axes: tuple[str, ...], names: tuple[Box, ...]) -> str:
+def _never_singular(context: Context, zero: Box) -> Paragraph:
+    return Paragraph(context.text("They are never singular for this arm, for %(zero)s.", zero=f"${zero.tex} = 0$"))
+
+
+def _rotations(axes: str, names: Sequence[Box]) -> str:
     pairs = zip(axes, names, strict=True)
     return "\\,".join(f"\\mathrm{{Rot}}({axis},{name.tex.strip()})" for axis, name in pairs)
 
 
-def _is_zero(angles: Angles) -> str:
-    return f"${angles.sine.tex} = 0$"
-
-
-def _vanishing(angles: Angles) -> str:
-    return "$" + " = ".join(box.tex for box in angles.vanishing) + " = 0$"
-
-
-def _angles(context: Context, angles: Angles) -> Iterator[Block]:
-    """The angles by entries of T, then written out if that is short."""
-    yield Rows(tuple(equation_lines(map(Equation, angles.names, angles.by_entries))))
-    if angles.terms > SHORT_ANGLES:
+def _angles(
+    context: Context,
+    names: Sequence[Box],
+    by_entries: Angles,
+    used: Sequence[Place],
+    quantity: Entries,
+) -> Iterator[Block]:
+    """The angles by entries of T, then written out if those entries are short."""
+    yield Rows(tuple(equation_lines(map(Equation, names, by_entries))))
+    if _terms(context, used) > SHORT_ANGLES:
         return
-    quantity = context.quantities[angles.quantity]
     values = [quantity.entry(i, 1) for i in (1, 2, 3)]
-    written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(angles.names, values, strict=True)]
+    written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(names, values, strict=True)]
     yield Paragraph(context.text("For this arm:"))
-    laid = Laid(
+    laid_out = LaidOut(
         tuple(equation_lines(written)),
-        values=tuple(zip(angles.names, values, strict=True)),
-        blanks=tuple(name.tex for name in angles.names),
+        values=tuple(zip(names, values, strict=True)),
+        blanks=tuple(name.tex for name in names),
     )
-    yield formula(context, laid)
+    yield formula(context, laid_out)
+
+
+# -- entries of T
+
+
+def _t(context: Context, row: int, column: int) -> Box:
+    return context.symbols.entry("t", row, column)
+
+
+def _terms(context: Context, places: Sequence[Place]) -> int:
+    return sum(context.entries.T.terms(*place) for place in places)
+
+
+def _vanish(context: Context, *places: Place) -> bool:
+    """Whether these entries of T are zero in every configuration."""
+    return not _terms(context, places)
+
+
+def _minus(box: Box) -> Box:
+    return concatenate(Box("-", MINUS_WIDTH), box)
+
+
+def _root(first: Box, second: Box) -> Box:
+    """Square root of a sum of two squares."""
+    squares = [script(box, sup=italic("2")) for box in (first, second)]
+    inner = concatenate(squares[0], Box(" + ", BINARY_WIDTH), squares[1])
+    return Box(f"\\sqrt{{{inner.tex}}}", inner.width + 10.0)
+
+
+def _atan2(sine: Box, cosine: Box) -> tuple[Piece, ...]:
+    opening, closing = Piece(Box("(", BRACKET_WIDTH)), Piece(Box(")", BRACKET_WIDTH))
+    second = Piece(cosine, Break.COMMA, depth=1)
+    return Piece(operator("atan2")), opening, Piece(sine, depth=1), _COMMA, second, closing

@@ -12,48 +12,70 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from derive.handout.layout.lines import EQUALS, break_lines
-from derive.handout.notation.pieces import RELATION_WIDTH, Box, Piece, binary, concatenate, italic, script
+from derive.handout.notation.pieces import (
+    BRACKET_WIDTH,
+    EMPTY,
+    RELATION_WIDTH,
+    Box,
+    Piece,
+    binary,
+    concatenate,
+    italic,
+    script,
+)
 from derive.handout.notation.printer import MINUS
 from derive.handout.notation.symbols import Symbols
 
-TIMES = Box(" \\times ", RELATION_WIDTH)
-OPEN, CLOSE = Box("(", 5.0), Box(")", 5.0)
+_TIMES = Box(" \\times ", RELATION_WIDTH)
+_OPEN, _CLOSE = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
+_TWICE = italic("2")
+_OMEGA = Box("\\boldsymbol{\\omega}", 8.0)
 
 Term = tuple[int, "Box | tuple[Piece, ...]"]
 """Sign and absolute value, which may be broken over lines where it is in pieces."""
 
+Sides = tuple[Box, list[Term]]
+"""Left side of an equation, and the terms of the right one."""
+
 
 @dataclass(frozen=True)
-class Subject:
-    """Whose equations they are.
+class JointLetters:
+    """How the recursion calls a joint and the links on both sides of it.
 
     Attributes:
         index: Its index: ``i`` or a number.
         before: The index before.
         after: The index after.
-        revolute: Whether the joint turns.
+        is_revolute: Whether the joint turns.
         sign: +1 or -1, how its variable counts.
         rate: Its velocity.
         acceleration: Its acceleration.
         torque: Its torque or force.
-        last: Whether no link follows.
+        is_last: Whether no link follows.
     """
 
     index: str
     before: str
     after: str
-    revolute: bool
+    is_revolute: bool
     sign: int
     rate: Box
     acceleration: Box
     torque: Box
-    last: bool = False
+    is_last: bool = False
 
     @classmethod
-    def anyone(cls, revolute: bool) -> Subject:
-        """Joint i."""
+    def any_joint(cls, is_revolute: bool) -> JointLetters:
+        """Joint i.
+
+        Args:
+            is_revolute: Whether it turns.
+
+        Returns:
+            Its letters.
+        """
         rate, acceleration = (script(Box(f"{dots}{{q}}", 5.5), italic("i")) for dots in ("\\dot", "\\ddot"))
-        return cls("i", "i-1", "i+1", revolute, 1, rate, acceleration, script(Box("\\tau", 5.0), italic("i")))
+        return cls("i", "i-1", "i+1", is_revolute, 1, rate, acceleration, script(Box("\\tau", 5.0), italic("i")))
 
 
 @dataclass(frozen=True)
@@ -61,118 +83,166 @@ class Recursion:
     """The equations in one convention.
 
     Attributes:
-        standard: Whether the convention is the standard one.
+        is_standard: Whether the convention is the standard one.
         symbols: Names of matrices.
     """
 
-    standard: bool
+    is_standard: bool
     symbols: Symbols
 
     # -- symbols
 
     def rotation(self, frame: str, reference: str) -> Box:
-        """R, from the axes of one frame into those of another."""
+        """R, from the axes of one frame into those of another.
+
+        Args:
+            frame: Index of the frame.
+            reference: Index of the frame in whose axes it is.
+
+        Returns:
+            Its name.
+        """
         return self.symbols.frame("R", frame, reference)
 
     def offset(self, index: str) -> Box:
-        """The vector between the origins."""
-        return script(Box("\\mathbf{p}", 6.5), italic(index), Box("*", 5.0) if self.standard else Box("", 0.0))
+        """The vector p from o_{i-1} to o_i, with a star in the standard convention.
 
-    @staticmethod
-    def com(index: str) -> Box:
-        """From o_i to the centre of mass."""
-        return vector("r", f"c_{{{index}}}")
+        Args:
+            index: Index of the link.
+
+        Returns:
+            Its name.
+        """
+        return script(Box("\\mathbf{p}", 6.5), italic(index), Box("*", 5.0) if self.is_standard else EMPTY)
 
     # -- equations
 
-    def outward(self, s: Subject) -> Iterator[str]:
-        """Motion of link i from that of link i-1, and what it takes."""
-        motion = self._standard(s) if self.standard else self._modified(s)
-        for left, terms in (*motion, *_resultants(s, self.com(s.index))):
-            yield from _equation(left, terms)
+    def outward(self, joint: JointLetters) -> list[str]:
+        """Motion of link i from that of link i-1, and the force and moment that this motion takes.
 
-    def inward(self, s: Subject) -> Iterator[str]:
-        """Force and moment on link i, and the torque of its joint."""
-        for left, terms in self._wrench(s):
-            yield from _equation(left, terms)
+        Args:
+            joint: The joint.
 
-    def _standard(self, s: Subject) -> Iterator[tuple[Box, list[Term]]]:
-        w, wd, a = _motion(s.index)
-        w0, wd0, a0 = _motion(s.before)
-        turn, z, p = self.rotation(s.before, s.index), vector("z", "0"), self.offset(s.index)
-        rate, growth = concatenate(s.rate, z), concatenate(s.acceleration, z)
-        swing = concatenate(s.rate, w0, TIMES, z)
-        if s.revolute:
-            yield w, [(1, _turned(turn, [(1, w0), (s.sign, rate)]))]
-            yield wd, [(1, _turned(turn, [(1, wd0), (s.sign, growth), (s.sign, swing)]))]
+        Returns:
+            Lines.
+        """
+        motion = self._standard_motion(joint) if self.is_standard else self._modified_motion(joint)
+        return _lines([*motion, *_resultants(joint)])
+
+    def inward(self, joint: JointLetters) -> list[str]:
+        """Force and moment that link i receives through its joint, and the torque of the joint.
+
+        Args:
+            joint: The joint.
+
+        Returns:
+            Lines.
+        """
+        i = joint.index
+        back = self.rotation(joint.after, i)
+        force, moment = vector("f", i), vector("n", i)
+        resultant, resultant_moment = vector("F", i), vector("N", i)
+        p, r = self.offset(i if self.is_standard else joint.after), com(i)
+        arm = concatenate(_OPEN, p, Box(" + ", 12.3), r, _CLOSE) if self.is_standard else r
+        z = vector("z", "0")
+        axis = concatenate(self.rotation(joint.before, i), z) if self.is_standard else z
+        forces: list[Term] = [(1, resultant)]
+        moments: list[Term] = [(1, concatenate(arm, _TIMES, resultant)), (1, resultant_moment)]
+        if not joint.is_last:
+            carried = concatenate(back, vector("f", joint.after))
+            forces = [(1, carried), *forces]
+            moments = [
+                (1, concatenate(back, vector("n", joint.after))),
+                (1, concatenate(p, _TIMES, _OPEN, carried, _CLOSE)),
+                *moments,
+            ]
+        received = moment if joint.is_revolute else force
+        torque = concatenate(Box(f"{received.tex}^{{T}}", received.width + 5.0), axis)
+        return _lines([(force, forces), (moment, moments), (joint.torque, [(joint.sign, torque)])])
+
+    def _standard_motion(self, joint: JointLetters) -> Iterator[Sides]:
+        w, wd, a = _motion(joint.index)
+        w0, wd0, a0 = _motion(joint.before)
+        turn, z, p = self.rotation(joint.before, joint.index), vector("z", "0"), self.offset(joint.index)
+        rate, acceleration = concatenate(joint.rate, z), concatenate(joint.acceleration, z)
+        coriolis = concatenate(joint.rate, w0, _TIMES, z)
+        if joint.is_revolute:
+            yield w, [(1, _turned(turn, [(1, w0), (joint.sign, rate)]))]
+            yield wd, [(1, _turned(turn, [(1, wd0), (joint.sign, acceleration), (joint.sign, coriolis)]))]
             start: tuple[Piece, ...] = (Piece(concatenate(turn, a0)),)
         else:
             yield w, [(1, concatenate(turn, w0))]
             yield wd, [(1, concatenate(turn, wd0))]
-            start = _turned(turn, [(1, a0), (s.sign, growth), (s.sign, concatenate(italic("2"), swing))])
-        yield a, [(1, start), *_swept(w, wd, p)]
+            twice = concatenate(_TWICE, coriolis)
+            start = _turned(turn, [(1, a0), (joint.sign, acceleration), (joint.sign, twice)])
+        yield a, [(1, start), *_rotational(w, wd, p)]
 
-    def _modified(self, s: Subject) -> Iterator[tuple[Box, list[Term]]]:
-        w, wd, a = _motion(s.index)
-        w0, wd0, a0 = _motion(s.before)
-        turn, z, p = self.rotation(s.before, s.index), vector("z", "0"), self.offset(s.index)
-        rate, growth = (s.sign, concatenate(s.rate, z)), (s.sign, concatenate(s.acceleration, z))
-        carried = (1, _turned(turn, [(1, a0), *_swept(w0, wd0, p)]))
-        if s.revolute:
+    def _modified_motion(self, joint: JointLetters) -> Iterator[Sides]:
+        w, wd, a = _motion(joint.index)
+        w0, wd0, a0 = _motion(joint.before)
+        turn, z, p = self.rotation(joint.before, joint.index), vector("z", "0"), self.offset(joint.index)
+        rate, acceleration = (joint.sign, concatenate(joint.rate, z)), (joint.sign, concatenate(joint.acceleration, z))
+        coriolis = concatenate(joint.rate, w, _TIMES, z)
+        carried = (1, _turned(turn, [(1, a0), *_rotational(w0, wd0, p)]))
+        if joint.is_revolute:
             yield w, [(1, concatenate(turn, w0)), rate]
-            yield wd, [(1, concatenate(turn, wd0)), growth, (s.sign, concatenate(s.rate, w, TIMES, z))]
+            yield wd, [(1, concatenate(turn, wd0)), acceleration, (joint.sign, coriolis)]
             yield a, [carried]
         else:
             yield w, [(1, concatenate(turn, w0))]
             yield wd, [(1, concatenate(turn, wd0))]
-            yield a, [carried, growth, (s.sign, concatenate(italic("2"), s.rate, w, TIMES, z))]
-
-    def _wrench(self, s: Subject) -> Iterator[tuple[Box, list[Term]]]:
-        back, force, moment = self.rotation(s.after, s.index), vector("f", s.index), vector("n", s.index)
-        pushed = concatenate(back, vector("f", s.after))
-        p, r = self.offset(s.index if self.standard else s.after), self.com(s.index)
-        arm = concatenate(OPEN, p, Box(" + ", 12.3), r, CLOSE) if self.standard else r
-        resultant, spin = vector("F", s.index), vector("N", s.index)
-        own: list[Term] = [(1, concatenate(arm, TIMES, resultant)), (1, spin)]
-        after: list[Term] = [
-            (1, concatenate(back, vector("n", s.after))),
-            (1, concatenate(p, TIMES, OPEN, pushed, CLOSE)),
-        ]
-        yield force, [(1, resultant)] if s.last else [(1, pushed), (1, resultant)]
-        yield moment, own if s.last else [*after, *own]
-        axis = concatenate(self.rotation(s.before, s.index), vector("z", "0")) if self.standard else vector("z", "0")
-        received = moment if s.revolute else force
-        yield s.torque, [(s.sign, concatenate(Box(f"{received.tex}^{{T}}", received.width + 5.0), axis))]
+            yield a, [carried, acceleration, (joint.sign, concatenate(_TWICE, coriolis))]
 
 
 def vector(letter: str, index: str) -> Box:
-    """A vector."""
+    """A vector or tensor of a link.
+
+    Args:
+        letter: Its letter.
+        index: Its index.
+
+    Returns:
+        Its name.
+    """
     return script(Box(f"\\mathbf{{{letter}}}", 9.0), italic(index))
+
+
+def com(index: str) -> Box:
+    """The vector r from o_i to the centre of mass of link i.
+
+    Args:
+        index: Index of the link.
+
+    Returns:
+        Its name.
+    """
+    return vector("r", f"c_{{{index}}}")
 
 
 def _motion(index: str) -> tuple[Box, Box, Box]:
     """Angular velocity and acceleration of link i, acceleration of its origin."""
-    omega = Box("\\boldsymbol{\\omega}", 8.0)
-    rate = Box(f"\\dot{{{omega.tex}}}", 8.0)
-    return script(omega, italic(index)), script(rate, italic(index)), vector("a", index)
+    acceleration = Box(f"\\dot{{{_OMEGA.tex}}}", _OMEGA.width)
+    return script(_OMEGA, italic(index)), script(acceleration, italic(index)), vector("a", index)
 
 
-def _resultants(s: Subject, com: Box) -> Iterator[tuple[Box, list[Term]]]:
-    w, wd, a = _motion(s.index)
-    acceleration, inertia = vector("a", f"c_{{{s.index}}}"), vector("I", s.index)
-    yield acceleration, [(1, a), *_swept(w, wd, com)]
-    yield vector("F", s.index), [(1, concatenate(script(italic("m"), italic(s.index)), acceleration))]
-    spin = concatenate(w, TIMES, OPEN, inertia, w, CLOSE)
-    yield vector("N", s.index), [(1, concatenate(inertia, wd)), (1, spin)]
+def _resultants(joint: JointLetters) -> Iterator[Sides]:
+    """Acceleration of the centre of mass, F = m a_c, and N by Euler's equation."""
+    i = joint.index
+    w, wd, a = _motion(i)
+    acceleration, inertia = vector("a", f"c_{{{i}}}"), vector("I", i)
+    yield acceleration, [(1, a), *_rotational(w, wd, com(i))]
+    yield vector("F", i), [(1, concatenate(script(italic("m"), italic(i)), acceleration))]
+    gyroscopic = concatenate(w, _TIMES, _OPEN, inertia, w, _CLOSE)
+    yield vector("N", i), [(1, concatenate(inertia, wd)), (1, gyroscopic)]
 
 
-def _swept(w: Box, wd: Box, r: Box) -> list[Term]:
+def _rotational(w: Box, wd: Box, r: Box) -> list[Term]:
     """The acceleration of a point at r due to rotation."""
-    return [(1, concatenate(wd, TIMES, r)), (1, concatenate(w, TIMES, OPEN, w, TIMES, r, CLOSE))]
+    return [(1, concatenate(wd, _TIMES, r)), (1, concatenate(w, _TIMES, _OPEN, w, _TIMES, r, _CLOSE))]
 
 
 def _turned(turn: Box, terms: list[Term]) -> tuple[Piece, ...]:
-    return (Piece(concatenate(turn, OPEN)), *_pieces(terms, depth=1), Piece(CLOSE))
+    return (Piece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), Piece(_CLOSE))
 
 
 def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[Piece]:
@@ -184,5 +254,6 @@ def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[Piece]:
         yield from (Piece(value),) if isinstance(value, Box) else value
 
 
-def _equation(left: Box, terms: list[Term]) -> list[str]:
-    return break_lines(concatenate(left, EQUALS), tuple(_pieces(terms)))
+def _lines(equations: Iterable[Sides]) -> list[str]:
+    broken = (break_lines(concatenate(left, EQUALS), tuple(_pieces(terms))) for left, terms in equations)
+    return [line for lines in broken for line in lines]

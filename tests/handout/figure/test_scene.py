@@ -7,6 +7,7 @@ import random
 
 import numpy as np
 import pytest
+from derive.handout.tables import DataPrinter
 
 from derive.handout.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
 from derive.handout.figure.drawing import Drawing, Label, Path
@@ -14,7 +15,6 @@ from derive.handout.figure.paper import AXIS_COLORS
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.figure.scene import arm_scene
 from derive.handout.notation.notation import Notation
-from derive.handout.tables import DataPrinter
 from derive.robot.catalogue import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot

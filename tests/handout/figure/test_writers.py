@@ -6,6 +6,7 @@ from pathlib import Path as File
 from xml.etree import ElementTree
 
 import pytest
+from derive.handout.tables import DataPrinter
 
 from derive.handout.figure.arm import WIDTH, arm_drawing
 from derive.handout.figure.convention import convention_drawing
@@ -15,7 +16,6 @@ from derive.handout.figure.matplotlib_writer import SUFFIXES, drawing_bytes
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.figure.svg_writer import svg_drawing
 from derive.handout.notation.notation import Notation
-from derive.handout.tables import DataPrinter
 from derive.robot.description import Convention
 from derive.robot.robot import Robot
 from tests.handout.latex_runner import run_latex

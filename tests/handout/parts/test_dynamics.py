@@ -15,13 +15,14 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.handout.bodies import bodies
+from derive.handout.assemble import section_of
 from derive.handout.context import Context
 from derive.handout.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
 from derive.handout.language import Text
 from derive.handout.latex_writer import latex
-from derive.handout.parts import energies, inertia, motion, newton_euler
-from derive.handout.quantities import ModelQuantities
+from derive.handout.parts.bodies import bodies
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO
@@ -37,15 +38,15 @@ from tests.random_robots import robot_text
 Array = npt.NDArray[np.float64]
 
 PARTS = (
-    inertia.link_jacobians_section,
-    energies.section,
-    inertia.inertia_section,
-    motion.christoffel_section,
-    motion.coriolis_section,
-    motion.skew_section,
-    motion.gravity_section,
-    motion.motion_section,
-    newton_euler.section,
+    "link-jacobians",
+    "energies",
+    "inertia",
+    "christoffel",
+    "coriolis",
+    "skew",
+    "gravity",
+    "motion",
+    "newton-euler",
 )
 WITH_LINKS = [name for name in catalogue_names() if Robot.load(name).has_dynamics]
 SHORT = [name for name in WITH_LINKS if Robot.load(name).n <= 7]
@@ -58,11 +59,11 @@ _FUNCTIONS = {"sin": math.sin, "cos": math.cos, "tan": math.tan, "sqrt": math.sq
 def context_of(robot: Robot, steps: bool = True, letter: InertiaLetter = InertiaLetter.B) -> Context:
     derivation = Derivation.STEPS if steps else Derivation.RESULT
     options = HandoutOptions(derivation=derivation, notation=NotationOptions(inertia=letter))
-    return Context(robot, ModelQuantities(robot), options, Text(), "0")
+    return Context(ModelEntries(Model(robot)), options, Text(), "0")
 
 
 def sections_of(context: Context) -> list[Section]:
-    found = (part(context) for part in PARTS)
+    found = (section_of(context, part) for part in PARTS)
     return [section for section in found if section is not None]
 
 
@@ -144,7 +145,7 @@ def named(symbol: Any, matrix: Array) -> dict[str, float]:
 @EVERY
 def test_entries_of_the_inertia_matrix_are_those_of_the_oracle(key: str | int) -> None:
     context, numbers = prepared(key)
-    section = inertia.inertia_section(replace(context, options=HandoutOptions()))
+    section = section_of(replace(context, options=HandoutOptions()), "inertia")
     matrix = numbers.oracle.evaluate("inertia_matrix", numbers.q)
     expected = named(lambda i, j: context.dynamics.inertia_entry(i, j).tex, matrix)
     assert_entries(numbers, entries_of(section), expected)
@@ -156,7 +157,7 @@ def test_bodies_and_armatures_add_up_to_the_inertia_matrix(key: str | int) -> No
     n = range(1, context.robot.n + 1)
     total = np.diag(numbers.oracle.arm.armature.astype(float))
     for body in bodies(context.robot):
-        part = context.quantities[f"B_{body.kind}[{body.index}]"]
+        part = (context.entries.B_motor if body.is_rotor else context.entries.B_link)(body.index)
         total += np.array([[evaluate(part.entry(i, j), numbers.values) for j in n] for i in n])
     np.testing.assert_allclose(total, numbers.oracle.evaluate("inertia_matrix", numbers.q), rtol=0, atol=1e-9)
 
@@ -171,14 +172,14 @@ def test_jacobians_of_links_and_rotors_are_those_of_the_oracle(key: str | int) -
             for i, matrix in enumerate(half, 1):
                 symbol = f"\\mathbf{{J}}_{{{index}}}^{{{letter}_{{{i}}}}}"
                 expected |= named(lambda r, c, symbol=symbol: f"({symbol})_{{{r}{c}}}", matrix)
-    assert_entries(numbers, entries_of(inertia.link_jacobians_section(context)), expected)
+    assert_entries(numbers, entries_of(section_of(context, "link-jacobians")), expected)
 
 
 @EVERY
 def test_energies_are_those_of_the_oracle(key: str | int) -> None:
     context, numbers = prepared(key)
     arm, q = numbers.oracle.arm, numbers.q
-    entries = entries_of(energies.section(replace(context, options=HandoutOptions())))
+    entries = entries_of(section_of(replace(context, options=HandoutOptions()), "energies"))
     for name, python in entries.items():
         if name == "\\mathcal{T}":
             assert numbers.value(python) == pytest.approx(float(kinetic_energy(arm, q, numbers.qd)), rel=1e-9)
@@ -193,8 +194,8 @@ def test_coriolis_matrix_and_its_check_agree_with_the_oracle(key: str | int) -> 
     result = replace(context, options=HandoutOptions())
     matrix = numbers.oracle.evaluate("coriolis_matrix", numbers.q, numbers.qd)
     expected = named(lambda i, j: context.symbols.entry("C", i, j).tex, matrix)
-    assert_entries(numbers, entries_of(motion.coriolis_section(result)), expected)
-    skewed = entries_of(motion.skew_section(result))
+    assert_entries(numbers, entries_of(section_of(result, "coriolis")), expected)
+    skewed = entries_of(section_of(result, "skew"))
     for name, python in skewed.items():
         row, column = _place(name)
         opposite = skewed.get(context.symbols.entry("N", column, row).tex)
@@ -213,16 +214,16 @@ def test_gravity_and_torques_are_those_of_the_oracle(key: str | int) -> None:
     result = replace(context, options=HandoutOptions())
     forces = numbers.oracle.evaluate("gravity_vector", numbers.q)
     expected = {context.symbols.component("g", i).tex: float(x) for i, x in enumerate(forces, 1)}
-    assert_entries(numbers, entries_of(motion.gravity_section(result)), expected)
+    assert_entries(numbers, entries_of(section_of(result, "gravity")), expected)
     torques = numbers.oracle.evaluate("inverse_dynamics", numbers.q, numbers.qd, numbers.qdd)
     expected = {context.symbols.torque(i).tex: float(x) for i, x in enumerate(torques, 1)}
-    assert_entries(numbers, entries_of(motion.motion_section(result)), expected)
+    assert_entries(numbers, entries_of(section_of(result, "motion")), expected)
 
 
 def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
     """The sentence stands where the entries cancel, and only there."""
     context = prepared("planar-2r-perugia")[0]
-    section = motion.skew_section(context)
+    section = section_of(context, "skew")
     assert section is not None
     assert any("cancel" in block.text for block in section.blocks if isinstance(block, Paragraph))
 
@@ -235,7 +236,7 @@ class Recursion:
 
     def __init__(self, context: Context, numbers: Numbers) -> None:
         self.context, self.numbers = context, numbers
-        entries = entries_of(newton_euler.section(replace(context, options=HandoutOptions())))
+        entries = entries_of(section_of(replace(context, options=HandoutOptions()), "newton-euler"))
         self.values = {name: numbers.value(python) for name, python in entries.items()}
         self.standard = numbers.oracle.arm.standard
 
@@ -249,7 +250,7 @@ class Recursion:
         return self.vector(f"\\mathbf{{p}}_{{{i}}}" + ("^{*}" if self.standard else ""))
 
     def torques(self) -> Array:
-        start = newton_euler.base_acceleration(self.context)
+        start = self.context.entries.base_acceleration
         a = np.array([float(evaluate(cell, self.numbers.values)) for cell in start])
         w = wd = np.zeros(3)
         motions = []
@@ -269,25 +270,25 @@ class Recursion:
         )
 
     def standard_step(self, i: int, w: Array, wd: Array, a: Array) -> tuple[Array, Array, Array]:
-        turn, z, rate, growth = self.data(i)
+        turn, z, rate, acceleration = self.data(i)
         p = self.arm(i)
         if self.context.robot.joints[i - 1].is_revolute:
-            w1, wd1 = turn @ (w + rate * z), turn @ (wd + growth * z + rate * np.cross(w, z))
+            w1, wd1 = turn @ (w + rate * z), turn @ (wd + acceleration * z + rate * np.cross(w, z))
             start = turn @ a
         else:
             w1, wd1 = turn @ w, turn @ wd
-            start = turn @ (a + growth * z + 2 * rate * np.cross(w, z))
+            start = turn @ (a + acceleration * z + 2 * rate * np.cross(w, z))
         return w1, wd1, start + np.cross(wd1, p) + np.cross(w1, np.cross(w1, p))
 
     def modified_step(self, i: int, w: Array, wd: Array, a: Array) -> tuple[Array, Array, Array]:
-        turn, z, rate, growth = self.data(i)
+        turn, z, rate, acceleration = self.data(i)
         p = self.arm(i)
         carried = turn @ (a + np.cross(wd, p) + np.cross(w, np.cross(w, p)))
         if self.context.robot.joints[i - 1].is_revolute:
             w1 = turn @ w + rate * z
-            return w1, turn @ wd + growth * z + rate * np.cross(w1, z), carried
+            return w1, turn @ wd + acceleration * z + rate * np.cross(w1, z), carried
         w1 = turn @ w
-        return w1, turn @ wd, carried + growth * z + 2 * rate * np.cross(w1, z)
+        return w1, turn @ wd, carried + acceleration * z + 2 * rate * np.cross(w1, z)
 
     def inward(self, motions: list[tuple[Array, Array, Array]]) -> Array:
         n = self.context.robot.n
@@ -322,7 +323,7 @@ def test_the_recursion_with_the_printed_constants_gives_the_torques(key: str | i
 
 @pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-perugia"])
 def test_every_joint_has_its_own_equations_in_the_steps(name: str) -> None:
-    section = newton_euler.section(prepared(name)[0])
+    section = section_of(prepared(name)[0], "newton-euler")
     assert section is not None
     steps = [block for block in section.blocks if isinstance(block, Steps)]
     assert len(steps) == 2
@@ -339,19 +340,19 @@ def test_every_joint_has_its_own_equations_in_the_steps(name: str) -> None:
 def test_every_entry_that_is_not_zero_is_printed_or_counted(key: str | int) -> None:
     context, _ = prepared(key)
     n = context.robot.n
-    section = inertia.inertia_section(replace(context, options=HandoutOptions()))
+    section = section_of(replace(context, options=HandoutOptions()), "inertia")
     assert section is not None
     names = {*entries_of(section)}
     left_out = omitted_of(section)
     for i in range(1, n + 1):
         for j in range(i, n + 1):
             name = context.dynamics.inertia_entry(i, j).tex
-            if context.quantities["B"].terms(i, j):
+            if context.entries.B.terms(i, j):
                 assert name in names or name in left_out
-    symbols = motion.christoffel_section(replace(context, options=HandoutOptions()))
+    symbols = section_of(replace(context, options=HandoutOptions()), "christoffel")
     assert symbols is not None
     names, left_out = {*entries_of(symbols)}, omitted_of(symbols)
-    for triple in context.dynamics.triples:
+    for triple in context.entries.triples:
         assert context.symbols.christoffel(*triple).tex in names or context.symbols.christoffel(*triple).tex in left_out
 
 
@@ -394,7 +395,7 @@ def test_rotors_are_mentioned_where_the_robot_has_them() -> None:
     without = replace(robot, links=tuple(replace(link, motor=None) for link in robot.links))
     assert any(link.motor not in (None, Motor()) for link in robot.links)
     for arm, expected in ((robot, True), (without, False)):
-        section = newton_euler.section(context_of(arm))
+        section = section_of(context_of(arm), "newton-euler")
         assert section is not None
         words = " ".join(block.text for block in section.blocks if isinstance(block, Paragraph))
         assert ("rotors" in words) is expected

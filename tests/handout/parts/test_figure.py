@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
+from derive.handout.assemble import section_of
 from derive.handout.context import Context
 from derive.handout.document import Figure, Paragraph
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.language import Text
-from derive.handout.parts.figure import figure_section
-from derive.handout.quantities import ModelQuantities
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
 from derive.robot.expression import Number
 from derive.robot.robot import Robot
 from derive.robot.style import FigureOptions
@@ -18,15 +19,15 @@ from derive.robot.style import FigureOptions
 
 def _context(robot: Robot, drawn: bool = True) -> Context:
     poses = RobotPoses(robot) if drawn else None
-    return Context(robot, ModelQuantities(robot), robot.handout, Text(), "1", poses)
+    return Context(ModelEntries(Model(robot)), robot.handout, Text(), "1", poses)
 
 
 def test_nothing_is_drawn_without_poses() -> None:
-    assert figure_section(_context(Robot.load("scara-perugia"), drawn=False)) is None
+    assert section_of(_context(Robot.load("scara-perugia"), drawn=False), "figure") is None
 
 
 def test_zero_configuration_and_assumed_lengths_are_stated() -> None:
-    made = figure_section(_context(Robot.load("scara-perugia")))
+    made = section_of(_context(Robot.load("scara-perugia")), "figure")
     assert made is not None
     figures = [block for block in made.blocks if isinstance(block, Figure)]
     texts = [block.text for block in made.blocks if isinstance(block, Paragraph)]
@@ -38,7 +39,7 @@ def test_zero_configuration_and_assumed_lengths_are_stated() -> None:
 def test_configuration_of_the_figure_is_drawn_with_its_values() -> None:
     q = (Number(Fraction(1, 2)), Number(Fraction(1)), Number(Fraction(3, 10)), Number(Fraction(0)))
     robot = replace(Robot.load("scara-perugia"), figure=FigureOptions(q=q))
-    made = figure_section(_context(robot))
+    made = section_of(_context(robot), "figure")
     assert made is not None
     figures = [block for block in made.blocks if isinstance(block, Figure)]
     assert len(figures) == 2
@@ -47,6 +48,6 @@ def test_configuration_of_the_figure_is_drawn_with_its_values() -> None:
 
 
 def test_a_robot_with_all_numbers_assumes_nothing() -> None:
-    made = figure_section(_context(Robot.load("puma560-corke")))
+    made = section_of(_context(Robot.load("puma560-corke")), "figure")
     assert made is not None
     assert not any("assumed" in block.text for block in made.blocks if isinstance(block, Paragraph))

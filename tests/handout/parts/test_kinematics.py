@@ -12,15 +12,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from derive.handout.assemble import section_of
 from derive.handout.context import Context
 from derive.handout.document import Document, Formula, Paragraph, Rows, Section, blocks_of
-from derive.handout.example import Example
 from derive.handout.language import Text
 from derive.handout.latex_writer import latex
 from derive.handout.layout.policy import POLICY, SheetPolicy
-from derive.handout.parts import example, jacobian, kinematics, orientation
 from derive.handout.parts.example import ANGLES, configuration, numbers_of
-from derive.handout.quantities import ModelQuantities
+from derive.mechanics.floats import value_at
+from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.expression import Number, Pi, Product
@@ -34,13 +34,7 @@ from tests.random_robots import random_robot, robot_text
 
 TENTH = Fraction(1, 10)
 
-PARTS = (
-    kinematics.transforms_section,
-    kinematics.kinematics_section,
-    orientation.section,
-    jacobian.section,
-    example.section,
-)
+PARTS = ("transforms", "kinematics", "orientation", "jacobian", "example")
 
 ARM = """
 name: arm
@@ -62,7 +56,14 @@ def context_of(robot: Robot, *, steps: bool = False, policy: SheetPolicy = POLIC
     """The context of a handout."""
     derivation = Derivation.STEPS if steps else Derivation.RESULT
     options = HandoutOptions(derivation=derivation, notation=NotationOptions(**notation))  # type: ignore[arg-type]
-    return Context(robot, ModelQuantities(robot), options, Text(), "0.0.0", numbers=Example(robot), policy=policy)
+    return Context(ModelEntries(Model(robot)), options, Text(), "0.0.0", policy=policy)
+
+
+def part_of(context: Context, name: str) -> Section:
+    """A part that is there."""
+    section = section_of(context, name)
+    assert section is not None
+    return section
 
 
 def mathematics(section: Section) -> str:
@@ -95,7 +96,7 @@ def numbered_value(k: int) -> Number:
 def assert_compiles(robot: Robot, folder: Path, **options: object) -> None:
     """The sections as a document: no error, no overfull box."""
     context = context_of(robot, **options)  # type: ignore[arg-type]
-    found = [part(context) for part in PARTS]
+    found = [section_of(context, part) for part in PARTS]
     sections = tuple(section for section in found if section is not None)
     document = Document("Arm", "", robot.name, "en", "0" * 64, "0.0.0", "", sections)
     log = run_latex(latex(document, context.text), folder)
@@ -139,22 +140,22 @@ def test_the_steps_have_every_transform_and_every_column(name: str) -> None:
     """T_i^0 for each row, z and J_i for each joint; the results alone have neither."""
     robot = Robot.load(name)
     stepwise, result = context_of(robot, steps=True), context_of(robot)
-    products, columns = (mathematics(part.section(stepwise)) for part in (kinematics, jacobian))
+    products, columns = (mathematics(part_of(stepwise, name)) for name in ("kinematics", "jacobian"))
     offset = 1 if robot.convention == "standard" else 0
     for i in range(1, robot.n + 1):
         assert f"\\mathbf{{T}}_{{{i}}}^{{0}} = " in products
         axis = f"\\mathbf{{z}}_{{{i - offset}}}"
         assert f"{axis} = " in columns or f"({axis})_{{" in columns
         assert f"\\mathbf{{J}}_{{{i}}} = " in columns
-        assert f"\\mathbf{{J}}_{{{i}}} = " not in mathematics(jacobian.section(result))
-    assert "\\mathbf{T}_{1}^{0} = \\mathbf{A}_{1}^{0}" not in mathematics(kinematics.kinematics_section(result))
+        assert f"\\mathbf{{J}}_{{{i}}} = " not in mathematics(part_of(result, "jacobian"))
+    assert "\\mathbf{T}_{1}^{0} = \\mathbf{A}_{1}^{0}" not in mathematics(part_of(result, "kinematics"))
 
 
 def test_frames_can_stand_on_the_left() -> None:
     """As the notation says."""
     context = context_of(Robot.load("scara-perugia"), steps=True, frames=FrameIndices.LEFT)
     assert "{}^{0}\\mathbf{T}_{2} = {}^{0}\\mathbf{T}_{1}{}^{1}\\mathbf{A}_{2}" in mathematics(
-        kinematics.kinematics_section(context)
+        part_of(context, "kinematics")
     )
 
 
@@ -163,7 +164,7 @@ def test_without_room_the_steps_are_products(tmp_path: Path) -> None:
     robot = Robot.load("puma560-corke")
     policy = SheetPolicy(matrix_terms=0, flat_terms=3)
     assert_compiles(robot, tmp_path, steps=True, policy=policy)
-    section = kinematics.kinematics_section(context_of(robot, steps=True, policy=policy))
+    section = part_of(context_of(robot, steps=True, policy=policy), "kinematics")
     assert "too long for a step" in words(section)
     for i in range(2, 7):
         assert f"\\mathbf{{T}}_{{{i}}}^{{0}} = \\mathbf{{T}}_{{{i - 1}}}^{{0}}" in mathematics(section)
@@ -172,8 +173,8 @@ def test_without_room_the_steps_are_products(tmp_path: Path) -> None:
 def test_columns_of_the_jacobian_carry_the_sign_of_their_variable() -> None:
     """A joint that moves against its axis."""
     context = context_of(Robot.from_text(ARM), steps=True)
-    assert "& -\\mathbf{z}_{2} \\\\" in mathematics(jacobian.section(context))
-    assert "opposite sign" in words(jacobian.section(context))
+    assert "& -\\mathbf{z}_{2} \\\\" in mathematics(part_of(context, "jacobian"))
+    assert "opposite sign" in words(part_of(context, "jacobian"))
 
 
 # -- orientation
@@ -186,10 +187,10 @@ def test_printed_angles_give_back_the_orientation(seed: int) -> None:
     robot = Robot.from_text(drawn.text)
     q = [0.3, -0.7, 1.1][: robot.n]
     values = {**numbers_of(robot), **drawn.values, **{j.variable: x for j, x in zip(robot.joints, q, strict=True)}}
-    quantities = ModelQuantities(robot)
+    entries = ModelEntries(Model(robot))
     wanted = Oracle.of(robot, drawn.values).evaluate("forward_kinematics", q)[:3, :3]
-    roll, pitch, yaw = (evaluate(quantities["rpy"].entry(i, 1), values) for i in (1, 2, 3))
-    phi, theta, psi = (evaluate(quantities["euler_zyz"].entry(i, 1), values) for i in (1, 2, 3))
+    roll, pitch, yaw = (evaluate(entries.rpy.entry(i, 1), values) for i in (1, 2, 3))
+    phi, theta, psi = (evaluate(entries.euler_zyz.entry(i, 1), values) for i in (1, 2, 3))
     np.testing.assert_allclose(turn("z", yaw) @ turn("y", pitch) @ turn("x", roll), wanted, atol=1e-9)
     np.testing.assert_allclose(turn("z", phi) @ turn("y", theta) @ turn("z", psi), wanted, atol=1e-9)
 
@@ -207,10 +208,11 @@ def turn(axis: str, angle: float) -> np.ndarray:
 
 def test_singular_orientations_are_told_apart() -> None:
     """Angles ZYZ of a SCARA are singular everywhere, its roll, pitch and yaw nowhere, those of a wrist somewhere."""
-    scara = words(orientation.section(context_of(Robot.load("scara-perugia"))))
+    scara = words(part_of(context_of(Robot.load("scara-perugia")), "orientation"))
     assert "never singular" in scara
     assert "in every configuration" in scara
-    assert words(orientation.section(context_of(Robot.load("spherical-wrist")))).count("They are singular where") == 2
+    wrist = words(part_of(context_of(Robot.load("spherical-wrist")), "orientation"))
+    assert wrist.count("They are singular where") == 2
 
 
 # -- example
@@ -227,7 +229,7 @@ def test_the_numbers_equal_those_of_the_independent_recursion(seed: int) -> None
     functions = {"T": "forward_kinematics", "J": "jacobian"}
     functions |= {"B": "inertia_matrix", "g": "gravity_vector"} if robot.has_dynamics else {}
     for name, function in functions.items():
-        value = np.array(Example(robot)(name, q))
+        value = np.array(value_at(robot, name, q))
         wanted = oracle.evaluate(function, q)
         np.testing.assert_allclose(value[:, 0] if name == "g" else value, wanted, rtol=1e-9, atol=1e-9)
 
@@ -238,15 +240,13 @@ def test_what_is_copied_is_what_is_computed() -> None:
     formulas = [b for b in blocks_of(section_of_example(robot)) if isinstance(b, Formula)]
     q = configuration(robot).q
     for formula, name in zip(formulas, "TJB", strict=False):
-        np.testing.assert_allclose(json.loads(formula.entries[0].python), Example(robot)(name, q), atol=1e-11)
+        np.testing.assert_allclose(json.loads(formula.entries[0].python), value_at(robot, name, q), atol=1e-11)
     assert len(formulas) == 4
 
 
 def section_of_example(robot: Robot) -> Section:
     """The example."""
-    section = example.section(context_of(robot))
-    assert section is not None
-    return section
+    return part_of(context_of(robot), "example")
 
 
 def test_the_example_keeps_the_limits_and_states_units() -> None:
@@ -283,4 +283,4 @@ def test_the_closed_form_at_the_example_is_the_example() -> None:
     robot = Robot.from_text(ARM)
     q = configuration(robot).q
     values = {**numbers_of(robot), **{j.variable: x for j, x in zip(robot.joints, q, strict=True)}}
-    np.testing.assert_allclose(evaluate(Model(robot).T, values), Example(robot)("T", q), atol=1e-12)
+    np.testing.assert_allclose(evaluate(Model(robot).T, values), value_at(robot, "T", q), atol=1e-12)

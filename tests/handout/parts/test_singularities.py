@@ -6,11 +6,12 @@ import random
 
 import pytest
 
+from derive.handout.assemble import section_of
 from derive.handout.context import Context
 from derive.handout.document import Formula, Paragraph, Section, Steps, blocks_of
 from derive.handout.language import Text
-from derive.handout.parts.singularities import section
-from derive.handout.quantities import ModelQuantities
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, HandoutOptions
@@ -19,7 +20,7 @@ from tests.random_robots import random_robot
 
 def part(robot: Robot, *, steps: bool = False, text: Text | None = None) -> Section:
     options = HandoutOptions(derivation=Derivation.STEPS if steps else Derivation.RESULT)
-    found = section(Context(robot, ModelQuantities(robot), options, text or Text(), "0"))
+    found = section_of(Context(ModelEntries(Model(robot)), options, text or Text(), "0"), "singularities")
     assert found is not None
     return found
 

@@ -1,0 +1,322 @@
+"""Closed-form dynamics entry by entry, and C, N and tau as sums of Christoffel symbols times rates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import cache, cached_property
+from typing import Any, NamedTuple
+
+import sympy
+
+from derive.algebra.ring import TooManyTerms
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.model.dynamic_form import DynamicForm
+from derive.model.dynamic_model import MAX_DYNAMIC_TERMS
+from derive.model.dynamics import Dynamics
+from derive.model.entries import Entries, KinematicEntries, of_polynomials
+from derive.model.matrices import only_link, only_rotor
+from derive.robot.expression import ZERO
+from derive.robot.robot import Robot
+
+Expr = Any
+Triple = tuple[int, int, int]
+"""i, j, k of the Christoffel symbol c_ijk, from 1, with j <= k."""
+
+
+class RateTerm(NamedTuple):
+    """A summand of an entry of C or N: sign * c_triple * qd_k.
+
+    Attributes:
+        sign: +1 or -1.
+        triple: The Christoffel symbol.
+        k: The joint whose velocity it is multiplied by, from 1.
+    """
+
+    sign: int
+    triple: Triple
+    k: int
+
+
+class ModelEntries(KinematicEntries):
+    """The closed forms of a model, entry by entry; joints, links and frames count from 1 as in `Model`."""
+
+    # -- single bodies
+
+    def B_link(self, i: int) -> Entries:
+        """The part of B that link i contributes, nxn, without any rotor.
+
+        Args:
+            i: The link.
+
+        Returns:
+            Its entries.
+        """
+        return self._keep(("B_link", i), lambda: self._inertia_of(only_link(self.robot, i)))
+
+    def B_motor(self, i: int) -> Entries:
+        """The part of B that the rotor of joint i contributes, nxn, without its armature.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            Its entries.
+        """
+        return self._keep(("B_motor", i), lambda: self._inertia_of(only_rotor(self.robot, i)))
+
+    def _inertia_of(self, alone: Robot) -> Entries:
+        """B of a robot in which one body alone has mass."""
+        dynamics = Dynamics(alone, self.model.domain, MAX_DYNAMIC_TERMS)
+        return self._inertia(dynamics, DynamicForm(dynamics, self.model.form))
+
+    # -- dynamics
+
+    @cached_property
+    def B(self) -> Entries:
+        """Inertia matrix, nxn."""
+        return self._inertia(self.model.dynamics, self.model.dynamic_form)
+
+    @cached_property
+    def C(self) -> Entries:
+        """Coriolis matrix, nxn, by Christoffel symbols."""
+        joints = self._joints
+        return self._square(
+            lambda i, j: sum(self.christoffel(i, j, k).terms(1, 1) for k in joints),
+            lambda i, j: self.model.C[i - 1, j - 1],
+        )
+
+    @cached_property
+    def N(self) -> Entries:
+        """N = dB/dt - 2C, nxn."""
+        return self._square(lambda i, j: self.model.terms("N", i, j), lambda i, j: self.model.N[i - 1, j - 1])
+
+    @cached_property
+    def Bdot(self) -> Entries:
+        """dB/dt, nxn."""
+        return self._square(lambda i, j: self.model.terms("Bdot", i, j), lambda i, j: self.model.Bdot[i - 1, j - 1])
+
+    @cached_property
+    def g(self) -> Entries:
+        """Gravity vector dU/dq, nx1 [N m or N]."""
+        return of_polynomials([[p] for p in self.model.kinematics.gravity_vector], self.model.form.gravity)
+
+    @cached_property
+    def tau(self) -> Entries:
+        """Equations of motion, nx1: B qdd + C qd + g + friction [N m or N]."""
+        return self._by_inertia((self.robot.n, 1), self._torque_terms, lambda i, _: self.model.tau[i - 1])
+
+    @cached_property
+    def kinetic(self) -> Entries:
+        """Kinetic energy 1/2 qd^T B qd, 1x1 [J], from the entries of B."""
+        above = [(i, j) for i, j in self.B.places if i <= j and self.B.terms(i, j)]
+
+        def write(_: int, __: int) -> Expr:
+            qd = self.model.qd
+            return sympy.Add(
+                *(self.B.entry(i, j) * (qd[i - 1] ** 2 / 2 if i == j else qd[i - 1] * qd[j - 1]) for i, j in above)
+            )
+
+        return Entries((1, 1), lambda _, __: sum(self.B.terms(*place) for place in above), write)
+
+    @cached_property
+    def potential(self) -> Entries:
+        """Potential energy, 1x1 [J]."""
+        return of_polynomials([[self.model.kinematics.potential]], self.model.form.dynamic)
+
+    def christoffel(self, i: int, j: int, k: int) -> Entries:
+        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), 1x1.
+
+        Args:
+            i: Joint of the torque.
+            j: Joint of one velocity.
+            k: Joint of the other velocity; c_ijk = c_ikj.
+
+        Returns:
+            Its one entry.
+        """
+        j, k = min(j, k), max(j, k)
+        return self._keep(("christoffel", i, j, k), lambda: self._christoffel(i, j, k))
+
+    def _christoffel(self, i: int, j: int, k: int) -> Entries:
+        model = self.model
+        if not self._inertia_is_affordable:
+            return _too_long((1, 1))
+        size = model.dynamics.expanded_size(model.dynamics.christoffel(i - 1, j - 1, k - 1))
+        return Entries((1, 1), lambda _, __: size, lambda _, __: model.christoffel(i, j, k))
+
+    def inertia_derivative(self, i: int, j: int, k: int) -> Entries:
+        """dB_ij/dq_k, 1x1.
+
+        Args:
+            i: Row of B.
+            j: Column of B.
+            k: The joint.
+
+        Returns:
+            Its one entry.
+        """
+        model = self.model
+        if not self._inertia_is_affordable:
+            return _too_long((1, 1))
+        p = model.dynamics.derivative(i - 1, j - 1, k - 1)
+        size = model.dynamics.expanded_size(p)
+        return Entries((1, 1), lambda _, __: size, lambda _, __: model.dynamic_form.entry(p, model.christoffel_limit))
+
+    @property
+    def _joints(self) -> range:
+        return range(1, self.robot.n + 1)
+
+    @cached_property
+    def _inertia_is_affordable(self) -> bool:
+        """Whether B and all Christoffel symbols stay within the budget of the model."""
+        n = range(self.robot.n)
+        try:
+            for i, j, k in ((i, j, k) for i in n for j in n for k in n if j <= k):
+                self.model.dynamics.christoffel(i, j, k)
+        except TooManyTerms:
+            return False
+        return True
+
+    def _by_inertia(
+        self, shape: tuple[int, int], terms: Callable[[int, int], int], entry: Callable[[int, int], Expr]
+    ) -> Entries:
+        return Entries(shape, terms, entry) if self._inertia_is_affordable else _too_long(shape)
+
+    def _square(self, terms: Callable[[int, int], int], entry: Callable[[int, int], Expr]) -> Entries:
+        return self._by_inertia((self.robot.n, self.robot.n), terms, entry)
+
+    def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Entries:
+        n = range(self.robot.n)
+        limit = cache(lambda: form.limit(dynamics.inertia_matrix[i][j] for i in n for j in range(i + 1)))
+        return self._square(
+            lambda i, j: dynamics.expanded_size(dynamics.inertia_matrix[i - 1][j - 1]),
+            lambda i, j: form.entry(dynamics.inertia_matrix[i - 1][j - 1], limit()),
+        )
+
+    def _torque_terms(self, i: int, _: int) -> int:
+        link = self.robot.links[i - 1]
+        inertia = sum(self.B.terms(i, j) for j in self._joints)
+        velocity = sum(self.christoffel(i, j, k).terms(1, 1) for j in self._joints for k in self._joints if j <= k)
+        friction = (link.viscous != ZERO) + (link.coulomb != ZERO)
+        return inertia + velocity + self.g.terms(i, 1) + friction
+
+    # -- C, N and tau by Christoffel symbols
+
+    @cached_property
+    def triples(self) -> tuple[Triple, ...]:
+        """The Christoffel symbols that are not zero."""
+        n = self._joints
+        found = ((i, j, k) for i in n for j in n for k in n if j <= k)
+        return tuple(triple for triple in found if self.christoffel(*triple).terms(1, 1))
+
+    def coriolis_sum(self, i: int, j: int) -> tuple[RateTerm, ...]:
+        """C_ij = sum_k c_ijk qd_k (Siciliano et al., Robotics, eq. 7.44), without what is zero.
+
+        Args:
+            i: The row.
+            j: The column.
+
+        Returns:
+            The summands, by k.
+        """
+        return self._nonzero(RateTerm(1, _triple(i, j, k), k) for k in self._joints)
+
+    def skew_sum(self, i: int, j: int) -> tuple[RateTerm, ...]:
+        """N_ij = sum_k (c_jik - c_ijk) qd_k, for dB_ij/dq_k = c_ijk + c_jik (ibidem, eq. 7.47).
+
+        Args:
+            i: The row.
+            j: The column.
+
+        Returns:
+            The summands that are not zero, by k.
+        """
+        pairs = ((RateTerm(1, _triple(j, i, k), k), RateTerm(-1, _triple(i, j, k), k)) for k in self._joints)
+        return self._nonzero(term for pair in pairs for term in pair)
+
+    def _nonzero(self, terms: Iterable[RateTerm]) -> tuple[RateTerm, ...]:
+        known = set(self.triples)
+        return tuple(term for term in terms if term.triple in known)
+
+    def rate_value(self, terms: Iterable[RateTerm]) -> Expr:
+        """A sum over rates with the Christoffel symbols put in.
+
+        Args:
+            terms: Its summands.
+
+        Returns:
+            The SymPy expression.
+        """
+        qd = self.model.qd
+        return sympy.Add(*(sign * self.christoffel(*triple).entry(1, 1) * qd[k - 1] for sign, triple, k in terms))
+
+    def torque_value(self, i: int) -> Expr:
+        """The equation of motion of joint i, not collected: B qdd + c qd qd + g + friction.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            The SymPy expression [N m or N].
+        """
+        qd, qdd = self.model.qd, self.model.qdd
+        inertia = (self.B.entry(i, j) * qdd[j - 1] for j in self._joints)
+        velocity = (
+            (1 if j == k else 2) * self.christoffel(i, j, k).entry(1, 1) * qd[j - 1] * qd[k - 1]
+            for row, j, k in self.triples
+            if row == i
+        )
+        return sympy.Add(*inertia, *velocity, self.g.entry(i, 1), self.friction(i))
+
+    def friction(self, i: int) -> Expr:
+        """Friction of joint i, as the file gives it: b qd + f sign(qd).
+
+        Args:
+            i: The joint.
+
+        Returns:
+            The SymPy expression [N m or N].
+        """
+        link, rate = self.robot.links[i - 1], self.model.qd[i - 1]
+        return expression_to_sympy(link.viscous) * rate + expression_to_sympy(link.coulomb) * sympy.sign(rate)
+
+    def is_skew(self, limit: int) -> bool:
+        """Whether the entries of N + N^T, N = dB/dt - 2C, cancel when multiplied out.
+
+        Args:
+            limit: Most terms of dB/dt and of C for which it is tried.
+
+        Returns:
+            True if they cancel; False also where they are too long.
+        """
+        if not (self.Bdot.is_short(limit) and self.C.is_short(limit)):
+            return False
+
+        def cancels(i: int, j: int) -> bool:
+            rate = self.Bdot.entry(i, j) + self.Bdot.entry(j, i)
+            return bool(sympy.expand(rate - 2 * (self.C.entry(i, j) + self.C.entry(j, i))) == 0)
+
+        return all(cancels(i, j) for i, j in self.C.places if i <= j)
+
+    @cached_property
+    def base_acceleration(self) -> tuple[Expr, Expr, Expr]:
+        """-g_0 in the axes of frame 0: how the Newton-Euler recursion takes gravity as an acceleration of the base."""
+        if self.robot.gravity is None:
+            return (sympy.S.Zero, sympy.S.Zero, sympy.S.Zero)
+        g = [expression_to_sympy(cell) for cell in self.robot.gravity]
+        rotation = [[expression_to_sympy(self.robot.base[r][c]) for c in range(3)] for r in range(3)]
+        x, y, z = (sympy.Add(*(-rotation[r][c] * g[r] for r in range(3))) for c in range(3))
+        return (x, y, z)
+
+
+def _too_long(shape: tuple[int, int]) -> Entries:
+    """A matrix that is not even derived, for it exceeds the budget of the model."""
+
+    def refuse(_: int, __: int) -> Expr:
+        raise TooManyTerms(MAX_DYNAMIC_TERMS)
+
+    return Entries(shape, lambda _, __: MAX_DYNAMIC_TERMS, refuse)
+
+
+def _triple(i: int, j: int, k: int) -> Triple:
+    return (i, min(j, k), max(j, k))

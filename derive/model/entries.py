@@ -1,0 +1,328 @@
+"""Closed forms entry by entry: how long an entry is, before it is written.
+
+`Model` writes whole matrices. A sheet prints only what is short, so it asks for the number of terms first, which is
+counted on the exact polynomials, and what is too long to print is never converted to SymPy. The names are those of
+`Model`; what derivations show on the way to B is here too: the places of bodies, their parts of B, dB_ij/dq_k.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import sympy
+
+from derive.algebra.ring import Polynomial
+from derive.mechanics.vectors import Frame
+from derive.model.long_chain import LongChain, NestedKinematics, TermCount, nested_term_counts
+from derive.model.model import Model
+from derive.robot.robot import Robot
+
+Expr = Any
+
+
+@dataclass(frozen=True, slots=True)
+class Entries:
+    """A matrix whose entries are counted first and written one by one; vectors are columns, scalars 1x1.
+
+    Attributes:
+        shape: Rows and columns.
+        terms: (row, column), from 1 -> number of terms of the entry when multiplied out; 0 if it is zero.
+        entry: (row, column), from 1 -> the entry as a SymPy expression.
+    """
+
+    shape: tuple[int, int]
+    terms: Callable[[int, int], int]
+    entry: Callable[[int, int], Expr]
+
+    @property
+    def places(self) -> list[tuple[int, int]]:
+        """(row, column) of all entries, row by row, from 1."""
+        return [(i, j) for i in range(1, self.shape[0] + 1) for j in range(1, self.shape[1] + 1)]
+
+    @property
+    def total_terms(self) -> int:
+        """Number of terms of all entries together."""
+        return sum(self.terms(*place) for place in self.places)
+
+    def is_short(self, limit: int) -> bool:
+        """Whether all entries together have at most so many terms; a long matrix is not counted to its end.
+
+        Args:
+            limit: The number of terms.
+
+        Returns:
+            True if it is short.
+        """
+        total = 0
+        for place in self.places:
+            total += self.terms(*place)
+            if total > limit:
+                return False
+        return True
+
+    def part(self, rows: Sequence[int], columns: Sequence[int]) -> Entries:
+        """Some rows and columns.
+
+        Args:
+            rows: Rows to keep, from 1.
+            columns: Columns to keep, from 1.
+
+        Returns:
+            The smaller matrix, in the given order of rows and columns.
+        """
+        return Entries(
+            (len(rows), len(columns)),
+            lambda i, j: self.terms(rows[i - 1], columns[j - 1]),
+            lambda i, j: self.entry(rows[i - 1], columns[j - 1]),
+        )
+
+
+class KinematicEntries:
+    """Closed-form kinematics of a model, entry by entry; joints, links and frames count from 1 as in `Model`.
+
+    Args:
+        model: The model.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self._long = LongChain(model.robot)
+        self._kept: dict[tuple[object, ...], Entries] = {}
+
+    @property
+    def robot(self) -> Robot:
+        """The robot of the model."""
+        return self.model.robot
+
+    # -- kinematics
+
+    def A(self, i: int) -> Entries:
+        """A_i, 4x4: DH frame i in DH frame i-1.
+
+        Args:
+            i: Row of the table.
+
+        Returns:
+            Its entries.
+        """
+        return self._keep(("A", i), lambda: _written((4, 4), lambda: self.model.A(i)))
+
+    def transform(self, i: int, j: int) -> Entries:
+        """T_j^i, 4x4: DH frame j in DH frame i, without base and tool.
+
+        Args:
+            i: The reference, from 0.
+            j: The frame, from 0.
+
+        Returns:
+            Its entries.
+        """
+        if self._long.is_long(i, j):
+            return self._keep(("T", i, j), lambda: _written((4, 4), lambda: self.model.transform(i, j)))
+        return self._keep(("T", i, j), lambda: self._frame(self.model.kinematics.transform(i, j)))
+
+    def frame(self, i: int) -> Entries:
+        """T_i, 4x4: DH frame i in the world, base included.
+
+        Args:
+            i: The frame, from 0.
+
+        Returns:
+            Its entries.
+        """
+        if self._long.is_long(0, i):
+            return self._keep(("frame", i), lambda: _written((4, 4), lambda: self.model.frame(i)))
+        return self._keep(("frame", i), lambda: self._frame(self.model.kinematics.frame(i)))
+
+    @cached_property
+    def T(self) -> Entries:
+        """T, 4x4: the end effector in the world. Of a long arm only entries that are short enough are derived."""
+        if not self._long.is_long(0, self.robot.n):
+            return self._frame(self.model.kinematics.end)
+        end = self._long_counts.end
+        counts = [[x.value for x in (*end.rotation[i], end.position[i])] for i in range(3)] + [[0, 0, 0, 1]]
+        bottom = (sympy.S.Zero, sympy.S.Zero, sympy.S.Zero, sympy.S.One)
+        return Entries(
+            (4, 4),
+            lambda i, j: counts[i - 1][j - 1],
+            lambda i, j: bottom[j - 1] if i == 4 else self.model.T[i - 1, j - 1],
+        )
+
+    @cached_property
+    def J(self) -> Entries:
+        """Geometric Jacobian, 6xn, world frame. Of a long arm the lower rows, axes of the first joints, are short."""
+        n, model = self.robot.n, self.model
+        if self._long.is_long(0, n):
+            counts = [
+                [x.value for x in (*linear, *angular)]
+                for linear, angular in zip(self._long_counts.linear, self._long_counts.angular, strict=True)
+            ]
+
+            def write(i: int, j: int) -> Expr:
+                return model.form.kinematic(model.kinematics.axis(j)[i - 4]) if i > 3 else model.J[i - 1, j - 1]
+
+            return Entries((6, n), lambda i, j: counts[j - 1][i - 1], write)
+        kinematics = model.kinematics
+        halves = zip(kinematics.linear_columns(kinematics.end.position), kinematics.angular_columns(n), strict=True)
+        return self._columns([[*linear, *angular] for linear, angular in halves])
+
+    @cached_property
+    def rpy(self) -> Entries:
+        """Roll, pitch and yaw, 3x1 [rad]."""
+        return _written((3, 1), lambda: self.model.rpy)
+
+    @cached_property
+    def euler_zyz(self) -> Entries:
+        """Euler angles ZYZ, 3x1 [rad]."""
+        return _written((3, 1), lambda: self.model.euler_zyz)
+
+    @cached_property
+    def _long_counts(self) -> NestedKinematics[TermCount]:
+        return nested_term_counts(self.robot)
+
+    def _frame(self, frame: Frame[Polynomial]) -> Entries:
+        number = self.model.domain.number
+        rows = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
+        return of_polynomials([*rows, [number(k // 3) for k in range(4)]], self.model.form.kinematic)
+
+    def _columns(self, columns: Sequence[Sequence[Polynomial]]) -> Entries:
+        return of_polynomials(list(zip(*columns, strict=True)), self.model.form.kinematic)
+
+    # -- links and rotors
+
+    def p_com(self, i: int) -> Entries:
+        """Centre of mass of link i in the world, 3x1 [m].
+
+        Args:
+            i: The link.
+
+        Returns:
+            Its entries.
+        """
+        return self._columns([self.model.kinematics.com(i)])
+
+    def p_motor(self, i: int) -> Entries:
+        """Where the rotor of joint i sits in the world, 3x1 [m].
+
+        Args:
+            i: The joint.
+
+        Returns:
+            Its entries.
+        """
+        return self._columns([self.model.kinematics.motor_place(i)])
+
+    def Jv_com(self, i: int) -> Entries:
+        """Velocity of the centre of mass of link i per rate, 3xn, world frame.
+
+        Args:
+            i: The link.
+
+        Returns:
+            Its entries.
+        """
+        kinematics = self.model.kinematics
+        return self._columns(kinematics.linear_columns(kinematics.com(i)))
+
+    def Jw_com(self, i: int) -> Entries:
+        """Angular velocity of link i per rate, 3xn, world frame.
+
+        Args:
+            i: The link.
+
+        Returns:
+            Its entries.
+        """
+        return self._columns(self.model.kinematics.angular_columns(i))
+
+    def Jv_motor(self, i: int) -> Entries:
+        """Velocity of the rotor of joint i per rate, 3xn, world frame.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            Its entries.
+        """
+        kinematics = self.model.kinematics
+        return self._columns(kinematics.linear_columns(kinematics.motor_place(i)))
+
+    def Jw_motor(self, i: int) -> Entries:
+        """Angular velocity of the rotor of joint i per rate, its spin included, 3xn, world frame.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            Its entries.
+        """
+        return self._columns(self.model.kinematics.motor_angular_columns(i))
+
+    def _keep(self, key: tuple[object, ...], make: Callable[[], Entries]) -> Entries:
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
+
+
+def of_matrix(matrix: Any) -> Entries:
+    """Entries of a matrix that is already there.
+
+    Args:
+        matrix: The SymPy matrix.
+
+    Returns:
+        Its entries, counted before terms meet.
+    """
+    return _written(matrix.shape, lambda: matrix)
+
+
+def _written(shape: tuple[int, int], make: Callable[[], Any]) -> Entries:
+    """Entries of a matrix that is made as a whole, on first use, and counted before terms meet."""
+    matrix = cache(make)
+    return Entries(shape, lambda i, j: expanded_terms(matrix()[i - 1, j - 1]), lambda i, j: matrix()[i - 1, j - 1])
+
+
+def expanded_terms(expression: Expr) -> int:
+    """Number of terms of a nested expression when multiplied out, before terms meet.
+
+    Args:
+        expression: The SymPy expression.
+
+    Returns:
+        The number; a subexpression that occurs often is counted once.
+    """
+
+    @cache
+    def count(part: Expr) -> int:
+        if not part.args:
+            return int(part != 0)
+        if part.is_Add:
+            return sum(map(count, part.args))
+        if part.is_Mul:
+            total = 1
+            for factor in part.args:
+                total *= count(factor)
+            return total
+        if part.is_Pow and part.exp.is_Integer and part.exp > 0:
+            return int(count(part.base) ** int(part.exp))
+        return 1
+
+    return count(expression)
+
+
+def of_polynomials(rows: Sequence[Sequence[Polynomial]], write: Callable[[Polynomial], Expr]) -> Entries:
+    """Entries that are polynomials already.
+
+    Args:
+        rows: The matrix.
+        write: Makes the SymPy expression of an entry.
+
+    Returns:
+        Its entries; their numbers of terms are exact.
+    """
+    return Entries(
+        (len(rows), len(rows[0])), lambda i, j: len(rows[i - 1][j - 1]), lambda i, j: write(rows[i - 1][j - 1])
+    )
