@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-fast check errata generated-check messages bench wheel wheel-smoke docs system-packages clean
+.PHONY: all setup models test test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -42,6 +42,10 @@ messages: $(READY)
 
 generated-check: $(READY)
 	$(BIN)/derive build --check --jobs 2
+
+# The committed models, as they are, against the independent recursion.
+verify-generated: $(READY)
+	$(BIN)/python -m tests.generated.verify
 
 # Operation counts and times side by side with other tools, in an environment of their own: about ten minutes.
 # `make bench QUICK=--quick` leaves out the slow ones.

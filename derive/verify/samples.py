@@ -15,7 +15,7 @@ from derive.robot.expression import names
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verify.oracle.arm import Arm, Array
+from derive.verify.oracle.arm import Array
 from derive.verify.oracle.oracle import Oracle
 
 REGIONS = ((0.3, 1.7), (0.05, 0.4), (1.5, 4.0), (5.0, 20.0), (0.001, 0.01))
@@ -54,6 +54,9 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
         samples: Number of configurations in all.
         rng: Source of randomness.
 
+    Returns:
+        The sets; in each, the first configuration is zero or as near as the limits allow, and the last is at rest.
+
     Raises:
         VerificationError: No numbers were found at which every cell has a value.
     """
@@ -63,20 +66,16 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
 
 
 def _sample_set(robot: Robot, parameters: dict[str, float], count: int, rng: np.random.Generator) -> SampleSet:
+    """Samples at one choice of parameters, the special ones among them."""
     base = base_set(robot).parameters if has_regressor(robot) else None
     oracle = Oracle.of(robot, parameters, base)
-    low, high = _ranges(robot, parameters)
+    low, high = np.array([_range(joint, robot, parameters) for joint in robot.joints]).T
     q = rng.uniform(low, high, (count, robot.n))
     qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.n))
     q[0] = np.clip(0.0, low, high)
     qd[-1] = 0.0
     tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
     return SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau})
-
-
-def _ranges(robot: Robot, parameters: Mapping[str, float]) -> tuple[Array, Array]:
-    pairs = [_range(joint, robot, parameters) for joint in robot.joints]
-    return np.array([low for low, _ in pairs]), np.array([high for _, high in pairs])
 
 
 def _range(joint: Joint, robot: Robot, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -100,7 +99,8 @@ def _draw_parameters(robot: Robot, index: int, rng: np.random.Generator) -> dict
             arm = Oracle.of(robot, numbers).arm
         except ExpressionError:
             continue
-        if not numbers or _is_physical(arm):
+        definite = bool((np.linalg.eigvalsh(arm.inertia) >= -1e-12).all())
+        if not numbers or (definite and (arm.mass >= 0).all() and (arm.rotor_inertia >= 0).all()):
             return numbers
         fallback = fallback or numbers
     if fallback is None:
@@ -112,22 +112,13 @@ def _draw_parameters(robot: Robot, index: int, rng: np.random.Generator) -> dict
 
 
 def _candidates(robot: Robot, index: int, rng: np.random.Generator) -> Iterator[dict[str, float]]:
+    """Random numbers from one range after the other; products of inertia are small, else tensors are indefinite."""
     free = free_symbols(robot)
-    small = _products_of_inertia(robot)
+    tensors = [link.inertia for link in robot.links]
+    small = {name for tensor in tensors for cell in (tensor.xy, tensor.xz, tensor.yz) for name in names(cell)}
     known = {name: value for name, value in parameter_values(robot).items() if name in free}
     for low, high in REGIONS:
         for _ in range(ATTEMPTS if free else 1):
             drawn = {name: float(rng.uniform(low, high)) * (0.02 if name in small else 1.0) for name in free}
             near = {name: float(value) * (1.0 if index == 0 else drawn[name] / high) for name, value in known.items()}
             yield {**drawn, **near}
-
-
-def _products_of_inertia(robot: Robot) -> frozenset[str]:
-    """Symbols off the diagonal of a tensor; large ones would make it indefinite."""
-    cells = [cell for link in robot.links for cell in (link.inertia.xy, link.inertia.xz, link.inertia.yz)]
-    return frozenset(name for cell in cells for name in names(cell))
-
-
-def _is_physical(arm: Arm) -> bool:
-    tensors = np.linalg.eigvalsh(arm.inertia)
-    return bool((tensors >= -1e-12).all() and (arm.mass >= 0).all() and (arm.rotor_inertia >= 0).all())

@@ -26,7 +26,7 @@ from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
 from derive.verify.generated import GeneratedModel, load_models
 from derive.verify.oracle.oracle import FUNCTIONS, Oracle
-from derive.verify.report import TOLERANCE
+from derive.verify.tolerance import TOLERANCE
 from derive.verify.verify import verify
 from tests.places import GENERATED
 from tests.random_robots import RandomRobot, configurations, random_robot, robots

@@ -12,7 +12,7 @@ from derive.programs.program import Program
 from derive.robot.robot import Robot
 from derive.targets.c import render_c
 from derive.targets.compiler import find_compiler
-from derive.verify.compiled import CModel, load_c_model
+from derive.verify.generated import CModel, load_c_model
 from tests.targets.generated_models import source_of
 
 REQUIRED = os.environ.get("DERIVE_REQUIRE_COMPILER") == "1"
@@ -33,4 +33,4 @@ def c_model(robot: Robot, program: Program | None = None) -> CModel:
     assert compiler is not None
     with tempfile.TemporaryDirectory() as folder:
         write_c_model(Path(folder), robot, program)
-        return load_c_model(Path(folder), compiler)
+        return load_c_model(Path(folder, "model.c"), compiler)

@@ -14,18 +14,20 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from derive.errors import TargetError
+from derive.errors import TargetError, VerificationError
 from derive.publish.build import build_robot, check_robot, library_names
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler
+from derive.targets.native import CODE, LIBRARY, MODULE, TARGET
+from derive.verify.generated import load_models
 from tests.random_robots import random_robot
 from tests.targets.c_models import needs_compiler
 from tests.targets.generated_models import FUNCTIONS, PARAMETERS, planar
 
 pytestmark = needs_compiler
 
-TARGETS = ("native", "numpy")
+TARGETS = (TARGET.name, "numpy")
 ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
 
 
@@ -39,8 +41,6 @@ class Models(NamedTuple):
 
 def built(robot: Robot, out: Path) -> Models:
     """A robot, built and imported."""
-    from derive.verify.generated import load_models
-
     folder = build_robot(robot, out, TARGETS, verified=False).folder
     modules = {model.target: model.module for model in load_models(folder)}
     return Models(folder, modules["native"], modules["numpy"])
@@ -236,12 +236,12 @@ def test_random_robots_give_what_the_numpy_model_gives(tmp_path: Path, seed: int
 
 
 def test_the_sources_compile_without_a_warning(models: Models, tmp_path: Path) -> None:
-    for file in ("model.h", "model.c", "model_native.c"):
+    for file in ("model.h", "model.c", CODE):
         shutil.copy(models.folder / file, tmp_path)
     compiler = find_compiler()
     assert compiler is not None
     strict = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wshadow", "-Wno-missing-prototypes", "-Werror")
-    compile_shared(compiler, [tmp_path / "model_native.c"], tmp_path / "x.so", strict)
+    compile_shared(compiler, [tmp_path / CODE], tmp_path / "x.so", strict)
 
 
 def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:
@@ -249,7 +249,7 @@ def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:
     result = build_robot(robot, tmp_path, ["native"])
     assert result.report is not None
     assert {row.target for row in result.report.rows} == {"native", "c"}
-    library = result.folder / "libmodel_native.so"
+    library = result.folder / LIBRARY
     assert library.name in result.files
     assert check_robot(robot, tmp_path, ["native"]).is_current
     assert build_robot(robot, tmp_path, ["native"]).unchanged
@@ -257,23 +257,20 @@ def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:
     assert not build_robot(robot, tmp_path, ["native", "numpy"]).unchanged
     assert (library.read_bytes(), library.stat().st_mtime_ns) == before
     library.unlink()
-    assert check_robot(robot, tmp_path, ["native", "numpy"]).missing == ("libmodel_native.so",)
+    assert check_robot(robot, tmp_path, ["native", "numpy"]).missing == (LIBRARY,)
     assert not build_robot(robot, tmp_path, ["native", "numpy"]).unchanged
     assert library.is_file()
-    assert check_robot(robot, tmp_path, ["numpy"]).extra == ("libmodel_native.so", "model.c", "model.h", "model_native.c", "model_native.py")  # fmt: skip  # noqa: E501
+    assert check_robot(robot, tmp_path, ["numpy"]).extra == (LIBRARY, "model.c", "model.h", CODE, MODULE)
     build_robot(robot, tmp_path, ["numpy"])
     assert not library.exists()
 
 
 def test_a_library_that_does_not_belong_to_the_module_is_refused(models: Models, tmp_path: Path) -> None:
-    from derive.errors import VerificationError
-    from derive.verify.generated import load_models
-
     built = build_robot(Robot.from_text(ONE_JOINT), tmp_path, ["native"], verified=False).folder
     foreign, spoilt, empty = (Path(shutil.copytree(built, tmp_path / name)) for name in ("a", "b", "c"))
-    shutil.copy(models.folder / "libmodel_native.so", foreign)
-    (spoilt / "libmodel_native.so").write_bytes(b"no library")
-    (empty / "libmodel_native.so").unlink()
+    shutil.copy(models.folder / LIBRARY, foreign)
+    (spoilt / LIBRARY).write_bytes(b"no library")
+    (empty / LIBRARY).unlink()
     with pytest.raises(VerificationError, match="not of this robot file"):
         load_models(foreign)
     with pytest.raises(VerificationError, match=r"cannot be loaded here.*derive build one --target native"):
@@ -295,4 +292,4 @@ def test_a_compiler_that_fails_leaves_the_old_folder(tmp_path: Path, monkeypatch
 
 def test_only_native_is_compiled() -> None:
     assert library_names(targets_named()) == ()
-    assert library_names(targets_named(["native"])) == ("libmodel_native.so",)
+    assert library_names(targets_named(["native"])) == (LIBRARY,)

@@ -9,8 +9,9 @@ import pytest
 
 from derive.publish.build import build_robot
 from derive.publish.render import render_robot
-from derive.publish.targets import targets_named
+from derive.publish.targets import TARGETS, targets_named
 from derive.robot.robot import Robot
+from derive.targets.readme import FILES
 
 
 def page(robot: Robot) -> str:
@@ -29,6 +30,10 @@ def test_the_example_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     scope: dict[str, object] = {}
     exec(match.group(1), scope)
     assert getattr(scope["T"], "shape", None) == (4, 4)
+
+
+def test_every_file_of_every_target_has_a_word() -> None:
+    assert {name for target in TARGETS.values() for name in target.files} - {"README.md"} <= FILES.keys()
 
 
 def test_every_file_and_function_is_listed() -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from derive.errors import VerificationError
 from derive.robot.robot import Robot
-from derive.verify.report import TOLERANCE
+from derive.verify.tolerance import TOLERANCE
 from derive.verify.verify import verify
 from tests.random_robots import random_robot
 from tests.verify.stand_in import write_stand_in

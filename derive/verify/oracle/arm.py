@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from derive.robot.description import Convention, Joint, Link, Motor
+from derive.robot.description import Convention, Link, Motor
 from derive.robot.evaluate import Values, parameter_values, to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
@@ -76,60 +76,49 @@ class Arm:
 
 
 def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Arm:
-    """The numbers of ``robot``.
+    """The numbers of a robot.
 
     Args:
         robot: The robot.
         chosen: A number for every symbol that has none in the file; it may override those of the file.
 
+    Returns:
+        The arm.
+
     Raises:
         ExpressionError: A symbol has no number, or a cell has no finite value.
     """
     values = parameter_values(robot, chosen)
-    links = robot.links or (Link(),) * robot.n
+    joints, links = robot.joints, robot.links or (Link(),) * robot.n
+    motors = [link.motor or Motor() for link in links]
+    tensors = [link.inertia for link in links]
     return Arm(
         standard=robot.convention is Convention.STANDARD,
-        **_table(robot.joints, values),
-        base=_matrix(robot.base, values),
-        tool=_matrix(robot.tool, values),
-        gravity=_vector(robot.gravity or (ZERO, ZERO, ZERO), values),
-        com=np.array([_vector(link.com, values) for link in links]),
-        inertia=np.array([_tensor(link, values) for link in links]),
-        **_scalars(links, values),
-        **_rotors(links, values),
+        revolute=np.array([joint.is_revolute for joint in joints]),
+        sign=np.array([float(joint.sign) for joint in joints]),
+        theta=_numbers([joint.theta for joint in joints], values),
+        d=_numbers([joint.d for joint in joints], values),
+        a=_numbers([joint.a for joint in joints], values),
+        alpha=_numbers([joint.alpha for joint in joints], values),
+        base=np.array([_numbers(row, values) for row in robot.base]),
+        tool=np.array([_numbers(row, values) for row in robot.tool]),
+        gravity=_numbers(robot.gravity or (ZERO, ZERO, ZERO), values),
+        mass=_numbers([link.mass for link in links], values),
+        com=np.array([_numbers(link.com, values) for link in links]),
+        inertia=np.array(
+            [
+                [_numbers(row, values) for row in ((t.xx, t.xy, t.xz), (t.xy, t.yy, t.yz), (t.xz, t.yz, t.zz))]
+                for t in tensors
+            ]
+        ),
+        rotor_mass=_numbers([motor.mass for motor in motors], values),
+        rotor_inertia=_numbers([motor.inertia for motor in motors], values),
+        ratio=_numbers([motor.ratio for motor in motors], values),
+        armature=_numbers([link.armature for link in links], values),
+        viscous=_numbers([link.viscous for link in links], values),
+        coulomb=_numbers([link.coulomb for link in links], values),
     )
 
 
-def _table(joints: tuple[Joint, ...], values: Values) -> dict[str, Array]:
-    cells = ("theta", "d", "a", "alpha")
-    table = {cell: _vector([getattr(joint, cell) for joint in joints], values) for cell in cells}
-    table["revolute"] = np.array([joint.is_revolute for joint in joints])
-    table["sign"] = np.array([float(joint.sign) for joint in joints])
-    return table
-
-
-def _scalars(links: tuple[Link, ...], values: Values) -> dict[str, Array]:
-    cells = ("mass", "armature", "viscous", "coulomb")
-    return {cell: _vector([getattr(link, cell) for link in links], values) for cell in cells}
-
-
-def _rotors(links: tuple[Link, ...], values: Values) -> dict[str, Array]:
-    motors = [link.motor or Motor() for link in links]
-    return {
-        "rotor_mass": _vector([motor.mass for motor in motors], values),
-        "rotor_inertia": _vector([motor.inertia for motor in motors], values),
-        "ratio": _vector([motor.ratio for motor in motors], values),
-    }
-
-
-def _tensor(link: Link, values: Values) -> Array:
-    i = link.inertia
-    return _matrix(((i.xx, i.xy, i.xz), (i.xy, i.yy, i.yz), (i.xz, i.yz, i.zz)), values)
-
-
-def _matrix(rows: tuple[tuple[Expression, ...], ...], values: Values) -> Array:
-    return np.array([_vector(row, values) for row in rows])
-
-
-def _vector(cells: tuple[Expression, ...] | list[Expression], values: Values) -> Array:
+def _numbers(cells: Sequence[Expression], values: Values) -> Array:
     return np.array([to_float(cell, values) for cell in cells])

@@ -33,7 +33,15 @@ def row_transform(arm: Arm, i: int, q: Array) -> Array:
 
 
 def chain_frames(arm: Arm, q: Array) -> Array:
-    """DH frames 0 to n seen from frame 0: (..., n+1, 4, 4), the first being the identity."""
+    """DH frames 0 to n seen from frame 0, the first being the identity.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n+1, 4, 4).
+    """
     frames = [np.broadcast_to(np.eye(4, dtype=q.dtype), (*q.shape[:-1], 4, 4))]
     for i in range(arm.n):
         frames.append(frames[-1] @ row_transform(arm, i, q[..., i]))
@@ -41,9 +49,16 @@ def chain_frames(arm: Arm, q: Array) -> Array:
 
 
 def joint_axes(arm: Arm, frames: Array) -> tuple[Array, Array]:
-    """Direction of z and a point on the axis of each joint, in frame 0: (..., n, 3) both.
+    """Direction of z and a point on the axis of each joint, in frame 0.
 
     Joint i moves along or about z_{i-1} through o_{i-1} (standard), z_i through o_i (modified).
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+
+    Returns:
+        (..., n, 3) both.
     """
     on_axis = frames[..., :-1, :, :] if arm.standard else frames[..., 1:, :, :]
     return on_axis[..., :3, 2], on_axis[..., :3, 3]
@@ -69,7 +84,16 @@ def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> A
 
 
 def angular_jacobian(arm: Arm, frames: Array, carriers: Array) -> Array:
-    """Angular Jacobians in frame 0 of links: (..., m, 3, n); column j is sign z for a revolute joint, else 0."""
+    """Angular Jacobians in frame 0 of links; column j is sign z for a revolute joint, else 0.
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+        carriers: (m,) number of joints that move each link.
+
+    Returns:
+        (..., m, 3, n).
+    """
     axis, _ = joint_axes(arm, frames)
     columns = np.where(arm.revolute[:, None], axis, 0.0)[..., None, :, :]
     shape = (*columns.shape[:-3], len(carriers), arm.n, 3)
@@ -77,9 +101,16 @@ def angular_jacobian(arm: Arm, frames: Array, carriers: Array) -> Array:
 
 
 def rotor_places(arm: Arm, frames: Array) -> Array:
-    """Where the rotors sit, in frame 0: (..., n, 3), rotor i fixed on link i-1.
+    """Where the rotors sit, in frame 0, rotor i fixed on link i-1.
 
     o_{i-1} (standard); o_i at q_i = 0 (modified), where a revolute joint leaves o_i anyway.
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+
+    Returns:
+        (..., n, 3).
     """
     carriers = frames[..., :-1, :, :]
     if arm.standard:
@@ -90,19 +121,43 @@ def rotor_places(arm: Arm, frames: Array) -> Array:
 
 
 def forward_kinematics(arm: Arm, q: Array) -> Array:
-    """T = base A_1 ... A_n tool, (..., 4, 4)."""
+    """T = base A_1 ... A_n tool.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 4, 4).
+    """
     transform: Array = arm.base @ chain_frames(arm, q)[..., -1, :, :] @ arm.tool
     return transform
 
 
 def link_transforms(arm: Arm, q: Array) -> Array:
-    """Base A_1 ... A_i for i = 1..n, (..., n, 4, 4)."""
+    """Base A_1 ... A_i for i = 1..n.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, 4, 4).
+    """
     transforms: Array = arm.base @ chain_frames(arm, q)[..., 1:, :, :]
     return transforms
 
 
 def jacobian(arm: Arm, q: Array) -> Array:
-    """Geometric Jacobian of the end effector in world axes, linear rows first, (..., 6, n)."""
+    """Geometric Jacobian of the end effector in world axes, linear rows first.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 6, n).
+    """
     frames = chain_frames(arm, q)
     end = (frames[..., -1, :, :] @ arm.tool)[..., None, :3, 3]
     carrier = np.array([arm.n])
@@ -113,7 +168,15 @@ def jacobian(arm: Arm, q: Array) -> Array:
 
 
 def cross(u: Array, v: Array) -> Array:
-    """Vector product over the last axis."""
+    """Vector product over the last axis.
+
+    Args:
+        u: (..., 3).
+        v: (..., 3).
+
+    Returns:
+        (..., 3).
+    """
     ux, uy, uz = u[..., 0], u[..., 1], u[..., 2]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
     return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=-1)

@@ -38,44 +38,98 @@ class Identification:
     base: tuple[Parameter, ...]
 
 
-def regressor(robot: Identification, q: Array, qd: Array, qdd: Array) -> Array:
-    """Y with tau = Y pi, (..., n, p)."""
-    return _columns(robot.arm, robot.standard, q, qd, qdd, on_axes=False)
+def regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Array:
+    """Y with tau = Y pi.
+
+    Args:
+        known: The arm and its parameters.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        (..., n, p).
+    """
+    return _columns(known.arm, known.standard, q, qd, qdd, on_axes=False)
 
 
-def base_regressor(robot: Identification, q: Array, qd: Array, qdd: Array) -> Array:
-    """Y with tau = Y beta, (..., n, b)."""
-    return _columns(robot.arm, robot.base, q, qd, qdd, on_axes=True)
+def base_regressor(known: Identification, q: Array, qd: Array, qdd: Array) -> Array:
+    """Y with tau = Y beta.
+
+    Args:
+        known: The arm and its parameters.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        (..., n, b).
+    """
+    return _columns(known.arm, known.base, q, qd, qdd, on_axes=True)
 
 
-def base_parameters(robot: Identification) -> Array:
-    """The base parameters, (b,), by least squares over random states."""
-    q, qd, qdd = fitting_states(robot)
-    torques = inverse_dynamics(robot.arm, q, qd, qdd)
+def base_parameters(known: Identification) -> Array:
+    """The base parameters by least squares over random states.
+
+    Args:
+        known: The arm and its parameters.
+
+    Returns:
+        (b,).
+    """
+    q, qd, qdd = fitting_states(known)
+    torques = inverse_dynamics(known.arm, q, qd, qdd)
     largest = np.abs(torques).max(axis=0)
     weight = 1.0 / np.where(largest > 0, largest, 1.0)
-    matrix = (base_regressor(robot, q, qd, qdd) * weight[:, None]).reshape(-1, len(robot.base))
+    matrix = (base_regressor(known, q, qd, qdd) * weight[:, None]).reshape(-1, len(known.base))
     size = np.maximum(np.abs(matrix).max(axis=0), 1e-300)
     values: Array = np.linalg.lstsq(matrix / size, (torques * weight).ravel(), rcond=None)[0] / size
     return values
 
 
-def fitting_states(robot: Identification) -> tuple[Array, Array, Array]:
-    """Random q, qd and qdd, enough of them to tell all parameters apart, (states, n) each."""
-    n = robot.arm.n
-    count = 3 * (len(robot.base) // n + 1) + len(robot.base)
+def fitting_states(known: Identification) -> tuple[Array, Array, Array]:
+    """Random q, qd and qdd, enough of them to tell all parameters apart.
+
+    Args:
+        known: The arm and its parameters.
+
+    Returns:
+        (states, n) each.
+    """
+    n = known.arm.n
+    count = 3 * (len(known.base) // n + 1) + len(known.base)
     states = np.random.default_rng(SEED).uniform(-2.0, 2.0, (3, count, n))
     return states[0], states[1], states[2]
 
 
 def _columns(arm: Arm, parameters: tuple[Parameter, ...], q: Array, qd: Array, qdd: Array, *, on_axes: bool) -> Array:
-    state = _State.of(arm, q, qd, qdd, on_axes)
+    """A column for each parameter, links' ones in frames on the axes of their joints or in DH frames."""
+    frames = chain_frames(arm, q)
+    seen = frames[..., 1:, :, :]
+    if on_axes and arm.standard:  # from DH frame i back over Trans(x, a_i) Rot(x, alpha_i)
+        c, s, one, zero = np.cos(arm.alpha), np.sin(arm.alpha), np.ones(arm.n), np.zeros(arm.n)
+        rows = [[one, zero, zero, -arm.a], [zero, c, s, zero], [zero, -s, c, zero], [zero, zero, zero, one]]
+        seen = seen @ np.moveaxis(np.array(rows), -1, 0)
+    axis, _ = joint_axes(arm, frames)
+    origins, places = seen[..., :3, 3], rotor_places(arm, frames)
+    links = np.arange(1, arm.n + 1)
+    state = _State(
+        arm=arm,
+        arguments=(q, qd, qdd),
+        rotations=seen[..., :3, :3],
+        origins=origins,
+        motions=link_motions(arm, frames, axis, qd, qdd),
+        linear=point_jacobian(arm, frames, origins, links),
+        angular=angular_jacobian(arm, frames, links),
+        places=places,
+        rotor_linear=point_jacobian(arm, frames, places, links - 1),
+    )
     return np.stack([_column(state, parameter) for parameter in parameters], axis=-1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _State:
-    """Frames of the parameters, in frame 0, and the motion of their links."""
+    """Frames of the parameters, the motion of their links and the rotors' places, all in frame 0."""
 
     arm: Arm
     arguments: tuple[Array, Array, Array]
@@ -84,37 +138,8 @@ class _State:
     motions: list[Motion]
     linear: Array
     angular: Array
-    axis: Array
     places: Array
     rotor_linear: Array
-
-    @classmethod
-    def of(cls, arm: Arm, q: Array, qd: Array, qdd: Array, on_axes: bool) -> _State:
-        frames = chain_frames(arm, q)
-        seen = frames[..., 1:, :, :] @ _back_to_axes(arm) if on_axes and arm.standard else frames[..., 1:, :, :]
-        axis, _ = joint_axes(arm, frames)
-        origins, places = seen[..., :3, 3], rotor_places(arm, frames)
-        links = np.arange(1, arm.n + 1)
-        return cls(
-            arm=arm,
-            arguments=(q, qd, qdd),
-            rotations=seen[..., :3, :3],
-            origins=origins,
-            motions=link_motions(arm, frames, axis, qd, qdd),
-            linear=point_jacobian(arm, frames, origins, links),
-            angular=angular_jacobian(arm, frames, links),
-            axis=axis,
-            places=places,
-            rotor_linear=point_jacobian(arm, frames, places, links - 1),
-        )
-
-
-def _back_to_axes(arm: Arm) -> Array:
-    """From DH frame i back over Trans(x, a_i) Rot(x, alpha_i), (n, 4, 4)."""
-    c, s, o, z = np.cos(arm.alpha), np.sin(arm.alpha), np.ones(arm.n), np.zeros(arm.n)
-    rows = [[o, z, z, -arm.a], [z, c, s, z], [z, -s, c, z], [z, z, z, o]]
-    matrices: Array = np.moveaxis(np.array(rows), -1, 0)
-    return matrices
 
 
 def _column(state: _State, parameter: Parameter) -> Array:
@@ -126,8 +151,12 @@ def _column(state: _State, parameter: Parameter) -> Array:
     if parameter.part == "mm":
         lifted = state.motions[i].acceleration_at(state.places[..., i, :]) - state.arm.gravity_in_frame_0
         return _work(state.rotor_linear[..., i, :, :], lifted)
-    if parameter.part == "Im":
-        return _rotor_column(state, i)
+    if parameter.part == "Im":  # the whole arm with nothing on it but one rotor of unit inertia and no mass
+        zero = np.zeros(state.arm.n)
+        tensors, rotor = np.zeros_like(state.arm.inertia), (np.arange(state.arm.n) == i) * 1.0
+        alone = replace(state.arm, mass=zero, inertia=tensors, rotor_mass=zero, rotor_inertia=rotor)
+        alone = replace(alone, armature=zero, viscous=zero, coulomb=zero)
+        return inverse_dynamics(alone, *state.arguments)
     _, qd, qdd = state.arguments
     own = {"Ia": qdd, "b": qd, "f": np.sign(qd)}[parameter.part]
     column: Array = own * (np.arange(state.arm.n) == i)
@@ -141,9 +170,9 @@ def _body_wrench(state: _State, i: int, part: str) -> tuple[Array, Array]:
     if part == "m":
         return lifted, np.zeros_like(lifted)
     if part[0] == "m":
-        arm = turn[..., :, _AXES[part[1]]]
-        force = cross(motion.alpha, arm) + cross(motion.omega, cross(motion.omega, arm))
-        return force, cross(arm, lifted)
+        lever = turn[..., :, _AXES[part[1]]]
+        force = cross(motion.alpha, lever) + cross(motion.omega, cross(motion.omega, lever))
+        return force, cross(lever, lifted)
     tensor = np.zeros((3, 3))
     j, k = _AXES[part[1]], _AXES[part[2]]
     tensor[j, k] = tensor[k, j] = 1.0
@@ -157,19 +186,3 @@ def _work(jacobian: Array, vector: Array) -> Array:
     """J^T v, (..., n)."""
     product: Array = np.einsum("...aj,...a->...j", jacobian, vector)
     return product
-
-
-def _rotor_column(state: _State, i: int) -> Array:
-    """The whole arm with nothing on it but one rotor of unit inertia and no mass."""
-    zero = np.zeros(state.arm.n)
-    alone = replace(
-        state.arm,
-        mass=zero,
-        inertia=np.zeros_like(state.arm.inertia),
-        rotor_mass=zero,
-        rotor_inertia=(np.arange(state.arm.n) == i) * 1.0,
-        armature=zero,
-        viscous=zero,
-        coulomb=zero,
-    )
-    return inverse_dynamics(alone, *state.arguments)

@@ -19,20 +19,56 @@ CHUNK = 500_000
 
 
 def inertia_matrix(arm: Arm, q: Array) -> Array:
-    """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures; (..., n, n)."""
+    """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures.
+
+    Of a rotor only the inertia about its axis counts.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, n).
+    """
     frames = chain_frames(arm, q)
-    total: Array = _links_inertia(arm, frames) + _rotors_inertia(arm, frames) + np.diag(arm.armature)
+    axis, _ = joint_axes(arm, frames)
+    linear, angular = _link_jacobians(arm, frames)
+    in_link = _transpose(frames[..., 1:, :3, :3]) @ angular
+    moving = _transpose(linear) @ (arm.mass[:, None, None] * linear)
+    links = (moving + _transpose(in_link) @ (arm.inertia @ in_link)).sum(axis=-3)
+    linear, angular = _rotor_jacobians(arm, frames)
+    spin = np.einsum("...ka,...kaj->...kj", axis, angular)
+    moving = _transpose(linear) @ (arm.rotor_mass[:, None, None] * linear)
+    rotors = moving.sum(axis=-3) + np.einsum("k,...ki,...kj->...ij", arm.rotor_inertia, spin, spin)
+    total: Array = links + rotors + np.diag(arm.armature)
     return total
 
 
 def coriolis_matrix(arm: Arm, q: Array, qd: Array) -> Array:
-    """C with C_ij = sum_k c_ijk qd_k, (..., n, n)."""
+    """C with C_ij = sum_k c_ijk qd_k.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., n, n).
+    """
     matrix: Array = np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd)
     return matrix
 
 
 def christoffel_symbols(arm: Arm, q: Array) -> Array:
-    """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), (..., n, n, n) indexed i, j, k."""
+    """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, n, n), indexed i, j, k.
+    """
     slope = inertia_derivatives(arm, q)
     by_k = np.moveaxis(slope, -3, -1)
     by_j = np.swapaxes(by_k, -1, -2)
@@ -41,7 +77,15 @@ def christoffel_symbols(arm: Arm, q: Array) -> Array:
 
 
 def inertia_derivatives(arm: Arm, q: Array) -> Array:
-    """dB/dq_k by complex step, (..., n, n, n) indexed k, i, j."""
+    """dB/dq_k by complex step.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, n, n), indexed k, i, j.
+    """
     size = max(1, CHUNK // (3 * q.size * arm.n))
     steps = 1j * STEP * np.eye(arm.n)
     chunks = [steps[k : k + size] for k in range(0, arm.n, size)]
@@ -50,10 +94,18 @@ def inertia_derivatives(arm: Arm, q: Array) -> Array:
 
 
 def gravity_vector(arm: Arm, q: Array) -> Array:
-    """The gradient dU/dq with U = -sum m g0' p over links and rotors, (..., n)."""
+    """The gradient dU/dq with U = -sum m g0' p over links and rotors.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n) [N m, N].
+    """
     frames = chain_frames(arm, q)
-    links = point_jacobian(arm, frames, _mass_centres(arm, frames), _link_carriers(arm))
-    rotors = point_jacobian(arm, frames, rotor_places(arm, frames), _rotor_carriers(arm))
+    links, _ = _link_jacobians(arm, frames)
+    rotors, _ = _rotor_jacobians(arm, frames)
     g0 = arm.gravity_in_frame_0
     down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
     down_rotors = np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0)
@@ -62,7 +114,15 @@ def gravity_vector(arm: Arm, q: Array) -> Array:
 
 
 def potential_energy(arm: Arm, q: Array) -> Array:
-    """U = -sum m g0' p over links and rotors, with p in the world, (...)."""
+    """U = -sum m g0' p over links and rotors, with p in the world.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (...) [J].
+    """
     frames = chain_frames(arm, q)
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
     links = _mass_centres(arm, frames) @ turn.T + origin
@@ -72,56 +132,64 @@ def potential_energy(arm: Arm, q: Array) -> Array:
 
 
 def kinetic_energy(arm: Arm, q: Array, qd: Array) -> Array:
-    """T = 1/2 qd' B qd, (...)."""
+    """T = 1/2 qd' B qd.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (...) [J].
+    """
     energy: Array = 0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd)
     return energy
 
 
 def com_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the links' centres of mass in world axes, (..., n, 3, n) both."""
-    frames = chain_frames(arm, q)
-    carriers, turn = _link_carriers(arm), arm.base[:3, :3]
-    linear = point_jacobian(arm, frames, _mass_centres(arm, frames), carriers)
-    return turn @ linear, turn @ angular_jacobian(arm, frames, carriers)
+    """Linear and angular Jacobians of the links' centres of mass in world axes.
 
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
 
-def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the rotors in world axes, (..., n, 3, n) both."""
-    frames = chain_frames(arm, q)
-    carriers, turn = _rotor_carriers(arm), arm.base[:3, :3]
-    linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
-    axis, _ = joint_axes(arm, frames)
-    angular = angular_jacobian(arm, frames, carriers) + _spin_columns(arm, axis)
+    Returns:
+        (..., n, 3, n) both.
+    """
+    linear, angular = _link_jacobians(arm, chain_frames(arm, q))
+    turn = arm.base[:3, :3]
     return turn @ linear, turn @ angular
 
 
-def _links_inertia(arm: Arm, frames: Array) -> Array:
-    carriers = _link_carriers(arm)
+def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
+    """Linear and angular Jacobians of the rotors in world axes.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, 3, n) both.
+    """
+    linear, angular = _rotor_jacobians(arm, chain_frames(arm, q))
+    turn = arm.base[:3, :3]
+    return turn @ linear, turn @ angular
+
+
+def _link_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+    """Of the links' centres of mass, in frame 0, (..., n, 3, n) both."""
+    carriers = np.arange(1, arm.n + 1)
     linear = point_jacobian(arm, frames, _mass_centres(arm, frames), carriers)
-    angular = angular_jacobian(arm, frames, carriers)
-    rotation = frames[..., 1:, :3, :3]
-    in_link = _transpose(rotation) @ angular
-    weighted = arm.mass[:, None, None] * linear
-    total: Array = (_transpose(linear) @ weighted + _transpose(in_link) @ (arm.inertia @ in_link)).sum(axis=-3)
-    return total
+    return linear, angular_jacobian(arm, frames, carriers)
 
 
-def _rotors_inertia(arm: Arm, frames: Array) -> Array:
-    """Rotor i moves with link i-1 and spins about z by ratio*qd_i more; only its axial inertia counts."""
-    carriers = _rotor_carriers(arm)
+def _rotor_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+    """In frame 0, (..., n, 3, n) both: rotor i moves with link i-1 and spins about z by ratio * qd_i more."""
+    carriers = np.arange(arm.n)
     linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
     axis, _ = joint_axes(arm, frames)
-    angular = angular_jacobian(arm, frames, carriers) + _spin_columns(arm, axis)
-    spin = np.einsum("...ka,...kaj->...kj", axis, angular)
-    moving = _transpose(linear) @ (arm.rotor_mass[:, None, None] * linear)
-    total: Array = moving.sum(axis=-3) + np.einsum("k,...ki,...kj->...ij", arm.rotor_inertia, spin, spin)
-    return total
-
-
-def _spin_columns(arm: Arm, axis: Array) -> Array:
-    """Rotor i's own spin in its angular Jacobian: column i is ratio_i z_i; (..., n, 3, n)."""
-    own = np.eye(arm.n) * arm.ratio[:, None]
-    return axis[..., :, :, None] * own[:, None, :]
+    spin = axis[..., :, :, None] * (np.eye(arm.n) * arm.ratio[:, None])[:, None, :]
+    return linear, angular_jacobian(arm, frames, carriers) + spin
 
 
 def _mass_centres(arm: Arm, frames: Array) -> Array:
@@ -130,14 +198,6 @@ def _mass_centres(arm: Arm, frames: Array) -> Array:
     turned = np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com)
     centres: Array = links[..., :3, 3] + turned
     return centres
-
-
-def _link_carriers(arm: Arm) -> Array:
-    return np.arange(1, arm.n + 1)
-
-
-def _rotor_carriers(arm: Arm) -> Array:
-    return np.arange(arm.n)
 
 
 def _transpose(matrix: Array) -> Array:

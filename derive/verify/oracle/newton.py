@@ -16,7 +16,14 @@ from derive.verify.oracle.frames import chain_frames, cross, joint_axes, rotor_p
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """A link's motion: angular velocity, angular acceleration, and the place and acceleration of a point on it."""
+    """A link's motion in frame 0, (..., 3) each.
+
+    Attributes:
+        omega: Angular velocity.
+        alpha: Angular acceleration.
+        point: A point of the link.
+        acceleration: Its acceleration.
+    """
 
     omega: Array
     alpha: Array
@@ -24,7 +31,14 @@ class Motion:
     acceleration: Array
 
     def acceleration_at(self, place: Array) -> Array:
-        """Acceleration of the link's point at ``place``."""
+        """Acceleration of a point of the link.
+
+        Args:
+            place: Where it is, (..., 3) in frame 0.
+
+        Returns:
+            (..., 3) in frame 0: a + alpha x r + omega x (omega x r).
+        """
         r = place - self.point
         return self.acceleration + cross(self.alpha, r) + cross(self.omega, cross(self.omega, r))
 
@@ -42,13 +56,16 @@ class Wrench:
 
 
 def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
-    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd), (..., n).
+    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd).
 
     Args:
         arm: The arm.
-        q: (..., n) configuration [rad or m].
-        qd: (..., n) velocity.
-        qdd: (..., n) acceleration.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        (..., n) [N m, N].
     """
     frames = chain_frames(arm, q)
     axis, on_axis = joint_axes(arm, frames)
@@ -61,8 +78,9 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
         z, carrier = axis[..., i, :], motions[i]
         wrench = wrench + _link_wrench(arm, i, frames[..., i + 1, :, :], motions[i + 1])
         spin_rate = arm.ratio[i] * qdd[..., i] + dot(z, carrier.alpha)
-        power = _along_joint(bool(arm.revolute[i]), z, on_axis[..., i, :], wrench)
-        torques.append(arm.sign[i] * power + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
+        moment = wrench.moment - cross(on_axis[..., i, :], wrench.force)
+        carried = dot(z, moment) if arm.revolute[i] else dot(z, wrench.force)  # what the joint's actuator carries
+        torques.append(arm.sign[i] * carried + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
         wrench = wrench + _rotor_wrench(arm, i, z, places[..., i, :], carrier, qd[..., i], spin_rate)
     rigid = np.stack(torques[::-1], axis=-1)
     resisting: Array = arm.armature * qdd + arm.viscous * qd + arm.coulomb * np.sign(qd)
@@ -70,36 +88,55 @@ def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
 
 
 def dot(u: Array, v: Array) -> Array:
-    """Scalar product over the last axis."""
+    """Scalar product over the last axis.
+
+    Args:
+        u: (..., 3).
+        v: (..., 3).
+
+    Returns:
+        (...).
+    """
     product: Array = (u * v).sum(axis=-1)
     return product
 
 
 def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
-    """Motions of links 0 to n; link 0 is at rest."""
+    """Motions of links 0 to n; link 0 is at rest.
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+        axis: (..., n, 3) directions of the joints.
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        n + 1 motions.
+    """
     zero = np.zeros_like(axis[..., 0, :])
     motions = [Motion(zero, zero, zero, zero)]
     for i in range(arm.n):
         u = arm.sign[i] * axis[..., i, :]
-        rate, change = qd[..., i, None], qdd[..., i, None]
+        rate, acceleration = qd[..., i, None], qdd[..., i, None]
         step = _turn if arm.revolute[i] else _slide
-        motions.append(step(arm, motions[-1], frames[..., i + 1, :3, 3], u, rate, change))
+        motions.append(step(arm, motions[-1], frames[..., i + 1, :3, 3], u, rate, acceleration))
     return motions
 
 
-def _turn(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, change: Array) -> Motion:
+def _turn(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, acceleration: Array) -> Motion:
     """A revolute joint: the links share the points of its axis, o_{i-1} (standard) or o_i (modified)."""
     omega = before.omega + u * rate
-    alpha = before.alpha + u * change + cross(before.omega, u) * rate
+    alpha = before.alpha + u * acceleration + cross(before.omega, u) * rate
     shared = before.point if arm.standard else origin
     hinge = Motion(omega, alpha, shared, before.acceleration_at(shared))
     return Motion(omega, alpha, origin, hinge.acceleration_at(origin))
 
 
-def _slide(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, change: Array) -> Motion:
+def _slide(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, acceleration: Array) -> Motion:
     """A prismatic joint: carried along, plus Coriolis and relative acceleration."""
     carried = before.acceleration_at(origin)
-    relative = 2.0 * cross(before.omega, u) * rate + u * change
+    relative = 2.0 * cross(before.omega, u) * rate + u * acceleration
     return Motion(before.omega, before.alpha, origin, carried + relative)
 
 
@@ -119,10 +156,3 @@ def _rotor_wrench(arm: Arm, i: int, z: Array, place: Array, carrier: Motion, rat
     spin = arm.ratio[i] * rate + dot(z, carrier.omega)
     turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
     return Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)
-
-
-def _along_joint(revolute: bool, z: Array, origin: Array, wrench: Wrench) -> Array:
-    """The component of a wrench that the joint's actuator carries: moment about the axis, or force along it."""
-    if revolute:
-        return dot(z, wrench.moment - cross(origin, wrench.force))
-    return dot(z, wrench.force)

@@ -24,6 +24,7 @@ class Definition:
         arguments: Names of its arguments, each of shape (..., n); none for what depends on parameters alone.
         dynamic: Whether it needs link parameters.
         function: Its independent evaluation, from an arm and the arguments.
+        axes: Axes of its value for one configuration: 1 for a vector, 2 for a matrix, 3 for one matrix a link.
         identifies: Whether it needs to know which parameters are base parameters: its first argument is then an
             `Identification`.
     """
@@ -31,11 +32,21 @@ class Definition:
     arguments: tuple[str, ...]
     dynamic: bool
     function: Callable[..., Array]
+    axes: int = 2
     identifies: bool = False
 
 
 def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
-    """Accelerations B^-1 (tau - C qd - g - friction), (..., n).
+    """Accelerations B^-1 (tau - C qd - g - friction).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        tau: (..., n) torques and forces [N m, N].
+
+    Returns:
+        (..., n).
 
     Raises:
         numpy.linalg.LinAlgError: B is singular.
@@ -48,22 +59,22 @@ def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
 FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
     {
         "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
-        "link_transforms": Definition(("q",), False, frames.link_transforms),
+        "link_transforms": Definition(("q",), False, frames.link_transforms, axes=3),
         "jacobian": Definition(("q",), False, frames.jacobian),
         "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
         "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
         "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
         "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
         "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
-        "gravity_vector": Definition(("q",), True, lagrange.gravity_vector),
-        "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics),
-        "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics),
-        "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector),
+        "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1),
+        "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1),
+        "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics, axes=1),
+        "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1),
         "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq),
         "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd),
-        "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, True),
-        "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, True),
-        "base_parameters": Definition((), True, identification.base_parameters, True),
+        "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
+        "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
+        "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
     }
 )
 
@@ -102,6 +113,9 @@ class Oracle:
             parameters: A number for every symbol without one; may override numbers of the file.
             base: Which parameters are base parameters; without them there are no regressors.
 
+        Returns:
+            The oracle.
+
         Raises:
             ExpressionError: A symbol has no number, or a cell has no finite value.
         """
@@ -112,17 +126,26 @@ class Oracle:
     @property
     def functions(self) -> tuple[str, ...]:
         """Names of the functions that this robot has."""
-        return tuple(name for name, definition in FUNCTIONS.items() if self._has(name, definition))
-
-    def _has(self, name: str, definition: Definition) -> bool:
-        if name in ANGLES:
-            return self.has_angles(ANGLES[name])
-        if definition.identifies:
-            return self.identification is not None
-        return self.dynamic or not definition.dynamic
+        names = []
+        for name, definition in FUNCTIONS.items():
+            if name in ANGLES:
+                present = self.has_angles(ANGLES[name])
+            elif definition.identifies:
+                present = self.identification is not None
+            else:
+                present = self.dynamic or not definition.dynamic
+            names += [name] * present
+        return tuple(names)
 
     def has_angles(self, kind: str) -> bool:
-        """Whether the end effector's angles ``rpy`` or ``zyz`` are regular in some configuration."""
+        """Whether the end effector's angles ``rpy`` or ``zyz`` are regular in some configuration.
+
+        Args:
+            kind: ``rpy`` or ``zyz``.
+
+        Returns:
+            False where they are singular everywhere.
+        """
         q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
         return bool((rates.distance_from_singularity(self.arm, kind, q) > SINGULAR).any())
 
@@ -132,6 +155,9 @@ class Oracle:
         Args:
             name: One of `functions`.
             arguments: q, qd, qdd or tau as the function takes them, (..., n) each; they broadcast.
+
+        Returns:
+            (..., *shape).
         """
         arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=float) for argument in arguments))
         definition = FUNCTIONS[name]

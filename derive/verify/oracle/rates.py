@@ -23,13 +23,30 @@ TILTED = {"rpy": 0, "zyz": 2}
 
 
 def jacobian_dot(arm: Arm, q: Array, qd: Array) -> Array:
-    """dJ/dt along qd, (..., 6, n)."""
+    """dJ/dt along qd.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., 6, n).
+    """
     rate: Array = jacobian(arm, q + 1j * STEP * qd).imag / STEP
     return rate
 
 
 def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
-    """Derivatives of position, roll, pitch and yaw, (..., 6, n); R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll)."""
+    """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 6, n).
+    """
     pose, slope = _pose_and_slope(arm, q)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -41,7 +58,15 @@ def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
 
 
 def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
-    """Derivatives of position, phi, theta and psi, (..., 6, n); R = Rot(z, phi) Rot(y, theta) Rot(z, psi)."""
+    """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 6, n).
+    """
     pose, slope = _pose_and_slope(arm, q)
     r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -53,26 +78,63 @@ def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
 
 
 def distance_from_singularity(arm: Arm, kind: str, q: Array) -> Array:
-    """Sine of the angle by which the second turn misses its singular values, (...)."""
+    """Sine of the angle by which the second turn misses its singular values.
+
+    Args:
+        arm: The arm.
+        kind: ``rpy`` or ``zyz``.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (...).
+    """
     column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
     distance: Array = np.sqrt((column**2).sum(axis=-1))
     return distance
 
 
 def coriolis_vector(arm: Arm, q: Array, qd: Array) -> Array:
-    """C qd: the torques of a motion without acceleration, gravity and friction, (..., n)."""
+    """C qd: the torques of a motion without acceleration, gravity and friction.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., n).
+    """
     none = np.zeros(arm.n)
     weightless = replace(arm, gravity=np.zeros(3), viscous=none, coulomb=none)
     return inverse_dynamics(weightless, q, qd, np.zeros_like(qd))
 
 
 def inverse_dynamics_dq(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
-    """d tau_i / d q_j, (..., n, n)."""
+    """d tau_i / d q_j.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        (..., n, n).
+    """
     return _columns(arm, lambda step: inverse_dynamics(arm, _each(q) + step, _each(qd), _each(qdd)))
 
 
 def inverse_dynamics_dqd(arm: Arm, q: Array, qd: Array) -> Array:
-    """d tau_i / d qd_j, (..., n, n); Coulomb friction counts as constant."""
+    """d tau_i / d qd_j; Coulomb friction counts as constant.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., n, n).
+    """
     smooth, rest = replace(arm, coulomb=np.zeros(arm.n)), np.zeros_like(_each(q))
     return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from fractions import Fraction
 
@@ -12,11 +13,13 @@ import pytest
 from derive.algebra import constants
 from derive.programs.program import Program
 from derive.programs.tape.graph import Graph
+from derive.programs.tape.tape import Op
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
+from derive.targets.kernel import JAVASCRIPT, PYTHON, C, Language, Piece, wrapped, write_kernel
 from tests.targets.c_models import c_model, needs_compiler
-from tests.targets.generated_models import casadi_model, numpy_model, small_program
+from tests.targets.generated_models import casadi_model, numpy_model, planar, small_program, source_of
 
 Build = Callable[[Value, Value], Value]
 Check = Callable[[float, float], float]
@@ -95,3 +98,42 @@ def test_printed_expressions_evaluate_right(values: dict[str, np.ndarray], way: 
 def test_one_configuration_and_a_batch_round_alike(values: dict[str, np.ndarray]) -> None:
     exact = [i for i, name in enumerate(EXPRESSIONS) if not any(f in name for f in ("sine", "shared"))]
     assert np.array_equal(values["floats"][:, exact], values["columns"][:, exact])
+
+
+@pytest.mark.parametrize("language", [PYTHON, JAVASCRIPT], ids=["python", "javascript"])
+def test_names_are_given_once_and_used_afterwards(language: Language) -> None:
+    """In the order of the tape; those of the body go on where those of the hoisted part end."""
+    program = source_of(planar()).program
+    for function in program:
+        kernel = write_kernel(function.tape, language, program.parameters)
+        known = {
+            *kernel.constants,
+            *(f"p_{name}" for name in program.parameters),
+            "sin",
+            "cos",
+            "sqrt",
+            "sign",
+            "const",
+        }
+        known |= {f"{kind}{i}" for kind in ("q", "qd", "qdd", "tau") for i in (1, 2)}
+        for line in (*kernel.hoisted, *kernel.body):
+            name, value = line.removeprefix("const ").rstrip(";").split(" = ")
+            assert name not in known, function.name
+            assert set(re.findall(r"\b[A-Za-z_]\w*", value)) <= known
+            known.add(name)
+
+
+def test_a_negative_number_is_no_atom_where_two_minus_signs_are_a_mistake() -> None:
+    """``--2`` decrements nothing in C and is refused by JavaScript."""
+    written = [
+        language.operation(Op.NEGATE, [language.number(Fraction(-2))]).text for language in (PYTHON, JAVASCRIPT, C)
+    ]
+    assert written == ["--2.0", "-(-2.0)", "-(-2.0)"]
+    assert Piece("a + b", 1).inside(2) == "(a + b)"
+
+
+def test_lists_break_between_values() -> None:
+    lines = wrapped([f"value_{k}" for k in range(40)])
+    assert max(map(len, lines)) <= 104
+    assert " ".join(lines) == ", ".join(f"value_{k}" for k in range(40)) + ","
+    assert wrapped([]) == ()

@@ -1,0 +1,65 @@
+"""All files of a robot in memory, and the libraries that a compiler makes of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from derive.errors import TargetError
+from derive.programs.effort import Effort
+from derive.publish import render
+from derive.publish.manifest import FILE as MANIFEST
+from derive.publish.targets import TARGETS, targets_named
+from derive.robot.robot import Robot
+from derive.targets.compiler import find_compiler
+
+ARM = "name: two-bars\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: revolute, a: 1/3}]\n"
+
+
+@pytest.fixture(scope="module")
+def rendered() -> render.Rendered:
+    """A small robot in the usual targets."""
+    return render.render_robot(Robot.from_text(ARM), targets_named(), Effort.QUICK)
+
+
+def test_the_manifest_lists_every_other_file_with_its_hash(rendered: render.Rendered) -> None:
+    manifest = json.loads(rendered.files[MANIFEST])
+    hashes = {name: hashlib.sha256(data).hexdigest() for name, data in rendered.files.items() if name != MANIFEST}
+    assert manifest["files"] == hashes
+    assert manifest["operations"] == rendered.operations
+    assert set(hashes) == {"__init__.py", *(name for target in targets_named() for name in target.files)}
+
+
+def test_sources_name_the_files_of_the_whole_build() -> None:
+    """The page of a folder lists what other targets write."""
+    source = render.source_of(Robot.from_text(ARM), targets_named(["c", "readme"]), Effort.QUICK)
+    assert source.files == ("MANIFEST.json", "README.md", "__init__.py", "model.c", "model.h")
+
+
+def test_libraries_are_those_of_the_targets() -> None:
+    assert render.library_names(TARGETS.values()) == tuple(name for t in TARGETS.values() for name in t.compiled)
+    assert render.library_names(targets_named(["numpy"])) == ()
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_a_library_of_the_same_sources_is_not_compiled_again(tmp_path: Path) -> None:
+    robot, targets = Robot.from_text(ARM), targets_named(["native"])
+    former, folder, changed = (tmp_path / name for name in ("former", "folder", "changed"))
+    former.mkdir()
+    for name, data in render.render_robot(robot, targets, Effort.QUICK).files.items():
+        (former / name).write_bytes(data)
+    shutil.copytree(former, folder)
+    shutil.copytree(former, changed)
+    (library,) = render.library_names(targets)
+    (former / library).write_bytes(b"compiled before")
+    compiler = find_compiler()
+    assert compiler is not None
+    render.compile_libraries(folder, targets, compiler, former)
+    assert (folder / library).read_bytes() == b"compiled before"
+    (changed / "model.c").write_text("this is no C\n", encoding="utf-8")
+    with pytest.raises(TargetError, match="error"):
+        render.compile_libraries(changed, targets, compiler, former)
