@@ -1,29 +1,80 @@
-"""From a Denavit-Hartenberg table to a verified robot model."""
+"""From a Denavit-Hartenberg table to a verified robot model.
+
+    import derive
+
+    robot = derive.load("scara-perugia")       # or the path of a robot file
+    model = derive.Model(robot)                # model.T, model.J, model.B, ... in closed form
+    derive.build(robot)                        # verified NumPy, CasADi, C and LaTeX in generated/scara_perugia
+    derive.plot(robot, "arm.svg")              # the arm with its frames
+
+Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
+"""
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from derive.version import __version__
 
 if TYPE_CHECKING:
+    from derive.api.build import build, build_all, stale
+    from derive.api.check import check_formula
+    from derive.api.handout import fragment
+    from derive.api.plot import plot
+    from derive.api.robots import catalogue, load
     from derive.errors import DeriveError
     from derive.notebook import Model
     from derive.robot.robot import Robot
 
-__all__ = ["DeriveError", "Model", "Robot", "__version__"]
+__all__ = [
+    "DeriveError",
+    "Model",
+    "Robot",
+    "__version__",
+    "build",
+    "build_all",
+    "catalogue",
+    "check_formula",
+    "fragment",
+    "load",
+    "plot",
+    "stale",
+]
 
 _HOMES = {
     "DeriveError": "derive.errors",
     "Model": "derive.notebook",
     "Robot": "derive.robot.robot",
+    "build": "derive.api.build",
+    "build_all": "derive.api.build",
+    "catalogue": "derive.api.robots",
+    "check_formula": "derive.api.check",
+    "fragment": "derive.api.handout",
+    "load": "derive.api.robots",
+    "plot": "derive.api.plot",
+    "stale": "derive.api.build",
 }
+"""Where a public name is defined; none is also the name of a subpackage, which would take its place when imported."""
 
 
 def __getattr__(name: str) -> Any:
-    """Import the public classes on first use, so that ``import derive`` stays cheap."""
+    """Import a public name on its first use.
+
+    Args:
+        name: The name.
+
+    Returns:
+        The class or function.
+
+    Raises:
+        AttributeError: There is no such public name.
+    """
     if name not in _HOMES:
         raise AttributeError(f"module 'derive' has no attribute {name!r}")
-    from importlib import import_module
-
     return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """The public names, imported or not."""
+    return sorted(__all__)

@@ -1,6 +1,6 @@
-"""Every error that derive raises on purpose: one tree, one base class.
+"""Every error that derive raises on purpose: one tree, one base class; and the pieces that messages are made of.
 
-Pieces of messages: quoting users' text safely on one line, and near misses.
+A message says what was found, what is allowed, and what to do, on one line; users' text is quoted in it safely.
 """
 
 from __future__ import annotations
@@ -54,15 +54,18 @@ class DeriveError(Exception):
         self.allowed = allowed
         self.remedy = remedy
         self.location = location
-        super().__init__(self._message())
-
-    def _message(self) -> str:
-        parts = [part for part in (self.found, self.allowed, self.remedy) if part]
-        text = "; ".join(parts)
-        return f"{self.location}: {text}" if self.location else text
+        text = "; ".join(part for part in (found, allowed, remedy) if part)
+        super().__init__(f"{location}: {text}" if location else text)
 
     def at(self, location: Location) -> DeriveError:
-        """The same error, placed at ``location`` unless it already has a place."""
+        """The same error with a place.
+
+        Args:
+            location: Where it was found.
+
+        Returns:
+            The error itself where it has a place already, else one of its kind with this place.
+        """
         if self.location is not None:
             return self
         return type(self)(self.found, allowed=self.allowed, remedy=self.remedy, location=location)
@@ -114,25 +117,55 @@ _LISTS_OF_ROWS = ("joints", "links", "base", "tool")
 
 
 def quoted(text: str, length: int = 40) -> str:
-    """``text`` in quotes, on one line, cut to ``length`` characters, with control characters escaped."""
+    """A user's text in quotes, on one line, with control characters escaped.
+
+    Args:
+        text: Any text.
+        length: Characters to which it is cut.
+
+    Returns:
+        The text as it may stand in a message.
+    """
     shown = text if len(text) <= length else text[: length - 3] + "..."
     return "'" + "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in shown) + "'"
 
 
 def near_miss(word: str, allowed: Iterable[str]) -> str:
-    """``did you mean 'alpha'?`` when one of ``allowed`` is close to ``word``, else an empty string."""
+    """A hint at what was meant.
+
+    Args:
+        word: What was found.
+        allowed: What might have been meant.
+
+    Returns:
+        ``did you mean 'alpha'?`` when one of them is close, else an empty string.
+    """
     by_fold = {candidate.casefold(): candidate for candidate in allowed}
     close = difflib.get_close_matches(word.casefold()[:80], by_fold, n=1, cutoff=0.6)
     return f"did you mean '{by_fold[close[0]]}'?" if close else ""
 
 
 def listed(words: Iterable[str]) -> str:
-    """The words separated by commas."""
+    """Words separated by commas.
+
+    Args:
+        words: The words.
+
+    Returns:
+        One text.
+    """
     return ", ".join(words)
 
 
 def path_text(path: tuple[str | int, ...]) -> str:
-    """A place in the file as a reader says it: ``joints row 2, alpha`` or ``gravity entry 3``."""
+    """A place in a robot file as a reader says it.
+
+    Args:
+        path: Keys, and positions from 0.
+
+    Returns:
+        Text such as ``joints row 2, alpha`` or ``gravity entry 3``.
+    """
     text = ""
     for before, part in zip(("", *path), path, strict=False):
         if isinstance(part, int):

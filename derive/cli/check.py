@@ -1,24 +1,18 @@
-"""``derive check``: printed formulas against derived ones.
-
-How ``derive check`` prints: a table for people at a terminal, plain lines otherwise.
-"""
+"""``derive check``: printed formulas against derived ones; a table for people at a terminal, plain lines otherwise."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.terminal import one_line
+from derive.cli.terminal import one_line, print_json
 from derive.errors import CheckError, OutputError, UnknownNameError
 
 if TYPE_CHECKING:
     from derive.check.errata import Printout
-    from derive.check.findings import FileReport, Finding
-    from derive.robot.robot import Robot
-
 
 SUMMARY = "compare printed formulas with derived ones"
 DESCRIPTION = """\
@@ -39,8 +33,16 @@ Exit status 0 all equal, 1 something wrong, 2 a file or formula that cannot be r
 """
 
 
+LONGEST_CELL = 160
+"""Characters of a formula in the table; longer ones are cut."""
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The files, or one formula, and the form of the output."""
+    """The files, or one formula, and the form of the output.
+
+    Args:
+        parser: Where the arguments are added.
+    """
     add = parser.add_argument
     add("files", metavar="FILE", nargs="+", help="corpus file: a robot and its printed formulas")
     add("--quantity", metavar="Q", help="a scalar of the one robot named instead of FILE, such as 'T[1,4]'")
@@ -52,7 +54,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check every file, or the one formula."""
+    """Check every file, or the one formula.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status: 0 all equal, 1 something wrong, 2 an unknown name.
+
+    Raises:
+        CheckError: Arguments that do not belong together, or a formula that cannot be read.
+    """
     formulas = [text for text in (arguments.expression, arguments.latex) if text is not None]
     if arguments.quantity is None and not formulas:
         return _files(arguments)
@@ -61,68 +73,53 @@ def run(arguments: argparse.Namespace) -> int:
             "--quantity and --expression or --latex belong together, with one robot",
             remedy="write: derive check ROBOT --quantity 'T[1,4]' --expression '...'",
         )
-    return _formula(arguments)
+    return _formula(arguments, formulas[0])
 
 
 def _files(arguments: argparse.Namespace) -> int:
-    from derive.check.files import check_path
-    from derive.check.report import as_dict
-    from derive.cli.terminal import print_json
+    from derive.api.check import checked_file
+    from derive.check.report import as_dict, report_lines
 
-    checked = [_printout(*check_path(path)) for path in arguments.files]
+    checked = [checked_file(path) for path in arguments.files]
     _write_report(arguments.report, checked)
     if arguments.json:
         print_json([as_dict(printout.report, printout.printer) for printout in checked])
+    elif sys.stdout.isatty():
+        for printout in checked:
+            _print_table(printout)
     else:
-        print_reports(checked)
+        lines = (line for printout in checked for line in report_lines(printout.report, printout.printer))
+        print("\n".join(one_line(line) for line in lines))
     if any(printout.report.undecidable for printout in checked):
         return 2
     return 0 if all(printout.report.passed for printout in checked) else 1
 
 
-def _formula(arguments: argparse.Namespace) -> int:
-    from derive.check.findings import FileReport
-    from derive.check.report import finding_dict
-    from derive.cli.terminal import print_json
-    from derive.robot.robot import Robot
-
-    robot = Robot.load(arguments.files[0])
-    finding = _finding(arguments, robot)
-    printout = _printout(FileReport(robot.name, robot.name, (finding,)), robot)
-    _write_report(arguments.report, [printout])
-    if arguments.json:
-        print_json(finding_dict(finding, printout.printer))
-    else:
-        print_finding(finding, printout)
-    return 0 if finding.verdict.equal else 1
-
-
-def _finding(arguments: argparse.Namespace, robot: Robot) -> Finding:
-    """The comparison; an unknown name is a verdict too where a program reads it."""
-    from derive.check.comparison import check_expression
+def _formula(arguments: argparse.Namespace, text: str) -> int:
+    """One formula; an unknown name is a verdict too where a program reads it."""
+    from derive.api.check import formula_finding, printout
+    from derive.api.robots import load
+    from derive.check.report import finding_dict, finding_lines
     from derive.check.verdicts import Outcome
-    from derive.cli.terminal import print_json
-    from derive.model.model import Model
 
-    latex = arguments.latex is not None
-    text = arguments.latex if latex else arguments.expression
+    robot = load(arguments.files[0])
     try:
-        return check_expression(Model(robot), arguments.quantity, text, latex)
+        finding = formula_finding(robot, arguments.quantity, text, latex=arguments.latex is not None)
     except UnknownNameError as error:
         if arguments.json:
             verdict = Outcome.UNDECIDABLE.value
             print_json({"quantity": arguments.quantity, "printed": text, "verdict": verdict, "reason": str(error)})
         raise
+    reported = printout(robot, finding)
+    _write_report(arguments.report, [reported])
+    if arguments.json:
+        print_json(finding_dict(finding, reported.printer))
+    else:
+        print("\n".join(one_line(line) for line in finding_lines(finding, reported.printer)))
+    return 0 if finding.verdict.equal else 1
 
 
-def _printout(report: FileReport, robot: Robot) -> Printout:
-    from derive.check.errata import Printout
-    from derive.handout.notation.text import TextPrinter
-
-    return Printout(report, TextPrinter(robot).doprint)
-
-
-def _write_report(path: str | None, printouts: list[Printout]) -> None:
+def _write_report(path: str | None, printouts: Sequence[Printout]) -> None:
     if path is None:
         return
     from derive.check.errata import errata_report
@@ -134,63 +131,27 @@ def _write_report(path: str | None, printouts: list[Printout]) -> None:
         raise OutputError(f"report {path!r} cannot be written: {reason}", remedy="choose another place") from None
 
 
-LONGEST_CELL = 160
-
-
-def print_reports(printouts: Sequence[Printout]) -> None:
-    """What is wrong in some files, and how much is right."""
-    from derive.check.report import report_lines
-
-    if sys.stdout.isatty():
-        for printout in printouts:
-            _print_table(printout)
-        return
-    lines = (line for p in printouts for line in report_lines(p.report, p.printer))
-    print("\n".join(one_line(line) for line in lines))
-
-
 def _print_table(printout: Printout) -> None:
+    """What is wrong in a file, then what is undecidable, one row each, and the count."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
-    from derive.check.report import summary
-
-    report, console = printout.report, Console()
-    if report.wrong or report.undecidable:
-        table = Table("place", "formula", "printed", "right", "change", show_lines=True)
-        for row in _rows(printout):
-            table.add_row(*(_cell(text) for text in row))
-        console.print(table)
-    console.print(one_line(f"{report.source}: {summary(report)}"), markup=False, highlight=False, soft_wrap=True)
-
-
-def _rows(printout: Printout) -> Iterator[tuple[str, ...]]:
-    from derive.check.report import difference_text, right_text, unknown_name, what
+    from derive.check.report import difference_text, right_text, summary, unknown_name, what
     from derive.check.verdicts import judge
 
-    for finding in printout.report.wrong:
+    report, console = printout.report, Console()
+    table = Table("place", "formula", "printed", "right", "change", show_lines=True)
+    for finding in (*report.wrong, *report.undecidable):
         verdict = judge(finding)
-        change = verdict.repair.text if verdict.repair else _difference(difference_text(verdict, printout.printer))
+        right, change = str(verdict.outcome), unknown_name(finding)
+        if finding.unknown is None:
+            right, difference = right_text(finding, printout.printer), difference_text(verdict, printout.printer)
+            change = f"printed - right: {difference}" if difference else ""
+            change = verdict.repair.text if verdict.repair else change
         place = f"{finding.location.line}:{finding.location.column}"
-        yield place, what(finding), finding.text, right_text(finding, printout.printer), change
-    for finding in printout.report.undecidable:
-        place = f"{finding.location.line}:{finding.location.column}"
-        yield place, what(finding), finding.text, judge(finding).outcome, unknown_name(finding)
-
-
-def _difference(text: str) -> str:
-    return f"printed - right: {text}" if text else ""
-
-
-def _cell(text: str) -> str:
-    from rich.markup import escape
-
-    shown = one_line(text)
-    return escape(shown if len(shown) <= LONGEST_CELL else f"{shown[: LONGEST_CELL - 3]}...")
-
-
-def print_finding(finding: Finding, printout: Printout) -> None:
-    """The verdict on one formula."""
-    from derive.check.report import finding_lines
-
-    print("\n".join(one_line(line) for line in finding_lines(finding, printout.printer)))
+        cells = map(one_line, (place, what(finding), finding.text, right, change))
+        table.add_row(*(escape(t if len(t) <= LONGEST_CELL else f"{t[: LONGEST_CELL - 3]}...") for t in cells))
+    if table.row_count:
+        console.print(table)
+    console.print(one_line(f"{report.source}: {summary(report)}"), markup=False, highlight=False, soft_wrap=True)

@@ -3,49 +3,49 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
 
-from derive.cli.terminal import one_line
-
-if TYPE_CHECKING:
-    from derive.robot.robot import Robot
-
+from derive.cli.terminal import one_line, print_columns, print_json
 
 SUMMARY = "list the built-in robots"
 DESCRIPTION = "List the built-in robots: name, joints (R revolute, P prismatic), convention, dynamics, title."
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Only the form of the output."""
+    """Only the form of the output.
+
+    Args:
+        parser: Where the arguments are added.
+    """
     parser.add_argument("--json", action="store_true", help="machine-readable output")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the catalogue."""
-    from derive.cli.terminal import print_columns, print_json
-    from derive.robot.catalogue import catalogue_names
-    from derive.robot.robot import Robot
+    """Print the catalogue.
 
-    rows = [_row(Robot.load(name)) for name in catalogue_names()]
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status.
+    """
+    from derive.api.robots import load_all
+
+    robots = load_all(None)
+    joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
     if arguments.json:
-        print_json(rows)
+        keys = ("name", "joints", "convention", "dynamics", "title")
+        values = ((r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True))
+        print_json([dict(zip(keys, row, strict=True)) for row in values])
         return 0
-    header = ("name", "joints", "convention", "dynamics", "title")
-    print_columns([_cells(row) for row in rows], header)
+    rows = [
+        (
+            robot.name,
+            letters if robot.n <= 8 else f"{robot.n} joints",
+            robot.convention.value,
+            "yes" if robot.has_dynamics else "-",
+            one_line(robot.title),
+        )
+        for robot, letters in zip(robots, joints, strict=True)
+    ]
+    print_columns(rows, ("name", "joints", "convention", "dynamics", "title"))
     return 0
-
-
-def _row(robot: Robot) -> dict[str, Any]:
-    return {
-        "name": robot.name,
-        "joints": "".join("R" if joint.is_revolute else "P" for joint in robot.joints),
-        "convention": robot.convention.value,
-        "dynamics": robot.has_dynamics,
-        "title": robot.title,
-    }
-
-
-def _cells(row: dict[str, Any]) -> list[str]:
-    joints = row["joints"]
-    shown = joints if len(joints) <= 8 else f"{len(joints)} joints"
-    return [row["name"], shown, row["convention"], "yes" if row["dynamics"] else "-", one_line(row["title"])]

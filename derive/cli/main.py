@@ -7,12 +7,18 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from derive.cli.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error
 from derive.version import __version__
 
 COMMANDS = ("list", "show", "plot", "build", "handout", "check", "verify", "new", "schema")
+
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
+
+A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
+"""
 
 _DESCRIPTION = "From a Denavit-Hartenberg table to closed-form equations and verified NumPy, CasADi and LaTeX models."
 _EPILOG = """\
@@ -38,28 +44,24 @@ def main(argv: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: For ``--help`` and ``--version`` (status 0) and unusable arguments (status 2).
     """
-    _escape_what_cannot_be_encoded()
-    _one_thread_for_matrices()
+    for stream in (sys.stdout, sys.stderr):  # a title in Greek must not end in an exception on an ASCII terminal
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")
+    for name in ONE_THREAD:
+        os.environ.setdefault(name, "1")
     arguments = _parser().parse_args(argv)
     try:
         status = int(arguments.run(arguments))
         sys.stdout.flush()
         return status
-    except BrokenPipeError:
-        return _stop_writing()
+    except BrokenPipeError:  # the reader has gone; keep the interpreter's last flush from complaining
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
     except (Exception, KeyboardInterrupt) as error:
         reason, status = explain(error)
         print_error(reason)
         return status
-
-
-def _one_thread_for_matrices() -> None:
-    """A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
-
-    Known to NumPy when it is imported, here and in the processes of ``--jobs``.
-    """
-    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -70,38 +72,14 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="derive",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
+    """The parser of all commands; each module imports what it needs when it runs, so that help answers at once."""
+    form: dict[str, Any] = {"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False}
+    parser = _Parser(prog="derive", description=_DESCRIPTION, epilog=_EPILOG, **form)
     parser.add_argument("--version", action="version", version=f"derive {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
     for name in COMMANDS:
         module = import_module(f"derive.cli.{name}")
-        command = commands.add_parser(
-            name,
-            help=module.SUMMARY,
-            description=module.DESCRIPTION,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-            allow_abbrev=False,
-        )
+        command = commands.add_parser(name, help=module.SUMMARY, description=module.DESCRIPTION, **form)
         module.configure(command)
         command.set_defaults(run=module.run)
     return parser
-
-
-def _escape_what_cannot_be_encoded() -> None:
-    """A title in Greek must not end in an exception on a terminal that knows ASCII alone."""
-    for stream in (sys.stdout, sys.stderr):
-        reconfigure = getattr(stream, "reconfigure", None)
-        if reconfigure is not None:
-            reconfigure(errors="backslashreplace")
-
-
-def _stop_writing() -> int:
-    """The reader of our output has gone; keep the interpreter's last flush from complaining."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return BROKEN_PIPE

@@ -1,4 +1,4 @@
-"""``derive new``: a commented robot file to start from."""
+"""``derive new``: a commented robot file to start from; it loads as it is."""
 
 from __future__ import annotations
 
@@ -6,34 +6,120 @@ import argparse
 from pathlib import Path
 
 from derive.cli.terminal import positive
-from derive.errors import OutputError
+from derive.errors import OutputError, RobotFileError, quoted
+from derive.robot.limits import FILE_LIMITS
 
 SUMMARY = "write a commented robot file to start from"
 DESCRIPTION = "Write NAME.yaml, a commented robot file that builds as it is. An existing file is never overwritten."
 
+_HEAD = """\
+# Robot file. Check it:  derive show {name}.yaml T      Build it:  derive build {name}.yaml
+name: {name}                 # a-z, 0-9 and -; also the name of the output folder
+title: "{name}"              # any text
+convention: standard         # standard: Rot z theta, Trans z d, Trans x a, Rot x alpha (Siciliano, Spong, Corke)
+                             # modified: Rot x alpha_(i-1), Trans x a_(i-1), Rot z theta_i, Trans z d_i (Craig, Khalil)
+units: {{angle: rad, length: m}}   # deg and mm are allowed: then plain numbers in the table and in limits are in them
+
+# One row per joint. A cell is a number, a name or an expression with + - * / **, pi, sqrt, sin, cos, tan.
+# Cells that are 0, the name of the variable (q1, q2, ...) and the variable's own cell may be left out:
+# theta is the variable of a revolute joint, d that of a prismatic one; an offset is written theta: q1 + pi/2.
+joints:
+"""
+
+_TAIL = """
+# Optional constant 4x4 transforms before frame 0 and after the last frame.
+# tool:
+#   - [1, 0, 0, 0]
+#   - [0, 1, 0, 0]
+#   - [0, 0, 1, 0.1]
+#   - [0, 0, 0, 1]
+
+# Optional dynamics: one row per joint, everything in the link's own frame, in kg, m and kg m^2; what is left out is 0.
+gravity: [0, -g, 0]          # acceleration of gravity in the base frame; here y points up
+links:
+"""
+
+_PARAMETERS = """
+# Numbers of names, in SI units and radians. Names without a number stay arguments of the generated functions,
+# and so do names listed under runtime although they have one.
+parameters:
+  g: 9.81
+# runtime: [m{last}]
+"""
+
+_LINK = """\
+  - mass: m{i}
+    com: [l{i} - a{i}, 0, 0]
+    inertia: {{zz: I{i}}}      # about the centre of mass; keys xx yy zz xy xz yz
+"""
+
+_MOTOR = """\
+    # armature: G1**2*Jm1                          # reflected rotor inertia, or the full model of the motor:
+    # motor: {mass: mm1, inertia: Im1, ratio: kr1}
+    # friction: {viscous: b1, coulomb: f1}
+"""
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot's name and its number of joints."""
+    """The robot's name and its number of joints.
+
+    Args:
+        parser: Where the arguments are added.
+    """
     parser.add_argument("name", metavar="NAME", help="name of the robot, [a-z0-9-]+; the file is NAME.yaml")
     parser.add_argument("--joints", type=positive, default=2, metavar="N", help="number of joints (default 2)")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the file and say where."""
-    from derive.robot.skeleton import new_robot_text
+    """Write the file and say where.
 
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        OutputError: There is such a file already.
+    """
     text = new_robot_text(arguments.name, joints=arguments.joints)
     path = Path(f"{arguments.name}.yaml")
-    _write_new(path, text)
-    print(path)
-    return 0
-
-
-def _write_new(path: Path, text: str) -> None:
     try:
         with path.open("x", encoding="utf-8", newline="\n") as file:
             file.write(text)
     except FileExistsError:
-        raise OutputError(
-            f"{path} exists already", allowed="a name that is not taken", remedy="choose another name or move the file"
-        ) from None
+        allowed, remedy = "a name that is not taken", "choose another name or move the file"
+        raise OutputError(f"{path} exists already", allowed=allowed, remedy=remedy) from None
+    print(path)
+    return 0
+
+
+def new_robot_text(name: str, joints: int = 2) -> str:
+    """A commented robot file: an arm of revolute joints with parallel axes, its lengths and masses left as names.
+
+    Args:
+        name: Name of the robot, ``[a-z][a-z0-9-]*``.
+        joints: Number of rows.
+
+    Returns:
+        The YAML text.
+
+    Raises:
+        RobotFileError: A name or number of joints that no robot may have.
+    """
+    from derive.robot.load import is_robot_name
+
+    if not is_robot_name(name):
+        raise RobotFileError(
+            f"{quoted(name)} is not a robot name",
+            allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
+            remedy="no Python keyword and no name of an imported package",
+        )
+    if not 1 <= joints <= FILE_LIMITS.joints:
+        raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
+    rows = [f"  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}" for i in range(1, joints + 1)]
+    rows[0] += "   # limits: [-pi/2, pi/2] may be added"
+    links = [_LINK.format(i=i) for i in range(1, joints + 1)]
+    links[0] += _MOTOR
+    table = "".join(f"{row}\n" for row in rows)
+    return _HEAD.format(name=name) + table + _TAIL + "".join(links) + _PARAMETERS.format(last=joints)

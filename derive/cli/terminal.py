@@ -1,8 +1,7 @@
-"""Plain text for terminals and pipes: one-line messages, aligned columns, JSON; exit statuses.
+"""How commands speak and listen: messages of one line, columns, JSON, progress, exit statuses, types of arguments.
 
-Progress on standard error, when it is a terminal and nobody asked for quiet.
-
-Types of command-line arguments; a wrong value is refused with what was found and what is allowed.
+Results go to standard output, messages and progress to standard error. A wrong argument is refused with what was found
+and what is allowed.
 """
 
 from __future__ import annotations
@@ -27,30 +26,51 @@ BROKEN_PIPE = 141
 
 
 def one_line(text: str) -> str:
-    """``text`` on one line, with control characters escaped: it may quote a stranger's file."""
+    """A text on one line, with control characters escaped: it may quote a stranger's file.
+
+    Args:
+        text: Any text.
+
+    Returns:
+        The text in printable characters.
+    """
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode() for character in text
     )
 
 
 def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> None:
-    """Print ``rows`` with their columns aligned, and nothing after the last column."""
-    lines = [list(header), *map(list, rows)] if header else [list(row) for row in rows]
-    if not lines:
-        return
-    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
+    """Print rows with their columns aligned, and nothing after the last column.
+
+    Args:
+        rows: Cells of each row, as many in all of them.
+        header: Names of the columns; nothing is printed where there is neither header nor row.
+    """
+    lines = [header, *rows] if header else rows
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:
-        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
+        print("  ".join(map(str.ljust, line, widths)).rstrip())
 
 
 def print_json(value: Any) -> None:
-    """Print ``value`` as JSON, indented, keys in the order given."""
+    """Print plain data as JSON, indented, keys in the order given.
+
+    Args:
+        value: Dicts, lists, texts, numbers.
+    """
     json.dump(value, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
     print()
 
 
 def explain(error: BaseException) -> tuple[str, int]:
-    """The message for an error, and the exit status that it means."""
+    """What to say about an error.
+
+    Args:
+        error: Whatever ended a command.
+
+    Returns:
+        The message, and the exit status that it means.
+    """
     if isinstance(error, DeriveError):
         return str(error), error.exit_status
     if isinstance(error, KeyboardInterrupt):
@@ -65,18 +85,29 @@ def explain(error: BaseException) -> tuple[str, int]:
 
 
 def print_error(reason: object) -> None:
-    """Print a message on standard error: one line, whatever it quotes."""
+    """Print a message on standard error: one line, whatever it quotes.
+
+    Args:
+        reason: The message.
+    """
     print(f"derive: error: {one_line(str(reason))}", file=sys.stderr)
 
 
 Tell = Callable[[str, str], None]
-
-_ENDS = ("done", "failed")
+"""Called with the name of a robot and the stage that it has reached."""
 
 
 @contextmanager
 def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
-    """A bar over ``total`` robots; yields the function to tell a robot's stage, or None where nobody watches."""
+    """A bar over the robots of a long command, on standard error.
+
+    Args:
+        total: Number of robots.
+        quiet: Whether nobody wants to see it.
+
+    Yields:
+        The function to tell a robot's stage, or None where nobody watches.
+    """
     if quiet or not sys.stderr.isatty():
         yield None
         return
@@ -88,27 +119,75 @@ def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
         task = bar.add_task("", total=total)
 
         def tell(robot: str, stage: str) -> None:
-            bar.update(task, description=f"{robot}: {stage}", advance=1 if stage in _ENDS else 0)
+            bar.update(task, description=f"{robot}: {stage}", advance=1 if stage in ("done", "failed") else 0)
 
         yield tell
 
 
 def positive(text: str) -> int:
-    """A whole number from 1 on."""
-    if not (text.isascii() and text.isdecimal()) or len(text) > 8 or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to 99999999")
-    return int(text)
+    """A whole number from 1 on.
+
+    Args:
+        text: As typed.
+
+    Returns:
+        The number.
+
+    Raises:
+        argparse.ArgumentTypeError: Anything else.
+    """
+    return _whole(text, 1, 99999999)
 
 
 def natural(text: str) -> int:
-    """A whole number from 0 on."""
-    if not (text.isascii() and text.isdecimal()) or len(text) > 8:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 to 99999999")
+    """A whole number from 0 on.
+
+    Args:
+        text: As typed.
+
+    Returns:
+        The number.
+
+    Raises:
+        argparse.ArgumentTypeError: Anything else.
+    """
+    return _whole(text, 0, 99999999)
+
+
+def sample_count(text: str) -> int:
+    """A whole number from 10 to a million.
+
+    Args:
+        text: As typed.
+
+    Returns:
+        The number.
+
+    Raises:
+        argparse.ArgumentTypeError: Anything else.
+    """
+    return _whole(text, 10, 1000000)
+
+
+def _whole(text: str, least: int, most: int) -> int:
+    plain = text.isascii() and text.isdecimal() and len(text) <= len(str(most))
+    if not plain or not least <= int(text) <= most:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} to {most}")
     return int(text)
 
 
 def magnification(text: str) -> float:
-    """A number from 0.1 to 10."""
+    """A number from 0.1 to 10.
+
+    Args:
+        text: As typed.
+
+    Returns:
+        The number.
+
+    Raises:
+        argparse.ArgumentTypeError: Anything else.
+    """
     try:
         value = float(text)
     except ValueError:
@@ -116,10 +195,3 @@ def magnification(text: str) -> float:
     if not 0.1 <= value <= 10.0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0.1 to 10")
     return value
-
-
-def sample_count(text: str) -> int:
-    """A whole number from 10 to a million."""
-    if not (text.isascii() and text.isdecimal()) or len(text) > 7 or not 10 <= int(text) <= 1000000:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 10 to 1000000")
-    return int(text)

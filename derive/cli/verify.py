@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from derive.cli.terminal import positive
-from derive.errors import OutputError
+from derive.cli.terminal import positive, print_columns, print_json
 
 SUMMARY = "compare generated functions with an independent recursion"
 DESCRIPTION = """\
@@ -16,33 +15,36 @@ configurations and parameters. Prints the worst relative error of each function;
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """The robot, its folder and how many samples."""
-    parser.add_argument("robot", metavar="ROBOT", help="robot file or catalogue name")
-    parser.add_argument(
-        "--out", metavar="DIR", type=Path, default=Path("generated"), help="parent folder (default: generated)"
-    )
-    parser.add_argument("--samples", type=positive, default=24, metavar="N", help="random configurations (default 24)")
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the random numbers (default 0)")
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    """The robot, its folder and how many samples.
+
+    Args:
+        parser: Where the arguments are added.
+    """
+    add = parser.add_argument
+    add("robot", metavar="ROBOT", help="robot file or catalogue name")
+    add("--out", metavar="DIR", type=Path, default=Path("generated"), help="parent folder (default: generated)")
+    add("--samples", type=positive, default=24, metavar="N", help="random configurations (default 24)")
+    add("--seed", type=int, default=0, metavar="S", help="seed of the random numbers (default 0)")
+    add("--json", action="store_true", help="machine-readable output")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Verify the folder and print the worst errors."""
-    from derive.cli.terminal import print_columns, print_json
-    from derive.robot.robot import Robot
-    from derive.verify.verify import verify
+    """Verify the folder and print the worst errors.
 
-    robot = Robot.load(arguments.robot)
-    folder = arguments.out / robot.name.replace("-", "_")
-    if not folder.is_dir():
-        raise OutputError(f"no folder {folder}", remedy=f"run: derive build {arguments.robot} --out {arguments.out}")
-    report = verify(robot, folder, samples=arguments.samples, seed=arguments.seed)
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status.
+    """
+    from derive.api.build import verify
+
+    report = verify(arguments.robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
     if arguments.json:
         print_json(report.as_dict())
         return 0
-    header = ("target", "function", "samples", "worst error")
     rows = [(row.target, row.function, str(row.samples), f"{row.worst:.1e}") for row in report.rows]
-    print_columns(rows, header)
+    print_columns(rows, ("target", "function", "samples", "worst error"))
     for file in report.left_out:
         print(f"{file}: not verified, there is no C compiler")
     return 0

@@ -5,11 +5,12 @@ These are the keys ``style``, ``contraction``, ``handout`` and ``figure`` of a r
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from derive.errors import QuantityError
+from derive.errors import QuantityError, listed, near_miss, quoted
 from derive.robot.expression import Expression
 
 Choice = TypeVar("Choice", bound=StrEnum)
@@ -111,6 +112,21 @@ class Derivation(StrEnum):
     RESULT = "result"
     STEPS = "steps"
 
+    @classmethod
+    def named(cls, name: str) -> Derivation:
+        """The derivation of that name.
+
+        Args:
+            name: ``result`` or ``steps``.
+
+        Returns:
+            The derivation.
+
+        Raises:
+            QuantityError: No such derivation.
+        """
+        return _named(cls, "derivation", name)
+
 
 class AngleLetter(StrEnum):
     """How the variable of a revolute joint is written."""
@@ -198,3 +214,52 @@ class FigureOptions:
 
     q: tuple[Expression, ...] | None = None
     values: tuple[tuple[str, Expression], ...] = ()
+
+
+def chosen_parts(names: Iterable[str]) -> tuple[str, ...]:
+    """Parts of a handout by name.
+
+    Args:
+        names: Their names; underscores may stand for hyphens, and empty names are left out.
+
+    Returns:
+        The parts in the order in which they are printed.
+
+    Raises:
+        QuantityError: An unknown part, or none at all.
+    """
+    words = list(names)
+    chosen = [word.strip().replace("_", "-") for word in words if word.strip()]
+    allowed = f"allowed: {listed(PARTS)}"
+    for name in chosen:
+        if name not in PARTS:
+            raise QuantityError(f"unknown part {quoted(name)}", allowed=allowed, remedy=near_miss(name, PARTS))
+    if not chosen:
+        raise QuantityError(f"no part in {quoted(','.join(words))}", allowed=allowed)
+    return tuple(part for part in PARTS if part in chosen)
+
+
+def chosen_notation(choices: Mapping[str, str], start: NotationOptions) -> NotationOptions:
+    """A notation by the names of its choices.
+
+    Args:
+        choices: Such as ``{"angle": "vartheta", "inertia": "M"}``.
+        start: What holds where nothing is chosen.
+
+    Returns:
+        The notation.
+
+    Raises:
+        QuantityError: An unknown choice, or an unknown value of one.
+    """
+    values: dict[str, Any] = {field.name: getattr(start, field.name) for field in fields(start)}
+    for name, value in choices.items():
+        if name not in values:
+            found, allowed = f"unknown notation {quoted(name)}", list(values)
+            raise QuantityError(found, allowed=f"allowed: {listed(allowed)}", remedy=near_miss(name, allowed))
+        allowed = [member.value for member in type(values[name])]
+        if value not in allowed:
+            found = f"unknown value of {name} {quoted(value)}"
+            raise QuantityError(found, allowed=f"allowed: {listed(allowed)}", remedy=near_miss(value, allowed))
+        values[name] = type(values[name])(value)
+    return NotationOptions(**values)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from derive.cli.new import new_robot_text
 from derive.errors import RobotFileError, UnknownRobotError
 from derive.robot.catalogue import catalogue_names, catalogue_text
 from derive.robot.evaluate import evaluate
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.robot.skeleton import new_robot_text
 
 LECTURE_ROBOTS = 24
 

@@ -10,11 +10,11 @@ import jsonschema
 import pytest
 import yaml
 
+from derive.cli.new import new_robot_text
 from derive.errors import DeriveError
 from derive.robot.catalogue import catalogue_names, catalogue_text
 from derive.robot.robot import Robot
 from derive.robot.schema import json_schema
-from derive.robot.skeleton import new_robot_text
 from tests.robot.hostile import GOOD, HOSTILE
 
 STRUCTURAL = [

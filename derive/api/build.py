@@ -1,0 +1,133 @@
+"""Generated models from Python: building, comparing with what is there, verifying."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from derive.api.robots import RobotLike, load, load_all
+from derive.errors import OutputError
+from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, folder_of
+from derive.publish.many import build_many, check_many
+from derive.verify.verify import Report
+from derive.verify.verify import verify as verify_folder
+
+FOLDER = Path("generated")
+"""The parent folder of all robots unless another one is named."""
+
+EFFORT = "full"
+"""How long programs are optimised unless asked otherwise; ``quick`` leaves up to a third more operations."""
+
+
+def build(
+    robot: RobotLike,
+    out: str | Path = FOLDER,
+    *,
+    targets: Iterable[str] | None = None,
+    force: bool = False,
+    effort: str = EFFORT,
+) -> BuildResult:
+    """Derive, generate and verify the models of a robot, as ``derive build`` does.
+
+    The folder is replaced as a whole or not at all; what has not changed is not built again.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        out: Parent folder; the files go to ``out/<robot>``.
+        targets: Such as ``numpy``, ``casadi``, ``c``, ``native``, ``latex``; None for those of a usual build.
+        force: Whether to build even what has not changed.
+        effort: ``full``, or ``quick`` for programs with up to a third more operations.
+
+    Returns:
+        Folder, files, operation counts, seconds, and in ``report`` the worst error of each function.
+
+    Raises:
+        RobotFileError: The file does not describe a robot.
+        TargetError: An unknown target, or no C compiler for one that needs it.
+        OutputError: The folder cannot or may not be written.
+        VerificationError: A generated function is wrong; the old folder stays.
+    """
+    return build_robot(load(robot), Path(out), targets, force=force, effort=effort)
+
+
+def build_all(
+    robots: Iterable[RobotLike] | None = None,
+    out: str | Path = FOLDER,
+    *,
+    targets: Iterable[str] | None = None,
+    force: bool = False,
+    effort: str = EFFORT,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> list[BuildResult | BuildFailure]:
+    """Build several robots; one failure does not stop the others.
+
+    Args:
+        robots: Robots, paths or names; None for the whole catalogue.
+        out: Parent folder.
+        targets: See `build`.
+        force: See `build`.
+        effort: See `build`.
+        jobs: Robots built at once, each in a process of its own.
+        progress: Called with a robot's name and the stage it has reached.
+
+    Returns:
+        A result, or a failure with its error, for each robot, in the order given.
+
+    Raises:
+        RobotFileError: A file does not describe a robot.
+        OutputError: Two different robots would share a folder.
+    """
+    return build_many(load_all(robots), Path(out), targets, jobs=jobs, force=force, effort=effort, progress=progress)
+
+
+def stale(
+    robots: Iterable[RobotLike] | None = None,
+    out: str | Path = FOLDER,
+    *,
+    targets: Iterable[str] | None = None,
+    effort: str = EFFORT,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> list[CheckResult | BuildFailure]:
+    """How folders differ from what a build would write, as ``derive build --check`` says; writes nothing.
+
+    Args:
+        robots: Robots, paths or names; None for the whole catalogue.
+        out: Parent folder.
+        targets: See `build`.
+        effort: See `build`.
+        jobs: Robots compared at once, each in a process of its own.
+        progress: Called with a robot's name when it is done.
+
+    Returns:
+        Stale, missing and extra files of each robot, in the order given; ``is_current`` where there are none.
+
+    Raises:
+        RobotFileError: A file does not describe a robot.
+    """
+    return check_many(load_all(robots), Path(out), targets, jobs=jobs, effort=effort, progress=progress)
+
+
+def verify(robot: RobotLike, out: str | Path = FOLDER, *, samples: int = 24, seed: int = 0) -> Report:
+    """Compare the generated functions of a robot with an independent recursion, as ``derive verify`` does.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        out: Parent folder; the models are in ``out/<robot>``.
+        samples: Number of random configurations.
+        seed: Seed of their choice.
+
+    Returns:
+        The worst relative error of each function of each target.
+
+    Raises:
+        OutputError: There is no such folder.
+        VerificationError: A function is off by more than 1e-9, raises, returns another shape, or is missing.
+    """
+    chosen = load(robot)
+    folder = folder_of(chosen, Path(out))
+    if not folder.is_dir():
+        remedy = f"run: derive build {chosen.source or chosen.name} --out {out}"
+        raise OutputError(f"no folder {folder}", remedy=remedy)
+    return verify_folder(chosen, folder, samples=samples, seed=seed)

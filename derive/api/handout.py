@@ -1,0 +1,180 @@
+"""Handouts from Python: the sheet as LaTeX, PDF and web page, and single formulas for other notes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from derive.api.robots import RobotLike, configuration, load
+from derive.errors import TargetError, listed
+from derive.handout.fragment import fragment_text
+from derive.handout.render import Format, handout_files
+from derive.publish.publish import write_files
+from derive.robot.robot import Robot
+from derive.robot.style import Derivation, chosen_notation, chosen_parts
+
+
+@dataclass(frozen=True, slots=True)
+class HandoutFile:
+    """A file of a handout.
+
+    Attributes:
+        path: Where it is.
+        bytes: Its size.
+        pages: Pages of a PDF; None for other files.
+    """
+
+    path: Path
+    bytes: int
+    pages: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class HandoutResult:
+    """A handout that was written.
+
+    Attributes:
+        robot: Name of the robot.
+        files: Its files.
+        parts: The parts that it has, in their order.
+        seconds: Wall time.
+    """
+
+    robot: str
+    files: tuple[HandoutFile, ...]
+    parts: tuple[str, ...]
+    seconds: float
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data, for JSON."""
+        return {
+            "robot": self.robot,
+            "files": [{"path": str(file.path), "bytes": file.bytes, "pages": file.pages} for file in self.files],
+            "parts": list(self.parts),
+            "seconds": round(self.seconds, 3),
+        }
+
+
+def handout(
+    robot: RobotLike,
+    out: str | Path = ".",
+    *,
+    formats: Iterable[str] = ("tex",),
+    parts: Iterable[str] | None = None,
+    language: str | None = None,
+    derivation: str | None = None,
+    notation: Mapping[str, str] | None = None,
+    q: Sequence[float | str] | None = None,
+    exercise: bool = False,
+    force: bool = False,
+) -> HandoutResult:
+    """Write the equations of a robot as a sheet to hand out, as ``derive handout`` does.
+
+    What is not given here is as the block ``handout:`` of the robot file says.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        out: Folder of the files; made if there is none.
+        formats: Of ``tex``, ``pdf`` (which brings the LaTeX too) and ``html``.
+        parts: Only these parts, such as ``table`` and ``jacobian``.
+        language: Code of the language, such as ``it``.
+        derivation: ``result``, or ``steps`` for the steps to the results too.
+        notation: Choices such as ``{"angle": "vartheta", "inertia": "M"}``.
+        q: Joint values that are drawn and computed, in the units of the robot file.
+        exercise: Whether an exercise and its solutions are written instead of one sheet.
+        force: Whether to overwrite files that derive did not write.
+
+    Returns:
+        Paths, sizes and pages of the files, parts, seconds.
+
+    Raises:
+        RobotFileError: The file does not describe a robot.
+        QuantityError: An unknown part or notation.
+        TargetError: An unknown format or language, or a package for the web page is missing.
+        LatexError: LaTeX is missing or refused the document.
+        OutputError: A file is there that derive did not write, or the system refused to write.
+    """
+    started = time.perf_counter()
+    wanted = set(formats)
+    if unknown := sorted(wanted.difference(Format)):
+        raise TargetError(f"unknown format {unknown[0]!r}", allowed=f"allowed: {listed(Format)}")
+    if not wanted or Format.PDF in wanted:
+        wanted.add(Format.TEX)
+    shown = with_options(load(robot), parts, language, derivation, notation, q)
+    made = handout_files(shown, shown.handout, [form for form in Format if form in wanted], exercise_sheets=exercise)
+    paths = write_files(made.files, Path(out), force=force)
+    files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)
+    return HandoutResult(shown.name, files, made.parts, time.perf_counter() - started)
+
+
+def fragment(
+    robot: RobotLike,
+    name: str,
+    *,
+    parts: Iterable[str] | None = None,
+    language: str | None = None,
+    derivation: str | None = None,
+    notation: Mapping[str, str] | None = None,
+    q: Sequence[float | str] | None = None,
+) -> str:
+    r"""LaTeX of one part or quantity, to ``\input`` into other notes, as ``derive handout --fragment`` gives it.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        name: A part such as ``inertia``, or a quantity such as ``B``, ``A[1]`` or ``T[0,2]``.
+        parts: See `handout`.
+        language: See `handout`.
+        derivation: See `handout`.
+        notation: See `handout`.
+        q: See `handout`.
+
+    Returns:
+        The LaTeX, with the packages that it needs in a comment.
+
+    Raises:
+        RobotFileError: The file does not describe a robot.
+        QuantityError: Neither a part nor a quantity, or one that this robot does not have.
+    """
+    shown = with_options(load(robot), parts, language, derivation, notation, q)
+    return fragment_text(shown, shown.handout, name)
+
+
+def with_options(
+    robot: Robot,
+    parts: Iterable[str] | None = None,
+    language: str | None = None,
+    derivation: str | None = None,
+    notation: Mapping[str, str] | None = None,
+    q: Sequence[float | str] | None = None,
+) -> Robot:
+    """A robot with other options of its handout; see `handout`.
+
+    Args:
+        robot: The robot.
+        parts: Only these parts; None leaves those of the file, as None does below.
+        language: Code of the language.
+        derivation: ``result`` or ``steps``.
+        notation: Choices by name.
+        q: Joint values that are drawn and computed.
+
+    Returns:
+        The robot that differs in `handout` and `figure` only.
+
+    Raises:
+        QuantityError: An unknown part, notation or derivation.
+        DeriveError: Not one value per joint, or a value that is no number.
+    """
+    options, figure = robot.handout, robot.figure
+    if parts is not None:
+        options = replace(options, parts=chosen_parts(parts))
+    if language is not None:
+        options = replace(options, language=language)
+    if derivation is not None:
+        options = replace(options, derivation=Derivation.named(derivation))
+    if notation is not None:
+        options = replace(options, notation=chosen_notation(notation, options.notation))
+    if q is not None:
+        figure = replace(figure, q=configuration(robot, q))
+    return replace(robot, handout=options, figure=figure)

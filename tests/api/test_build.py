@@ -1,0 +1,46 @@
+"""`derive.build` and its like do what the commands do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import derive
+from derive.api.build import build, build_all, stale, verify
+from derive.errors import OutputError, RobotFileError
+from derive.publish.build import BuildFailure, BuildResult
+
+ARM = "name: arm\nconvention: standard\njoints:\n  - {type: revolute, a: a1}\n"
+
+
+def test_a_robot_is_built_verified_and_current(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text(ARM)
+    out = tmp_path / "models"
+    (before,) = stale([tmp_path / "arm.yaml"], out, effort="quick")
+    built = derive.build(tmp_path / "arm.yaml", out, targets=["numpy"], effort="quick")
+    assert built.folder == out / "arm"
+    assert {file.name for file in built.folder.iterdir()} == set(built.files)
+    assert built.report is not None
+    assert built.report.worst < 1e-9
+    assert build(tmp_path / "arm.yaml", out, targets=["numpy"], effort="quick").unchanged
+    (after,) = stale([tmp_path / "arm.yaml"], out, targets=["numpy"], effort="quick")
+    assert (before.is_current, after.is_current) == (False, True)  # type: ignore[union-attr]
+    assert verify(tmp_path / "arm.yaml", out, samples=3).worst < 1e-9
+
+
+def test_one_failure_does_not_stop_the_others(tmp_path: Path) -> None:
+    (tmp_path / "arm").write_text("in the way")
+    text = ARM.replace("arm", "other")
+    robots = [derive.Robot.from_text(ARM), derive.Robot.from_text(text)]
+    failed, built = build_all(robots, tmp_path, targets=["numpy"], effort="quick")
+    assert isinstance(failed, BuildFailure)
+    assert isinstance(built, BuildResult)
+
+
+def test_what_is_wrong_is_said(tmp_path: Path) -> None:
+    (tmp_path / "arm.yaml").write_text("name: arm\n")
+    with pytest.raises(RobotFileError, match="convention"):
+        build(tmp_path / "arm.yaml", tmp_path)
+    with pytest.raises(OutputError, match="derive build thumb"):
+        verify("thumb", tmp_path)

@@ -1,0 +1,44 @@
+"""`derive.check` and `derive.check_formula` do what the command does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.api.check import check, check_formula
+from derive.errors import UnknownNameError
+
+NOTES = """\
+robot:
+  name: pendulum
+  convention: standard
+  joints:
+    - {type: revolute, a: a1}
+expected:
+  - quantity: p
+    entries: {"1": "a1*c1", "2": "-a1*s1", "3": "z"}
+"""
+
+
+def test_a_file_of_formulas_gets_a_verdict_on_each(tmp_path: Path) -> None:
+    (tmp_path / "notes.yaml").write_text(NOTES)
+    checked = check(tmp_path / "notes.yaml")
+    assert [verdict.outcome for verdict in checked.verdicts] == ["same form", "wrong", "undecidable name"]
+    assert not checked.passed
+    wrong = checked.verdicts[1]
+    assert (wrong.quantity, wrong.printed, wrong.right) == ("p[2]", "-a1*s1", "a1*s1")
+    assert wrong.place.endswith("notes.yaml:8:35")
+    assert str(checked).endswith("1 equal (1 in the same form), 1 wrong, 1 undecidable")
+
+
+def test_one_formula_is_text_or_latex() -> None:
+    assert check_formula("scara-perugia", "p[1]", "a1*c1 + a2*c12").outcome == "same form"
+    found = check_formula(
+        "planar-2r-perugia", "B[2,2]", r"I_{\ell_2} + m_{\ell_2} \ell_2^2 + k_{r2} I_{m_2}", latex=True
+    )
+    assert not found.equal
+    assert "kr2**2 instead of kr2" in found.change
+    assert "is wrong" in str(found)
+    with pytest.raises(UnknownNameError, match="zz"):
+        check_formula("scara-perugia", "p[1]", "zz")

@@ -1,0 +1,60 @@
+"""`derive.handout` and `derive.fragment` do what the command does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.api.handout import fragment, handout, with_options
+from derive.api.robots import load
+from derive.errors import OutputError, QuantityError, TargetError
+from derive.robot.style import PARTS
+
+
+def test_a_handout_says_what_it_wrote(tmp_path: Path) -> None:
+    result = handout("thumb", tmp_path, parts=["jacobian", "table"], language="it", notation={"angle": "vartheta"})
+    (file,) = result.files
+    assert result.parts == ("table", "jacobian")
+    assert file.path == tmp_path / "thumb.tex"
+    assert file.path.stat().st_size == file.bytes
+    assert "vartheta" in file.path.read_text()
+    assert result.as_dict()["robot"] == "thumb"
+
+
+def test_what_is_not_chosen_is_as_the_file_says() -> None:
+    robot = load("scara-perugia")
+    assert with_options(robot) == robot
+    chosen = with_options(robot, parts=["table"], derivation="steps", q=[0.5, 0, 0.25, "pi"])
+    assert chosen.handout.parts == ("table",)
+    assert chosen.handout.language == robot.handout.language
+    assert chosen.figure.q is not None
+
+
+def test_a_fragment_is_latex_for_other_notes() -> None:
+    assert "a_{1}" in fragment("scara-perugia", "T")
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"parts": ["tabel"]}, QuantityError, "did you mean 'table'"),
+        ({"parts": []}, QuantityError, "no part"),
+        ({"derivation": "step"}, QuantityError, "result, steps"),
+        ({"notation": {"angel": "q"}}, QuantityError, "did you mean 'angle'"),
+        ({"notation": {"angle": "phi"}}, QuantityError, "unknown value of angle 'phi'"),
+        ({"formats": ["docx"]}, TargetError, "tex, pdf, html"),
+    ],
+)
+def test_an_unknown_option_is_refused_before_anything_is_written(
+    options: dict[str, object], error: type[Exception], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(error, match=message):
+        handout("thumb", tmp_path / "out", **options)  # type: ignore[arg-type]
+    assert not (tmp_path / "out").exists()
+
+
+def test_foreign_files_are_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "thumb.tex").write_text("mine")
+    with pytest.raises(OutputError, match="not written by derive"):
+        handout("thumb", tmp_path, parts=PARTS[:2])

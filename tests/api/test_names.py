@@ -1,0 +1,57 @@
+"""What `derive` shows: every public name, in every order of imports, and no more."""
+
+from __future__ import annotations
+
+import inspect
+import subprocess
+import sys
+
+import pytest
+
+import derive
+from tests.places import ROOT
+
+FUNCTIONS = sorted(name for name in derive.__all__ if inspect.isfunction(getattr(derive, name)))
+
+
+def in_a_fresh_process(code: str) -> str:
+    """What a new interpreter prints."""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_importing_derive_is_cheap() -> None:
+    heavy = ("sympy", "numpy", "casadi", "flint", "pydantic", "yaml", "jinja2", "derive.robot", "derive.model")
+    code = f"import sys, derive; print([name for name in {heavy!r} if name in sys.modules])"
+    assert in_a_fresh_process(code) == "[]"
+
+
+def test_dir_shows_the_public_names_before_anything_is_imported() -> None:
+    assert in_a_fresh_process("import derive; print(*dir(derive))").split() == sorted(derive.__all__)
+
+
+@pytest.mark.parametrize("functions_first", [True, False])
+def test_no_subpackage_takes_the_place_of_a_function(functions_first: bool) -> None:
+    everything = "import derive.cli.main, derive.publish.build, derive.notebook, derive.api.check, derive.api.plot"
+    functions = f"found = [getattr(derive, name) for name in {FUNCTIONS!r}]"
+    first, second = (functions, everything) if functions_first else (everything, functions)
+    same = f"print(all(inspect.isfunction(f) and f is getattr(derive, n) for f, n in zip(found, {FUNCTIONS!r})))"
+    assert in_a_fresh_process(f"import derive, inspect; {first}; {second}; {same}") == "True"
+    assert not [name for name in FUNCTIONS if (ROOT / "derive" / name).exists()]
+
+
+@pytest.mark.parametrize("name", derive.__all__)
+def test_every_public_name_is_documented(name: str) -> None:
+    thing = getattr(derive, name)
+    if name in FUNCTIONS:
+        text = inspect.getdoc(thing) or ""
+        assert "Returns:" in text
+        assert all(f"    {argument}: " in text for argument in inspect.signature(thing).parameters)
+    elif inspect.isclass(thing):
+        assert inspect.getdoc(thing)
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'bild'"):
+        _ = derive.bild  # type: ignore[attr-defined]

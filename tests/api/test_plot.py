@@ -1,0 +1,29 @@
+"""`derive.plot` does what the command does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.api.plot import plot
+from derive.errors import DeriveError
+
+pytest.importorskip("matplotlib")
+
+
+def test_a_figure_of_the_arm_or_of_its_workspace(tmp_path: Path) -> None:
+    drawn = plot("scara-perugia", tmp_path / "arm.svg", q=[0.5, 0.6, 0.3, 0])
+    assert drawn.path.read_bytes().startswith(b"<?xml")
+    assert drawn.remarks.startswith("scara-perugia at q1 = 0.5 rad, q2 = 0.6 rad, q3 = 0.3 m")
+    reached = plot("planar-2r-perugia", str(tmp_path / "reach.png"), workspace=True, samples=100)
+    assert reached.remarks.startswith("workspace of planar-2r-perugia, 100 points, seed 0; limits assumed")
+    assert reached.path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_nothing_is_written_where_the_request_is_wrong(tmp_path: Path) -> None:
+    with pytest.raises(DeriveError, match=r"allowed: \.pdf, \.svg, \.png"):
+        plot("thumb", tmp_path / "arm.txt")
+    with pytest.raises(DeriveError, match="leave one of them out"):
+        plot("thumb", tmp_path / "arm.svg", q=[0.0], workspace=True)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,54 @@
+"""Robots are given by name, path or themselves; joint values as numbers or cells."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.api.robots import catalogue, configuration, load, load_all
+from derive.errors import DeriveError, UnknownRobotError
+from derive.robot.expression import to_text
+from derive.robot.robot import Robot
+
+DEGREES = "name: arm\nconvention: standard\nunits: {angle: deg, length: mm}\njoints:\n  - {type: revolute, a: 100}\n"
+
+
+def test_a_robot_is_loaded_by_name_or_path_and_stays_itself(tmp_path: Path) -> None:
+    path = tmp_path / "arm.yaml"
+    path.write_text(DEGREES)
+    arm = load(path)
+    assert arm.name == "arm"
+    assert load(str(path)) == arm
+    assert load(arm) is arm
+    assert load("thumb") == Robot.load("thumb")
+    assert [robot.name for robot in load_all(None)] == list(catalogue())
+    with pytest.raises(UnknownRobotError, match="did you mean 'thumb'"):
+        load("thum")
+
+
+def test_joint_values_are_in_the_units_of_the_file() -> None:
+    arm = Robot.from_text(DEGREES + "  - {type: prismatic}\n")
+    assert [to_text(value) for value in configuration(arm, [90, "250"])] == ["pi/2", "1/4"]
+    with pytest.raises(DeriveError, match="pi in the value 'pi/2' of q1"):
+        configuration(arm, ["pi/2", 0])
+    with pytest.raises(DeriveError, match="1 joint values for 2 joints"):
+        configuration(arm, [0.5])
+
+
+def test_a_robot_shows_itself_as_its_table() -> None:
+    shown = repr(load("scara-perugia"))
+    assert shown.splitlines()[1:5] == [
+        "i  joint      theta  d   a   alpha  limits",
+        "1  revolute   q1     0   a1  0",
+        "2  revolute   q2     0   a2  pi",
+        "3  prismatic  0      q3  0   0",
+    ]
+    assert "Fraction" not in shown + repr(load("puma560-corke").joints) + repr(load("puma560-corke").links)
+
+
+@pytest.mark.parametrize("name", catalogue())
+def test_no_robot_shows_a_tree(name: str) -> None:
+    robot = load(name)
+    assert "Number(" not in repr(robot) + repr(robot.joints) + repr(robot.links)
+    assert len(repr(robot).splitlines()) == robot.n + 3
