@@ -10,7 +10,7 @@ from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
-class Citation:
+class Document:
     """Where something is printed.
 
     Attributes:
@@ -20,9 +20,6 @@ class Citation:
 
     title: str = ""
     section: str = ""
-
-
-NO_CITATION = Citation()
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +36,10 @@ class Remark:
     note: str = ""
     kind: str = "error"
     duplicate: bool = False
-    document: Citation = NO_CITATION
+    document: Document = Document()
 
 
+NO_DOCUMENT = Document()
 NO_REMARK = Remark()
 
 
@@ -93,6 +91,16 @@ class PrintedQuantity:
     status: str = "ok"
     remark: Remark = NO_REMARK
     implied: bool = False
+
+    @property
+    def kind(self) -> str:
+        """``error``, or what else makes it an erratum: ``convention``, ``notation``."""
+        return self.remark.kind
+
+    @property
+    def duplicate(self) -> bool:
+        """Whether another file counts it."""
+        return self.remark.duplicate
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,4 +178,4 @@ class CorpusFile:
     factorisation: Factorisation | None = None
     unread: tuple[str, ...] = ()
     solutions: tuple[Solution, ...] = ()
-    document: Citation = NO_CITATION
+    document: Document = Document()

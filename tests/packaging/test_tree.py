@@ -38,11 +38,17 @@ def tracked() -> list[Path]:
     done = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True)
     if done.returncode == 0:
         return [path for name in done.stdout.split("\0") if name and (path := ROOT / name).is_file()]
-    return [path for path in ROOT.rglob("*") if path.is_file() and "." not in path.parts]
+    found = (path for path in ROOT.rglob("*") if path.is_file())
+    return [path for path in found if not any(part.startswith((".", "__pycache__")) for part in relative(path).parts)]
+
+
+def relative(path: Path) -> Path:
+    """A path from the root of the tree: where the tree lies must make no difference."""
+    return path.relative_to(ROOT)
 
 
 def name(path: Path) -> str:
-    return path.relative_to(ROOT).as_posix()
+    return relative(path).as_posix()
 
 
 def test_no_file_names_this_machine_or_a_registry() -> None:

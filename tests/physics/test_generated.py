@@ -1,4 +1,4 @@
-"""Generated code against Pinocchio and the oracle: random robots from the text of their file on, and committed models.
+"""Random robots from the text of their file to generated NumPy and CasADi code, against Pinocchio and the oracle.
 
 Programs are searched with the effort that users get.
 """
@@ -17,18 +17,14 @@ from hypothesis import HealthCheck, given, settings
 from derive.model.identification.base_parameters import base_set
 from derive.programs.effort import Effort
 from derive.programs.functions.functions import build_program
-from derive.publish.build import folder_of
-from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
-from derive.targets.compiler import find_compiler
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
 from derive.verify.generated import GeneratedModel, load_models
 from derive.verify.oracle.oracle import FUNCTIONS, Oracle
 from derive.verify.tolerance import TOLERANCE
 from derive.verify.verify import verify
-from tests.places import GENERATED
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
 from tests.verify.oracle.pinocchio_reference import Array, reference
 
@@ -103,15 +99,3 @@ def test_generated_code_of_a_long_chain_agrees_with_pinocchio(
     """Eighteen joints with dynamics, for which a long search would take minutes; more of them without."""
     robot = random_robot(random.Random(joints), joints, standard=standard, dynamics=joints == 18)
     check_with_pinocchio(robot, generate(Robot.from_text(robot.text), tmp_path, effort))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue_names())
-def test_committed_models_pass_verification(name: str) -> None:
-    """The files of ``generated/`` themselves, at other configurations than those of their build."""
-    robot = Robot.load(name)
-    folder = folder_of(robot, GENERATED)
-    targets = {"numpy", "casadi"} | ({"c"} if find_compiler() else set())
-    report = verify(robot, folder, samples=12, seed=1)
-    assert {row.target for row in report.rows} == targets
-    assert report.worst < 1e-10

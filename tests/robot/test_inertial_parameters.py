@@ -1,0 +1,47 @@
+"""The names of the parameters in which torques are linear."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from derive.robot.inertial_parameters import (
+    JOINT_PARTS,
+    LINK_PARTS,
+    MEANINGS,
+    Parameter,
+    has_regressor,
+    standard_parameters,
+)
+from derive.robot.robot import Robot
+from tests.random_robots import random_robot
+
+
+@pytest.mark.parametrize("seed", range(14))
+def test_ten_for_each_link_and_what_its_joint_has(seed: int) -> None:
+    drawn = random_robot(random.Random(seed), 1 + seed % 7)
+    robot = Robot.from_text(drawn.text)
+    found = standard_parameters(robot)
+    assert len(set(found)) == len(found)
+    assert [p for p in found if p.of_link] == [Parameter(i, part) for i in range(1, robot.n + 1) for part in LINK_PARTS]
+    for i, link in enumerate(drawn.links, start=1):
+        own = {p.part for p in found if p.joint == i and not p.of_link}
+        wanted = {
+            "Ia": link.armature,
+            "b": link.viscous,
+            "f": link.coulomb,
+            "mm": link.rotor_inertia,
+            "Im": link.rotor_inertia,
+        }
+        assert own == {part for part, value in wanted.items() if value}
+
+
+def test_every_part_is_explained_and_named_after_its_joint() -> None:
+    assert set(MEANINGS) == {*LINK_PARTS, *JOINT_PARTS}
+    assert Parameter(3, "Ixy").name == "Ixy3"
+
+
+def test_robots_without_links_have_no_regressor() -> None:
+    assert has_regressor(Robot.load("scara-perugia"))
+    assert not has_regressor(Robot.load("thumb"))

@@ -1,0 +1,55 @@
+"""The table and what stands around it: every expression of a robot has its place in the file."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from derive.errors import RobotFileError
+from derive.robot.document import read_document
+from derive.robot.expression import ONE, ZERO
+from derive.robot.load import description_from_bytes
+from derive.robot.presentation import read_handout
+from derive.robot.style import HandoutOptions
+from derive.robot.table import DEFAULT_GRAVITY_SYMBOL, ROTATION_TOLERANCE
+from derive.robot.validate import located_expressions
+from tests.random_robots import random_robot
+
+HEAD = "name: arm\nconvention: standard\njoints: [{type: revolute}]\n"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_no_default_stands_at_its_path_in_the_file(seed: int) -> None:
+    data = random_robot(random.Random(seed)).text.encode()
+    robot, document = description_from_bytes(data, "arm.yaml"), read_document(data, "arm.yaml")
+    found = 0
+    for path, expression in located_expressions(robot):
+        if expression not in (ZERO, ONE) and path[0] not in ("base", "tool"):
+            if document.find(path) is not None:
+                found += 1
+            else:
+                assert path[-1] in ("theta", "d", "ratio", 0, 1, 2), path
+    assert found >= robot.n
+
+
+def test_gravity_without_a_word_points_down_and_has_a_symbol() -> None:
+    robot = description_from_bytes((HEAD + "links: [{mass: m1}]\n").encode(), "arm.yaml")
+    assert robot.gravity is not None
+    assert [str(entry == ZERO) for entry in robot.gravity] == ["True", "True", "False"]
+    assert DEFAULT_GRAVITY_SYMBOL in repr(robot.gravity[2])
+
+
+@pytest.mark.parametrize("factor", [0.4, 3.0])
+def test_a_rotation_is_one_to_within_the_stated_tolerance(factor: float) -> None:
+    entry = 1 + factor * ROTATION_TOLERANCE
+    base = f"base: [[{entry:.12f}, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+    if factor < 1:
+        assert description_from_bytes((HEAD + base).encode(), "arm.yaml").n == 1
+    else:
+        with pytest.raises(RobotFileError, match="row 1 of the rotation block"):
+            description_from_bytes((HEAD + base).encode(), "arm.yaml")
+
+
+def test_without_a_block_the_handout_has_its_defaults() -> None:
+    assert read_handout(read_document(HEAD.encode(), "arm.yaml")) == HandoutOptions()
