@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from derive.robot.description import Link
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
 
@@ -35,8 +34,7 @@ MEANINGS = {
     "b": "viscous friction [N m s or N s/m]",
     "f": "Coulomb friction [N m or N]",
 }
-"""What each part is."""
-
+"""What each part is, with its unit."""
 
 MAX_JOINTS = 16
 """Joints up to which regressors are generated: their entries grow with the square, each of them a sum."""
@@ -66,23 +64,35 @@ class Parameter:
 
 
 def has_regressor(robot: Robot) -> bool:
-    """Whether regressors are generated for a robot."""
+    """Whether regressors are generated for a robot.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        True for arms with dynamics and at most `MAX_JOINTS` joints.
+    """
     return robot.has_dynamics and robot.n <= MAX_JOINTS
 
 
 def standard_parameters(robot: Robot) -> tuple[Parameter, ...]:
-    """The columns of the standard regressor, link by link: the ten of the link, then those of its joint."""
-    return tuple(
-        Parameter(i, part) for i, link in enumerate(robot.links, start=1) for part in (*LINK_PARTS, *_joint_parts(link))
-    )
+    """The columns of the standard regressor (Siciliano et al., Robotics, section 7.2.2).
 
+    Args:
+        robot: The robot.
 
-def _joint_parts(link: Link) -> tuple[str, ...]:
-    given = {
-        "mm": link.motor is not None,
-        "Im": link.motor is not None,
-        "Ia": link.armature != ZERO,
-        "b": link.viscous != ZERO,
-        "f": link.coulomb != ZERO,
-    }
-    return tuple(part for part in JOINT_PARTS if given[part])
+    Returns:
+        Link by link the ten of the link, then those of its joint that the file gives.
+    """
+    found = []
+    for i, link in enumerate(robot.links, start=1):
+        given = {
+            "mm": link.motor is not None,
+            "Im": link.motor is not None,
+            "Ia": link.armature != ZERO,
+            "b": link.viscous != ZERO,
+            "f": link.coulomb != ZERO,
+        }
+        found += [Parameter(i, part) for part in LINK_PARTS]
+        found += [Parameter(i, part) for part in JOINT_PARTS if given[part]]
+    return tuple(found)

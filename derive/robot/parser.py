@@ -6,9 +6,8 @@
     power   := atom ["**" sign]          the exponent folds to an integer; ** binds to the right
     atom    := number | "pi" | name | function "(" sum ("," sum)* ")" | "(" sum ")"
 
-``-x**2`` is ``-(x**2)``; there is no implicit multiplication. Users' text is never handed to Python or SymPy.
-
-Cell text to tokens; every character that is not in the grammar is refused with what to write instead.
+``-x**2`` is ``-(x**2)``; there is no implicit multiplication. Users' text is never handed to Python or SymPy. Every
+character and every construction that is not in the grammar is refused with what to write instead.
 """
 
 from __future__ import annotations
@@ -86,7 +85,16 @@ _GRAMMAR = "allowed: integers, decimals, names, + - * / **, parentheses, pi, sin
 
 
 def place(text: str, offset: int, start: Location) -> Location:
-    """The location of ``text[offset]`` when ``text`` begins at ``start``."""
+    """The place of a character in its file.
+
+    Args:
+        text: A piece of the file.
+        offset: Position in it, from 0.
+        start: Where the piece begins.
+
+    Returns:
+        Line and column of ``text[offset]``.
+    """
     newlines = text.count("\n", 0, offset)
     if newlines == 0:
         return Location(start.source, start.line, start.column + offset)
@@ -107,37 +115,26 @@ def tokenize(text: str, start: Location, limits: Limits) -> tuple[Token, ...]:
     Raises:
         ExpressionError: A character outside the grammar, or a limit exceeded.
     """
+    shorter = "introduce a parameter for part of it"
     if len(text) > limits.text_length:
-        raise ExpressionError(
-            f"expression of {len(text)} characters",
-            allowed=f"allowed: at most {limits.text_length}",
-            remedy="introduce a parameter for part of it",
-            location=start,
-        )
+        found, allowed = f"expression of {len(text)} characters", f"allowed: at most {limits.text_length}"
+        raise ExpressionError(found, allowed=allowed, remedy=shorter, location=start)
     tokens: list[Token] = []
     offset = 0
-    while (offset := _skip_space(text, offset)) < len(text):
-        tokens.append(_next_token(text, offset, start))
-        offset += len(tokens[-1].text)
+    while offset < len(text):
+        space = _SPACE.match(text, offset)
+        if space:
+            offset = space.end()
+            continue
+        match = _TOKEN.match(text, offset)
+        if match is None or match.lastgroup is None:
+            raise _unexpected_character(text, offset, start)
+        tokens.append(Token(TokenKind(match.lastgroup), match.group(), offset))
+        offset = match.end()
         if len(tokens) > limits.tokens:
-            raise ExpressionError(
-                f"expression with more than {limits.tokens} numbers, names and signs",
-                remedy="introduce a parameter for part of it",
-                location=start,
-            )
+            found = f"expression with more than {limits.tokens} numbers, names and signs"
+            raise ExpressionError(found, remedy=shorter, location=start)
     return (*tokens, Token(TokenKind.END, "", len(text)))
-
-
-def _skip_space(text: str, offset: int) -> int:
-    match = _SPACE.match(text, offset)
-    return match.end() if match else offset
-
-
-def _next_token(text: str, offset: int, start: Location) -> Token:
-    match = _TOKEN.match(text, offset)
-    if match is None or match.lastgroup is None:
-        raise _unexpected_character(text, offset, start)
-    return Token(TokenKind(match.lastgroup), match.group(), offset)
 
 
 def _unexpected_character(text: str, offset: int, start: Location) -> ExpressionError:
@@ -159,8 +156,6 @@ FORMULA_FUNCTIONS: Final = CELL_FUNCTIONS | {"atan2"}
 RESERVED_NAMES: Final = FORMULA_FUNCTIONS | {"pi"}
 NOT_SYMBOLS: Final = frozenset({"nan", "inf", "infinity", "null", "none", "true", "false"})
 """Spellings (in any case) of YAML's and Python's special values: as symbols they could only be mistakes."""
-
-_ARITY = {"atan2": 2}
 
 
 def parse_expression(
@@ -187,6 +182,8 @@ def parse_expression(
 
 
 class _Parser:
+    """Recursive descent, one method per rule; depth is counted, so that Python's limit is never reached."""
+
     def __init__(self, text: str, location: Location, functions: frozenset[str], limits: Limits) -> None:
         self._text = text
         self._start = location
@@ -255,18 +252,15 @@ class _Parser:
             return base
         token = self._next
         self._enter(operator)
-        exponent = self._exponent(self._sign(), token)
+        exponent = self._sign()
         self._depth -= 1
-        return self._raise(base, exponent, operator)
-
-    def _exponent(self, exponent: Expression, token: Token) -> int:
         if not isinstance(exponent, Number) or exponent.value.denominator != 1:
             half = isinstance(exponent, Number) and exponent.value.denominator == 2
             remedy = "write sqrt(...) for the exponent 1/2" if half else "write the power out"
             raise self._error("exponent that is not an integer", token, f"integers only; {remedy}")
         if abs(exponent.value) > self._limits.exponent:
             raise self._error("exponent too large", token, f"at most {self._limits.exponent}, signs aside")
-        return int(exponent.value)
+        return self._raise(base, int(exponent.value), operator)
 
     def _raise(self, base: Expression, exponent: int, token: Token) -> Expression:
         if isinstance(base, Number):
@@ -299,13 +293,14 @@ class _Parser:
         return Number(Fraction(mantissa) * Fraction(10) ** int(exponent or 0))
 
     def _name(self, token: Token) -> Expression:
-        name = token.text
+        name, known = token.text, f"allowed: {listed(sorted(self._functions))}"
         if name in self._functions:
             return self._call(token)
         if name in RESERVED_NAMES - {"pi"}:
-            raise self._error(f"function '{name}' is not available here", token, f"allowed: {self._known()}")
+            raise self._error(f"function '{name}' is not available here", token, known)
         if self._next.text == "(":
-            raise self._unknown_function(token)
+            remedy = near_miss(name, self._functions) or f"for a product write {name}*(...)"
+            raise self._error(f"unknown function {quoted(name)}", token, f"{known}; {remedy}")
         if name == "pi":
             return Pi()
         if name.casefold() in NOT_SYMBOLS:
@@ -322,7 +317,7 @@ class _Parser:
         while self._take(","):
             arguments.append(self._sum())
         self._close(opening)
-        arity = _ARITY.get(token.text, 1)
+        arity = 2 if token.text == "atan2" else 1
         if len(arguments) != arity:
             raise self._error(f"{token.text} with {len(arguments)} arguments", token, f"it takes {arity}")
         return Call(token.text, tuple(arguments))
@@ -352,18 +347,13 @@ class _Parser:
         digits = self._limits.number_bits * 3 // 10
         return self._error("number too large or too fine", token, f"at most {digits} digits after evaluation")
 
-    def _known(self) -> str:
-        return listed(sorted(self._functions))
-
-    def _unknown_function(self, token: Token) -> ExpressionError:
-        remedy = near_miss(token.text, self._functions) or f"for a product write {token.text}*(...)"
-        return self._error(f"unknown function {quoted(token.text)}", token, f"allowed: {self._known()}; {remedy}")
-
     def _unexpected(self, token: Token) -> ExpressionError:
         if token.kind is TokenKind.END:
             return self._error("expression ends too early", token, "a number, a name or ( is missing")
         before = self._tokens[self._position - 1] if self._position else None
-        if before is not None and _ends_operand(before) and _begins_operand(token):
+        named = (TokenKind.NUMBER, TokenKind.NAME)
+        begins = token.kind in named or token.text == "("
+        if before is not None and begins and (before.kind in named or before.text == ")"):
             remedy = f"write the product as {before.text[-20:]}*{token.text[:20]}"
             return self._error(f"no operator before {quoted(token.text)}", token, remedy)
         remedy = "write 0.5, with a decimal point" if token.text == "," else "check the operators and parentheses"
@@ -380,11 +370,3 @@ class _Parser:
 
 def _bits(value: Fraction) -> int:
     return max(value.numerator.bit_length(), value.denominator.bit_length())
-
-
-def _ends_operand(token: Token) -> bool:
-    return token.kind in (TokenKind.NUMBER, TokenKind.NAME) or token.text == ")"
-
-
-def _begins_operand(token: Token) -> bool:
-    return token.kind in (TokenKind.NUMBER, TokenKind.NAME) or token.text == "("

@@ -1,25 +1,19 @@
-"""Structure of a robot file: which keys, which shapes. The cells' meaning is read elsewhere.
+"""Structure of a robot file: which keys, which shapes; a violation becomes one message at its place in the file.
 
-Every scalar arrives as text (see `derive.robot.document`), so the models hold texts; the JSON Schema says that numbers
-may be written as numbers.
-
-Checks a document's structure against the schema; a violation becomes one message at its place in the file.
+What cells mean is read elsewhere. Every scalar arrives as text (see `derive.robot.document`), so the models hold texts;
+the JSON Schema, which editors use, says that numbers may be written as numbers. The names of the models stand in it.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, WithJsonSchema
 
-from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, path_text, quoted
+from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
 from derive.robot.limits import FILE_LIMITS
 from derive.robot.style import PARTS, AngleLetter, Derivation, FrameIndices, Functions, InertiaLetter, SliderLetter
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
 
 NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"
 ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
@@ -221,88 +215,87 @@ _HABITS = {
 }
 """Keys that people bring from other tools, and what to write instead."""
 
+_MISSING = {
+    "convention": "write convention: standard (distal) or convention: modified (Craig); they give different robots",
+    "type": "write type: revolute or type: prismatic",
+    "name": "write name: my-robot",
+    "joints": "write one row per joint under joints:",
+}
+"""What to write for a key that is missing."""
+
+_NESTED: dict[str, type[BaseModel]] = {
+    "joints": JointRow,
+    "links": LinkRow,
+    "units": Units,
+    "motor": MotorRow,
+    "friction": FrictionRow,
+    "inertia": InertiaRow,
+    "handout": HandoutRow,
+    "notation": NotationRow,
+    "figure": FigureRow,
+}
+"""The model of the mapping under a key."""
+
 
 def check_structure(document: Document) -> None:
     """Refuse unknown keys, missing keys and wrong shapes.
 
+    Args:
+        document: The file.
+
     Raises:
         RobotFileError: The first violation in the file, unknown keys before anything else.
     """
-    from pydantic import ValidationError
-
     try:
-        RobotFile.model_validate(plain(document.root))
+        RobotFile.model_validate(_plain(document.root))
     except ValidationError as error:
-        raise _first(document, error.errors(include_url=False, include_input=False)) from None
+        refusals = []
+        for violation in error.errors(include_url=False, include_input=False):
+            refusal = _refusal(document, violation)
+            place = refusal.location or Location("")
+            refusals.append(((violation["type"] != "extra_forbidden", place.line, place.column), refusal))
+        raise min(refusals, key=lambda pair: pair[0])[1] from None
 
 
-def plain(node: Node) -> Any:
+def _plain(node: Node) -> Any:
     """The tree as dicts, lists and texts."""
     match node:
         case YamlScalar():
             return node.text
         case YamlSequence():
-            return [plain(item) for item in node.items]
+            return [_plain(item) for item in node.items]
         case YamlMapping():
-            return {key: plain(value) for key, (_, value) in node.entries.items()}
+            return {key: _plain(value) for key, (_, value) in node.entries.items()}
 
 
-def _first(document: Document, errors: list[Any]) -> RobotFileError:
-    found = [(item["type"] != "extra_forbidden", _message(document, item)) for item in errors]
-    return min(found, key=lambda pair: (pair[0], _order(pair[1])))[1]
-
-
-def _order(error: DeriveError) -> tuple[int, int]:
-    place = error.location or Location("")
-    return (place.line, place.column)
-
-
-def _message(document: Document, item: dict[str, Any]) -> RobotFileError:
-    path: KeyPath = tuple(item["loc"])
-    kind = item["type"]
-    if kind == "extra_forbidden":
-        return _unknown_key(document, path)
-    if path and isinstance(path[-1], int) and kind == "missing":
-        return _wrong_length(document, path[:-1])
-    if kind == "missing":
-        return _missing_key(document, path)
-    if kind in ("literal_error", "enum"):
-        return _wrong_choice(document, path, item)
-    if kind in ("too_long", "too_short"):
-        return _wrong_length(document, path)
-    return document.error(path, _found(document.find(path)), _expected(path, kind), _remedy(document.find(path)))
-
-
-def _unknown_key(document: Document, path: KeyPath) -> RobotFileError:
-    key = str(path[-1])
-    allowed = _fields(path[:-1])
-    remedy = _HABITS.get(key) or near_miss(key, allowed) or "remove it"
-    return RobotFileError(
-        f"{path_text(path[:-1])}: unknown key {quoted(key)}",
-        allowed=f"allowed: {listed(allowed)}",
-        remedy=remedy,
-        location=document.key_location(path),
-    )
-
-
-def _missing_key(document: Document, path: KeyPath) -> RobotFileError:
-    key = str(path[-1])
-    remedy = {
-        "convention": "write convention: standard (distal) or convention: modified (Craig); they give different robots",
-        "type": "write type: revolute or type: prismatic",
-        "name": "write name: my-robot",
-        "joints": "write one row per joint under joints:",
-    }.get(key, "add it")
-    return document.error(path[:-1], f"key '{key}' is missing", remedy=remedy)
-
-
-def _wrong_choice(document: Document, path: KeyPath, item: dict[str, Any]) -> RobotFileError:
+def _refusal(document: Document, violation: Any) -> RobotFileError:
+    """The message for one violation that pydantic found."""
+    path: KeyPath = tuple(violation["loc"])
+    key, kind = str(path[-1]) if path else "", violation["type"]
     node = document.find(path)
-    text = node.text if isinstance(node, YamlScalar) else ""
-    allowed = item["ctx"]["expected"]
-    found = f"found {quoted(text)}" if isinstance(node, YamlScalar) else _found(node)
-    choices = [word.strip(" '") for word in allowed.replace(" or ", ",").split(",")]
-    return document.error(path, found, f"allowed: {allowed}", near_miss(text, choices))
+    match kind:
+        case "extra_forbidden":
+            allowed = _fields(path[:-1])
+            return RobotFileError(
+                f"{path_text(path[:-1])}: unknown key {quoted(key)}",
+                allowed=f"allowed: {listed(allowed)}",
+                remedy=_HABITS.get(key) or near_miss(key, allowed) or "remove it",
+                location=document.key_location(path),
+            )
+        case "missing" if not (path and isinstance(path[-1], int)):
+            return document.error(path[:-1], f"key '{key}' is missing", remedy=_MISSING.get(key, "add it"))
+        case "missing" | "too_long" | "too_short":
+            return _wrong_length(document, path[:-1] if kind == "missing" else path)
+        case "literal_error" | "enum":
+            text = node.text if isinstance(node, YamlScalar) else ""
+            allowed = violation["ctx"]["expected"]
+            choices = [word.strip(" '") for word in allowed.replace(" or ", ",").split(",")]
+            found = f"found {quoted(text)}" if isinstance(node, YamlScalar) else _found(node)
+            return document.error(path, found, f"allowed: {allowed}", near_miss(text, choices))
+    remedy = "check the indentation and the dashes"
+    if isinstance(node, YamlMapping):
+        remedy = "check the indentation; texts with ': ' or '{' need quotation marks"
+    return document.error(path, _found(node), _expected(path, kind), remedy)
 
 
 def _wrong_length(document: Document, path: KeyPath) -> RobotFileError:
@@ -326,6 +319,7 @@ def _found(node: Node | None) -> str:
 
 
 def _expected(path: KeyPath, kind: str) -> str:
+    """What is allowed where something of another kind was found."""
     if path[-1:] in (("name",), ("title",), ("language",)) or (path[:1], path[-1:]) == (("joints",), ("q",)):
         return "allowed: a text"
     if path[:2] == ("handout", "parts") and kind == "string_type":
@@ -337,28 +331,9 @@ def _expected(path: KeyPath, kind: str) -> str:
     return f"allowed: a mapping with the keys {listed(_fields(path))}" if _fields(path) else "allowed: a mapping"
 
 
-def _remedy(node: Node | None) -> str:
-    if isinstance(node, YamlMapping):
-        return "check the indentation; texts with ': ' or '{' need quotation marks"
-    return "check the indentation and the dashes"
-
-
 def _fields(path: KeyPath) -> tuple[str, ...]:
     """Allowed keys of the mapping at a path."""
-    model: type[BaseModel] = RobotFile
-    nested: dict[str, type[BaseModel]] = {
-        "joints": JointRow,
-        "links": LinkRow,
-        "units": Units,
-        "motor": MotorRow,
-        "friction": FrictionRow,
-        "inertia": InertiaRow,
-        "handout": HandoutRow,
-        "notation": NotationRow,
-        "figure": FigureRow,
-    }
-    for part in path:
-        if part in ("parameters", "values"):
-            return ()
-        model = nested.get(str(part), model)
-    return tuple(model.model_fields)
+    if "parameters" in path or "values" in path:
+        return ()
+    inner = [_NESTED[str(part)] for part in path if str(part) in _NESTED]
+    return tuple((inner[-1] if inner else RobotFile).model_fields)

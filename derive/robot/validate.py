@@ -49,8 +49,7 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
         if moving := [name for name in names(expression) if name in variables]:
             found = f"joint variable '{moving[0]}'"
             raise document.error(path, found, "allowed: numbers and parameters", "use another name")
-    _check_parameters(document, cells, robot)
-    _check_runtime(document, cells, robot)
+    _check_symbols(document, cells, robot)
     values: dict[str, float] = {}
     for name, expression in robot.parameters:
         number = _number(document, ("parameters", name), expression, {})
@@ -117,31 +116,27 @@ def _check_derived_names(document: Document, cells: Cells, robot: Description) -
             taken[name] = kind
 
 
-def _check_parameters(document: Document, cells: Cells, robot: Description) -> None:
-    """A parameter is a symbol that some cell uses."""
+def _check_symbols(document: Document, cells: Cells, robot: Description) -> None:
+    """Parameters and run-time parameters are symbols that some cell uses, the latter named once."""
     variables = {joint.variable for joint in robot.joints}
+    symbols = cells.first_use.keys() - variables
     for name, _ in robot.parameters:
-        path = ("parameters", name)
+        path: KeyPath = ("parameters", name)
         if name in variables:
             remedy = "remove it; bounds go to limits: [lower, upper]"
             raise document.error(path, "a joint variable has no fixed number", remedy=remedy)
-        if name not in cells.first_use:
-            remedy = near_miss(name, cells.first_use.keys() - variables) or "remove it, or use it"
+        if name not in symbols:
+            remedy = near_miss(name, symbols) or "remove it, or use it"
             raise document.error(path, "no cell uses this parameter", remedy=remedy)
-
-
-def _check_runtime(document: Document, cells: Cells, robot: Description) -> None:
-    """A run-time parameter is a symbol that some cell uses, named once."""
-    variables = {joint.variable for joint in robot.joints}
     for index, name in enumerate(robot.runtime):
         path = ("runtime", index)
         if name in robot.runtime[:index]:
             raise document.error(path, f"'{name}' twice", remedy="remove one")
         if name in variables:
             raise document.error(path, f"'{name}' is a joint variable", remedy="remove it: it is an argument anyway")
-        if name not in cells.first_use:
-            hint = near_miss(name, cells.first_use.keys() - variables)
-            raise document.error(path, f"unknown symbol '{name}'", "allowed: symbols that a cell uses", hint)
+        if name not in symbols:
+            found, allowed = f"unknown symbol '{name}'", "allowed: symbols that a cell uses"
+            raise document.error(path, found, allowed, near_miss(name, symbols))
 
 
 def _value(expression: Expression, values: Mapping[str, float]) -> float | None:
