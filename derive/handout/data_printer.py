@@ -69,19 +69,17 @@ class DataPrinter:
         """
         if joint.limits is None:
             return (Piece(Box("\\text{--}", 6.0)),)
-        lower, upper = (self._limit(joint, bound) for bound in joint.limits)
+        bounds = []
+        for value in map(_sympy, joint.limits):
+            turn = value.coeff(sympy.pi)
+            is_multiple = turn.is_Rational and turn and value == turn * sympy.pi
+            bounds.append(self._degrees(value, turn) if joint.is_revolute and is_multiple else self.value(value))
+        lower, upper = bounds
         circles = joint.is_revolute and "\\circ" in joined((*lower, *upper)).tex
         unit = "m" if not joint.is_revolute else "" if circles else "rad"
         end = [Piece(Box(f"\\;\\mathrm{{{unit}}}", 22.0))] if unit else []
         opening, closing = (Piece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
         return (opening, *lower, Piece(Box(",\\, ", 6.0)), *upper, closing, *end)
-
-    def _limit(self, joint: Joint, cell: Expression) -> Pieces:
-        value = _sympy(cell)
-        turn = value.coeff(sympy.pi)
-        if joint.is_revolute and turn.is_Rational and turn and value == turn * sympy.pi:
-            return self._degrees(value, turn)
-        return self.value(value)
 
     def _degrees(self, value: Any, turn: Any) -> Pieces:
         """An angle whose constant part, ``turn`` times pi, is written in degrees."""

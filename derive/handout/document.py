@@ -209,6 +209,20 @@ def blocks_of(section: Section) -> Iterator[Block]:
             pending += reversed(block.blocks)
 
 
+def rows_of(block: Block) -> tuple[Rows, ...]:
+    """The displayed mathematics of a block.
+
+    Args:
+        block: Any block.
+
+    Returns:
+        Its rows; none for a block without any, or whose rows stand in the blocks inside of it.
+    """
+    if isinstance(block, Formula):
+        return block.rows
+    return (block,) if isinstance(block, Rows) else ()
+
+
 _SPAN = re.compile(r"\$([^$]*)\$|`([^`]*)`")
 
 

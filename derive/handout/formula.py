@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import overload
+from typing import Any
 
 from derive.handout.context import Context
 from derive.handout.document import Block, Entry, Formula, Paragraph, Rows
@@ -64,13 +64,7 @@ class _Copied(Sequence[Entry]):
     def __len__(self) -> int:
         return len(self._values)
 
-    @overload
-    def __getitem__(self, place: int) -> Entry: ...
-
-    @overload
-    def __getitem__(self, place: slice) -> tuple[Entry, ...]: ...
-
-    def __getitem__(self, place: int | slice) -> Entry | tuple[Entry, ...]:
+    def __getitem__(self, place: Any) -> Any:
         return self._entries[place]
 
 
@@ -122,7 +116,7 @@ class Small:
 
 
 def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Small | None:
-    """A matrix as one box.
+    """A matrix as one box, which may share a line.
 
     Args:
         context: The handout.

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
+from derive.handout import groups
 from derive.handout.assemble import context_of, section_of
 from derive.handout.context import Context
-from derive.handout.document import Block, Figure, Rows, Section, Table, blocks_of
+from derive.handout.document import Figure, Section, Table, blocks_of, rows_of
 from derive.handout.formula import entry_namer, formula
 from derive.handout.latex_writer import fragment
 from derive.handout.layout.quantity import Item, LaidOut
@@ -83,12 +84,8 @@ def _packages(section: Section) -> Iterator[str]:
         yield "longtable"
     if any(isinstance(block, Figure) for block in blocks):
         yield "tikz"
-    if any(rows.landscape for block in blocks for rows in _rows(block)):
+    if any(rows.landscape for block in blocks for rows in rows_of(block)):
         yield "pdflscape"
-
-
-def _rows(block: Block) -> tuple[Rows, ...]:
-    return (block,) if isinstance(block, Rows) else getattr(block, "rows", ()) if not isinstance(block, Table) else ()
 
 
 def _quantity(context: Context, name: str) -> Section:
@@ -111,19 +108,19 @@ def _quantity(context: Context, name: str) -> Section:
 
 def _known(context: Context, name: str, indices: tuple[int, ...]) -> LaidOut | None:
     """As the handout prints it; None for what no part prints as a whole."""
-    dynamics, layouter, symbols = context.dynamics, context.layouter, context.symbols
-    makers: dict[str, Callable[[], LaidOut | None]] = {
-        "T": lambda: layouter.block(bold("T"), EntryNamer(symbols, "t"), context.entries.T),
-        "J": lambda: layouter.block(bold("J"), EntryNamer(symbols, "J"), context.entries.J, group=1),
-        "B": dynamics.inertia,
-        "C": dynamics.coriolis,
-        "N": dynamics.skew,
-        "g": dynamics.gravity,
-        "tau": dynamics.torque,
-        "potential": dynamics.potential,
-        "kinetic": dynamics.kinetic,
-    }
-    return makers[name]() if name in makers and not indices else None
+    layouter, symbols, entries = context.layouter, context.symbols, context.entries
+    if indices:
+        return None
+    match name:
+        case "T":
+            return layouter.block(bold("T"), EntryNamer(symbols, "t"), entries.T)
+        case "J":
+            return layouter.block(bold("J"), EntryNamer(symbols, "J"), entries.J, group=groups.J)
+        case "kinetic":
+            return context.dynamics.closed(name) if context.dynamics.is_compact(entries.B) else None
+        case "B" | "C" | "N" | "g" | "tau" | "potential":
+            return context.dynamics.closed(name)
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,19 +138,14 @@ def _written(context: Context, text: str, name: str, indices: tuple[int, ...], m
     if hasattr(value, "shape"):
         limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
         return context.layouter.block(called.symbol, called.entry, of_matrix(value), limit=limit)
-    symbol = _entry_symbol(called, text, indices) if "[" in text else called.symbol
+    symbol = called.symbol
+    numbers = re.findall(r"\d+", text.partition("[")[2])[len(indices) :]
+    if len(numbers) == 2:  # a row and a column, as in T[0,2][1,4]
+        symbol = called.entry(int(numbers[0]), int(numbers[1]))
+    elif numbers:  # the row of a vector
+        symbol = script(Box(f"({symbol.tex})", symbol.width + 10.0), italic(str(int(numbers[0]))))
     item = Item(symbol, max(1, expanded_terms(value)), lambda: value)
     return context.layouter.entries([item], limit=context.policy.grouped_terms)
-
-
-def _entry_symbol(called: _Name, text: str, indices: tuple[int, ...]) -> Box:
-    """The last numbers of ``T[0,2][1,4]`` are a row and a column, or the row of a vector."""
-    numbers = [int(number) for number in re.findall(r"\d+", text[text.index("[") :])][len(indices) :]
-    if not numbers:
-        return called.symbol
-    if len(numbers) == 2:
-        return called.entry(numbers[0], numbers[1])
-    return script(Box(f"({called.symbol.tex})", called.symbol.width + 10.0), italic(str(numbers[0])))
 
 
 def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:

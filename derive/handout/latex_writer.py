@@ -17,6 +17,7 @@ from derive.handout.document import (
     Steps,
     Table,
     blocks_of,
+    rows_of,
     spans,
 )
 from derive.handout.figure.latex_writer import PREAMBLE, latex_drawing
@@ -48,7 +49,7 @@ def latex(document: Document, text: Text) -> str:
         The LaTeX source.
     """
     blocks = [block for section in document.sections for block in blocks_of(section)]
-    rows = [part for block in blocks for part in _rows_of(block)]
+    rows = [part for block in blocks for part in rows_of(block)]
     sections = [{"title": _words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
     return templating.render(
         "handout/document.tex.jinja",
@@ -76,10 +77,6 @@ def fragment(section: Section, text: Text) -> str:
         Its LaTeX without a heading.
     """
     return "\n".join(_joined(section.blocks, text)) + "\n"
-
-
-def _rows_of(block: Block) -> tuple[Rows, ...]:
-    return (block,) if isinstance(block, Rows) else block.rows if isinstance(block, Formula) else ()
 
 
 # -- texts

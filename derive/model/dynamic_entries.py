@@ -16,7 +16,6 @@ from derive.model.dynamics import Dynamics
 from derive.model.entries import Entries, KinematicEntries, of_polynomials
 from derive.model.matrices import only_link, only_rotor
 from derive.robot.expression import ZERO
-from derive.robot.robot import Robot
 
 Expr = Any
 Triple = tuple[int, int, int]
@@ -40,60 +39,74 @@ class RateTerm(NamedTuple):
 class ModelEntries(KinematicEntries):
     """The closed forms of a model, entry by entry; joints, links and frames count from 1 as in `Model`."""
 
-    # -- single bodies
-
-    def B_link(self, i: int) -> Entries:
-        """The part of B that link i contributes, nxn, without any rotor.
-
-        Args:
-            i: The link.
-
-        Returns:
-            Its entries.
-        """
-        return self._keep(("B_link", i), lambda: self._inertia_of(only_link(self.robot, i)))
-
-    def B_motor(self, i: int) -> Entries:
-        """The part of B that the rotor of joint i contributes, nxn, without its armature.
-
-        Args:
-            i: The joint.
-
-        Returns:
-            Its entries.
-        """
-        return self._keep(("B_motor", i), lambda: self._inertia_of(only_rotor(self.robot, i)))
-
-    def _inertia_of(self, alone: Robot) -> Entries:
-        """B of a robot in which one body alone has mass."""
-        dynamics = Dynamics(alone, self.model.domain, MAX_DYNAMIC_TERMS)
-        return self._inertia(dynamics, DynamicForm(dynamics, self.model.form))
-
-    # -- dynamics
+    # -- inertia
 
     @cached_property
     def B(self) -> Entries:
         """Inertia matrix, nxn."""
         return self._inertia(self.model.dynamics, self.model.dynamic_form)
 
+    def inertia_part(self, i: int, of_rotor: bool) -> Entries:
+        """The part of B that link i contributes without any rotor, or the rotor of joint i without its armature, nxn.
+
+        Args:
+            i: The link or joint.
+            of_rotor: Whether the rotor is meant.
+
+        Returns:
+            Its entries.
+        """
+        alone = only_rotor(self.robot, i) if of_rotor else only_link(self.robot, i)
+        dynamics = Dynamics(alone, self.model.domain, MAX_DYNAMIC_TERMS)
+        return self._inertia(dynamics, DynamicForm(dynamics, self.model.form))
+
+    def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Entries:
+        n = range(self.robot.n)
+        limit = cache(lambda: form.limit(dynamics.inertia_matrix[i][j] for i in n for j in range(i + 1)))
+        return self._by_inertia(
+            self.robot.n,
+            lambda i, j: dynamics.expanded_size(dynamics.inertia_matrix[i - 1][j - 1]),
+            lambda i, j: form.entry(dynamics.inertia_matrix[i - 1][j - 1], limit()),
+        )
+
+    @cached_property
+    def _inertia_is_affordable(self) -> bool:
+        """Whether B and all Christoffel symbols stay within the budget of the model."""
+        n = range(self.robot.n)
+        try:
+            for i, j, k in ((i, j, k) for i in n for j in n for k in n if j <= k):
+                self.model.dynamics.christoffel(i, j, k)
+        except TooManyTerms:
+            return False
+        return True
+
+    def _by_inertia(self, columns: int, terms: Callable[[int, int], int], entry: Callable[[int, int], Expr]) -> Entries:
+        """A matrix of n rows that follows from B."""
+        shape = (self.robot.n, columns)
+        return Entries(shape, terms, entry) if self._inertia_is_affordable else _too_long(shape)
+
+    # -- dynamics
+
     @cached_property
     def C(self) -> Entries:
         """Coriolis matrix, nxn, by Christoffel symbols."""
-        joints = self._joints
-        return self._square(
-            lambda i, j: sum(self.christoffel(i, j, k).terms(1, 1) for k in joints),
+        return self._by_inertia(
+            self.robot.n,
+            lambda i, j: sum(self.christoffel(i, j, k).terms(1, 1) for k in self._joints),
             lambda i, j: self.model.C[i - 1, j - 1],
         )
 
     @cached_property
     def N(self) -> Entries:
         """N = dB/dt - 2C, nxn."""
-        return self._square(lambda i, j: self.model.terms("N", i, j), lambda i, j: self.model.N[i - 1, j - 1])
+        model, n = self.model, self.robot.n
+        return self._by_inertia(n, lambda i, j: model.terms("N", i, j), lambda i, j: model.N[i - 1, j - 1])
 
     @cached_property
     def Bdot(self) -> Entries:
         """dB/dt, nxn."""
-        return self._square(lambda i, j: self.model.terms("Bdot", i, j), lambda i, j: self.model.Bdot[i - 1, j - 1])
+        model, n = self.model, self.robot.n
+        return self._by_inertia(n, lambda i, j: model.terms("Bdot", i, j), lambda i, j: model.Bdot[i - 1, j - 1])
 
     @cached_property
     def g(self) -> Entries:
@@ -103,20 +116,26 @@ class ModelEntries(KinematicEntries):
     @cached_property
     def tau(self) -> Entries:
         """Equations of motion, nx1: B qdd + C qd + g + friction [N m or N]."""
-        return self._by_inertia((self.robot.n, 1), self._torque_terms, lambda i, _: self.model.tau[i - 1])
+        return self._by_inertia(1, self._torque_terms, lambda i, _: self.model.tau[i - 1])
+
+    def _torque_terms(self, i: int, _: int) -> int:
+        joints, link = self._joints, self.robot.links[i - 1]
+        inertia = sum(self.B.terms(i, j) for j in joints)
+        velocity = sum(self.christoffel(i, j, k).terms(1, 1) for j in joints for k in joints if j <= k)
+        friction = (link.viscous != ZERO) + (link.coulomb != ZERO)
+        return inertia + velocity + self.g.terms(i, 1) + friction
 
     @cached_property
     def kinetic(self) -> Entries:
         """Kinetic energy 1/2 qd^T B qd, 1x1 [J], from the entries of B."""
         above = [(i, j) for i, j in self.B.places if i <= j and self.B.terms(i, j)]
-
-        def write(_: int, __: int) -> Expr:
-            qd = self.model.qd
-            return sympy.Add(
-                *(self.B.entry(i, j) * (qd[i - 1] ** 2 / 2 if i == j else qd[i - 1] * qd[j - 1]) for i, j in above)
-            )
-
-        return Entries((1, 1), lambda _, __: sum(self.B.terms(*place) for place in above), write)
+        qd = self.model.qd
+        rates = {(i, j): qd[i - 1] ** 2 / 2 if i == j else qd[i - 1] * qd[j - 1] for i, j in above}
+        return Entries(
+            (1, 1),
+            lambda _, __: sum(self.B.terms(*place) for place in above),
+            lambda _, __: sympy.Add(*(self.B.entry(*place) * rates[place] for place in above)),
+        )
 
     @cached_property
     def potential(self) -> Entries:
@@ -134,15 +153,13 @@ class ModelEntries(KinematicEntries):
         Returns:
             Its one entry.
         """
-        j, k = min(j, k), max(j, k)
-        return self._keep(("christoffel", i, j, k), lambda: self._christoffel(i, j, k))
-
-    def _christoffel(self, i: int, j: int, k: int) -> Entries:
-        model = self.model
-        if not self._inertia_is_affordable:
-            return _too_long((1, 1))
-        size = model.dynamics.expanded_size(model.dynamics.christoffel(i - 1, j - 1, k - 1))
-        return Entries((1, 1), lambda _, __: size, lambda _, __: model.christoffel(i, j, k))
+        model, key = self.model, ("christoffel", *_triple(i, j, k))
+        if key not in self._kept and not self._inertia_is_affordable:
+            self._kept[key] = _too_long((1, 1))
+        elif key not in self._kept:
+            size = model.dynamics.expanded_size(model.dynamics.christoffel(i - 1, j - 1, k - 1))
+            self._kept[key] = Entries((1, 1), lambda _, __: size, lambda _, __: model.christoffel(i, j, k))
+        return self._kept[key]
 
     def inertia_derivative(self, i: int, j: int, k: int) -> Entries:
         """dB_ij/dq_k, 1x1.
@@ -165,40 +182,6 @@ class ModelEntries(KinematicEntries):
     @property
     def _joints(self) -> range:
         return range(1, self.robot.n + 1)
-
-    @cached_property
-    def _inertia_is_affordable(self) -> bool:
-        """Whether B and all Christoffel symbols stay within the budget of the model."""
-        n = range(self.robot.n)
-        try:
-            for i, j, k in ((i, j, k) for i in n for j in n for k in n if j <= k):
-                self.model.dynamics.christoffel(i, j, k)
-        except TooManyTerms:
-            return False
-        return True
-
-    def _by_inertia(
-        self, shape: tuple[int, int], terms: Callable[[int, int], int], entry: Callable[[int, int], Expr]
-    ) -> Entries:
-        return Entries(shape, terms, entry) if self._inertia_is_affordable else _too_long(shape)
-
-    def _square(self, terms: Callable[[int, int], int], entry: Callable[[int, int], Expr]) -> Entries:
-        return self._by_inertia((self.robot.n, self.robot.n), terms, entry)
-
-    def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Entries:
-        n = range(self.robot.n)
-        limit = cache(lambda: form.limit(dynamics.inertia_matrix[i][j] for i in n for j in range(i + 1)))
-        return self._square(
-            lambda i, j: dynamics.expanded_size(dynamics.inertia_matrix[i - 1][j - 1]),
-            lambda i, j: form.entry(dynamics.inertia_matrix[i - 1][j - 1], limit()),
-        )
-
-    def _torque_terms(self, i: int, _: int) -> int:
-        link = self.robot.links[i - 1]
-        inertia = sum(self.B.terms(i, j) for j in self._joints)
-        velocity = sum(self.christoffel(i, j, k).terms(1, 1) for j in self._joints for k in self._joints if j <= k)
-        friction = (link.viscous != ZERO) + (link.coulomb != ZERO)
-        return inertia + velocity + self.g.terms(i, 1) + friction
 
     # -- C, N and tau by Christoffel symbols
 
@@ -291,12 +274,10 @@ class ModelEntries(KinematicEntries):
         """
         if not (self.Bdot.is_short(limit) and self.C.is_short(limit)):
             return False
-
-        def cancels(i: int, j: int) -> bool:
-            rate = self.Bdot.entry(i, j) + self.Bdot.entry(j, i)
-            return bool(sympy.expand(rate - 2 * (self.C.entry(i, j) + self.C.entry(j, i))) == 0)
-
-        return all(cancels(i, j) for i, j in self.C.places if i <= j)
+        rate, c = self.Bdot.entry, self.C.entry
+        above = [(i, j) for i, j in self.C.places if i <= j]
+        sums = (rate(i, j) + rate(j, i) - 2 * (c(i, j) + c(j, i)) for i, j in above)
+        return all(sympy.expand(value) == 0 for value in sums)
 
     @cached_property
     def base_acceleration(self) -> tuple[Expr, Expr, Expr]:
@@ -311,11 +292,11 @@ class ModelEntries(KinematicEntries):
 
 def _too_long(shape: tuple[int, int]) -> Entries:
     """A matrix that is not even derived, for it exceeds the budget of the model."""
+    return Entries(shape, lambda _, __: MAX_DYNAMIC_TERMS, _refuse)
 
-    def refuse(_: int, __: int) -> Expr:
-        raise TooManyTerms(MAX_DYNAMIC_TERMS)
 
-    return Entries(shape, lambda _, __: MAX_DYNAMIC_TERMS, refuse)
+def _refuse(_: int, __: int) -> Expr:
+    raise TooManyTerms(MAX_DYNAMIC_TERMS)
 
 
 def _triple(i: int, j: int, k: int) -> Triple:

@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
+from math import prod
 from typing import Any
 
 import sympy
 
 from derive.algebra.ring import Polynomial
-from derive.mechanics.vectors import Frame
+from derive.mechanics.vectors import Frame, Vector
 from derive.model.long_chain import LongChain, NestedKinematics, TermCount, nested_term_counts
 from derive.model.model import Model
 from derive.robot.robot import Robot
@@ -41,11 +42,6 @@ class Entries:
     def places(self) -> list[tuple[int, int]]:
         """(row, column) of all entries, row by row, from 1."""
         return [(i, j) for i in range(1, self.shape[0] + 1) for j in range(1, self.shape[1] + 1)]
-
-    @property
-    def total_terms(self) -> int:
-        """Number of terms of all entries together."""
-        return sum(self.terms(*place) for place in self.places)
 
     def is_short(self, limit: int) -> bool:
         """Whether all entries together have at most so many terms; a long matrix is not counted to its end.
@@ -161,10 +157,12 @@ class KinematicEntries:
                 for linear, angular in zip(self._long_counts.linear, self._long_counts.angular, strict=True)
             ]
 
-            def write(i: int, j: int) -> Expr:
-                return model.form.kinematic(model.kinematics.axis(j)[i - 4]) if i > 3 else model.J[i - 1, j - 1]
-
-            return Entries((6, n), lambda i, j: counts[j - 1][i - 1], write)
+            axis, write = model.kinematics.axis, model.form.kinematic
+            return Entries(
+                (6, n),
+                lambda i, j: counts[j - 1][i - 1],
+                lambda i, j: write(axis(j)[i - 4]) if i > 3 else model.J[i - 1, j - 1],
+            )
         kinematics = model.kinematics
         halves = zip(kinematics.linear_columns(kinematics.end.position), kinematics.angular_columns(n), strict=True)
         return self._columns([[*linear, *angular] for linear, angular in halves])
@@ -193,73 +191,46 @@ class KinematicEntries:
 
     # -- links and rotors
 
-    def p_com(self, i: int) -> Entries:
-        """Centre of mass of link i in the world, 3x1 [m].
+    def body_position(self, i: int, of_rotor: bool) -> Entries:
+        """Where the centre of mass of link i is, or the rotor of joint i, 3x1 [m], world frame.
 
         Args:
-            i: The link.
+            i: The link or joint.
+            of_rotor: Whether the rotor is meant.
 
         Returns:
             Its entries.
         """
-        return self._columns([self.model.kinematics.com(i)])
+        return self._columns([self._body_position(i, of_rotor)])
 
-    def p_motor(self, i: int) -> Entries:
-        """Where the rotor of joint i sits in the world, 3x1 [m].
+    def linear_jacobian(self, i: int, of_rotor: bool) -> Entries:
+        """J_v of link i or of the rotor of joint i, 3xn: velocity of its centre of mass per rate, world frame.
 
         Args:
-            i: The joint.
+            i: The link or joint.
+            of_rotor: Whether the rotor is meant.
 
         Returns:
             Its entries.
         """
-        return self._columns([self.model.kinematics.motor_place(i)])
+        return self._columns(self.model.kinematics.linear_columns(self._body_position(i, of_rotor)))
 
-    def Jv_com(self, i: int) -> Entries:
-        """Velocity of the centre of mass of link i per rate, 3xn, world frame.
-
-        Args:
-            i: The link.
-
-        Returns:
-            Its entries.
-        """
-        kinematics = self.model.kinematics
-        return self._columns(kinematics.linear_columns(kinematics.com(i)))
-
-    def Jw_com(self, i: int) -> Entries:
-        """Angular velocity of link i per rate, 3xn, world frame.
+    def angular_jacobian(self, i: int, of_rotor: bool) -> Entries:
+        """J_w of link i or of the rotor of joint i, its spin included, 3xn: angular velocity per rate, world frame.
 
         Args:
-            i: The link.
-
-        Returns:
-            Its entries.
-        """
-        return self._columns(self.model.kinematics.angular_columns(i))
-
-    def Jv_motor(self, i: int) -> Entries:
-        """Velocity of the rotor of joint i per rate, 3xn, world frame.
-
-        Args:
-            i: The joint.
+            i: The link or joint.
+            of_rotor: Whether the rotor is meant.
 
         Returns:
             Its entries.
         """
         kinematics = self.model.kinematics
-        return self._columns(kinematics.linear_columns(kinematics.motor_place(i)))
+        return self._columns(kinematics.motor_angular_columns(i) if of_rotor else kinematics.angular_columns(i))
 
-    def Jw_motor(self, i: int) -> Entries:
-        """Angular velocity of the rotor of joint i per rate, its spin included, 3xn, world frame.
-
-        Args:
-            i: The joint.
-
-        Returns:
-            Its entries.
-        """
-        return self._columns(self.model.kinematics.motor_angular_columns(i))
+    def _body_position(self, i: int, of_rotor: bool) -> Vector[Polynomial]:
+        kinematics = self.model.kinematics
+        return kinematics.motor_place(i) if of_rotor else kinematics.com(i)
 
     def _keep(self, key: tuple[object, ...], make: Callable[[], Entries]) -> Entries:
         if key not in self._kept:
@@ -294,23 +265,22 @@ def expanded_terms(expression: Expr) -> int:
     Returns:
         The number; a subexpression that occurs often is counted once.
     """
+    return _count(expression, {})
 
-    @cache
-    def count(part: Expr) -> int:
-        if not part.args:
-            return int(part != 0)
-        if part.is_Add:
-            return sum(map(count, part.args))
-        if part.is_Mul:
-            total = 1
-            for factor in part.args:
-                total *= count(factor)
-            return total
-        if part.is_Pow and part.exp.is_Integer and part.exp > 0:
-            return int(count(part.base) ** int(part.exp))
-        return 1
 
-    return count(expression)
+def _count(expression: Expr, known: dict[Expr, int]) -> int:
+    if not expression.args:
+        return int(expression != 0)
+    if expression not in known:
+        if expression.is_Add:
+            known[expression] = sum(_count(term, known) for term in expression.args)
+        elif expression.is_Mul:
+            known[expression] = prod(_count(factor, known) for factor in expression.args)
+        elif expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+            known[expression] = _count(expression.base, known) ** int(expression.exp)
+        else:
+            known[expression] = 1
+    return known[expression]
 
 
 def of_polynomials(rows: Sequence[Sequence[Polynomial]], write: Callable[[Polynomial], Expr]) -> Entries:

@@ -128,12 +128,10 @@ def link_jacobians(context: Context) -> Iterator[Block]:
             )
         )
         yield textbook("rotor_jacobians")
-    yield from body_formulas(context, _halves(context))
-
-
-def _halves(context: Context) -> Iterator[BodyItem]:
-    entries = context.entries
+    items = []
     for body in bodies(context.robot):
-        linear, angular = (entries.Jv_motor, entries.Jw_motor) if body.is_rotor else (entries.Jv_com, entries.Jw_com)
-        yield BodyItem(body.symbol("J", "v"), linear(body.index), groups.body(body.place, 1))
-        yield BodyItem(body.symbol("J", "\\omega"), angular(body.index), groups.body(body.place, 2))
+        linear = context.entries.linear_jacobian(body.index, body.is_rotor)
+        angular = context.entries.angular_jacobian(body.index, body.is_rotor)
+        items.append(BodyItem(body.symbol("J", "v"), linear, groups.body(body.place, 1)))
+        items.append(BodyItem(body.symbol("J", "\\omega"), angular, groups.body(body.place, 2)))
+    yield from body_formulas(context, items)

@@ -39,9 +39,8 @@ def energies(context: Context) -> Iterator[Block]:
         yield textbook("armature_energy")
     yield Paragraph(_("In the rates of the joints it is a quadratic form."))
     yield textbook("kinetic_form", B=context.dynamics.letter)
-    kinetic = context.dynamics.kinetic()
-    if kinetic is not None:
-        yield formula(context, kinetic)
+    if context.dynamics.is_compact(context.entries.B):
+        yield formula(context, context.dynamics.closed("kinetic"))
     if context.robot.gravity is None:
         yield Paragraph(_("The robot file gives no gravity; the potential energy is zero."))
         return
@@ -49,8 +48,8 @@ def energies(context: Context) -> Iterator[Block]:
     yield textbook("potential_energy", rotors=rotors)
     yield Rows(tuple(_gravity(context)))
     if context.steps:
-        yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, _places(context))))
-    yield formula(context, context.dynamics.potential(), "gravity_vector")
+        yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, _positions(context))))
+    yield formula(context, context.dynamics.closed("potential"), "gravity_vector")
 
 
 def _gravity(context: Context) -> Iterator[str]:
@@ -65,14 +64,14 @@ def _gravity(context: Context) -> Iterator[str]:
         yield from equation_lines([Equation(script(italic("g"), italic(f"0{axis}")), cell)])
 
 
-def _places(context: Context) -> Iterator[BodyItem]:
+def _positions(context: Context) -> Iterator[BodyItem]:
     """Where the masses are."""
     for body in bodies(context.robot):
         link = context.robot.links[body.index - 1]
         mass = link.motor.mass if body.is_rotor and link.motor is not None else link.mass
         if mass != ZERO:
-            place = context.entries.p_motor if body.is_rotor else context.entries.p_com
-            yield BodyItem(body.symbol("p"), place(body.index), groups.body(body.place, 3))
+            position = context.entries.body_position(body.index, body.is_rotor)
+            yield BodyItem(body.symbol("p"), position, groups.body(body.place, 3))
 
 
 # -- inertia matrix
@@ -112,18 +111,18 @@ def inertia(context: Context) -> Iterator[Block]:
             letter=letter,
         )
     )
-    yield formula(context, context.dynamics.inertia(), "inertia_matrix")
+    yield formula(context, context.dynamics.closed("B"), "inertia_matrix")
 
 
 def _contributions(context: Context) -> Iterator[Block]:
     _ = context.text
-    entries, letter = context.entries, context.dynamics.letter
+    letter = context.dynamics.letter
     yield Paragraph(_("Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians."))
     yield textbook("inertia_matrix", B=letter, rotors=has_rotors(context.robot))
     items = (
         BodyItem(
             body.symbol(letter),
-            entries.B_motor(body.index) if body.is_rotor else entries.B_link(body.index),
+            context.entries.inertia_part(body.index, body.is_rotor),
             groups.body(body.place, 0),
             symmetric=True,
         )

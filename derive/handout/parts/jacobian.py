@@ -104,10 +104,12 @@ def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
     """Vectors that fit share lines; then those by their entries, and those whose entries are too long."""
     _ = context.text
     joints = range(1, context.robot.n + 1)
-    turning = [i for i in joints if context.robot.joints[i - 1].is_revolute]
+    origins = [axes.of_frame("o", i) for i in joints if context.robot.joints[i - 1].is_revolute]
+    if origins:
+        origins.append(axes.end())
     for title, vectors in (
-        (_("Axes:"), [axes.axis(i) for i in joints]),
-        (_("Origins, and that of the end effector:"), [*map(axes.origin, turning), axes.end()] if turning else []),
+        (_("Axes:"), [axes.of_frame("z", i) for i in joints]),
+        (_("Origins, and that of the end effector:"), origins),
         (_("Columns:"), [axes.column(i) for i in joints]),
     ):
         if not vectors:
@@ -163,27 +165,26 @@ class _JointAxes:
         upper, lower = zip(*(self._halves(i) for i in range(1, self.context.robot.n + 1)), strict=True)
         return concatenate(bold("J"), EQUALS, matrix([upper, lower]))
 
-    def axis(self, i: int) -> Vector:
-        """The axis of a joint.
+    def of_frame(self, letter: str, i: int) -> Vector:
+        """The axis z of a joint, or the origin o on it, in the world.
 
         Args:
+            letter: z or o.
             i: The joint.
 
         Returns:
-            z of its frame, world frame.
+            The vector; without entries behind the first frame that is too long.
         """
-        return self._column_of_frame("z", self._frame(i), 3)
-
-    def origin(self, i: int) -> Vector:
-        """The origin on the axis of a joint.
-
-        Args:
-            i: The joint.
-
-        Returns:
-            o of its frame, world frame.
-        """
-        return self._column_of_frame("o", self._frame(i), 4)
+        frame, column = self._frame(i), 3 if letter == "z" else 4
+        symbol = script(bold(letter), italic(str(frame)))
+        if frame > self._last_short:
+            return Vector(symbol)
+        quantity, namer = self.context.entries.frame(frame).part(_UPPER, (column,)), component_namer(symbol)
+        found = small(self.context, symbol, quantity, namer)
+        if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
+            return Vector(symbol, found)
+        group = groups.axis(self.context.robot.n, frame, column)
+        return Vector(symbol, entries=self.context.layouter.block(symbol, namer, quantity, group=group))
 
     def end(self) -> Vector:
         """The origin of the end effector."""
@@ -203,17 +204,6 @@ class _JointAxes:
         upper, lower = self._halves(i)
         box = concatenate(symbol, EQUALS, matrix([[upper], [lower]]))
         return Vector(box, small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)))
-
-    def _column_of_frame(self, letter: str, frame: int, column: int) -> Vector:
-        symbol = script(bold(letter), italic(str(frame)))
-        if frame > self._last_short:
-            return Vector(symbol)
-        quantity, namer = self.context.entries.frame(frame).part(_UPPER, (column,)), component_namer(symbol)
-        found = small(self.context, symbol, quantity, namer)
-        if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
-            return Vector(symbol, found)
-        group = groups.axis(self.context.robot.n, frame, column)
-        return Vector(symbol, entries=self.context.layouter.block(symbol, namer, quantity, group=group))
 
     @cached_property
     def _last_short(self) -> int:

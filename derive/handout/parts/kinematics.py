@@ -18,7 +18,7 @@ from derive.handout.textbook import textbook
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
 
-FEW_FACTORS = 8
+_FEW_FACTORS = 8
 """So many factors of a product are all written; of more the first and the last."""
 
 _DOTS = Box("\\cdots ", 15.0)
@@ -62,7 +62,11 @@ def end_effector(context: Context) -> Iterator[Block]:
     _ = context.text
     end = context.layouter.block(_END, EntryNamer(context.symbols, "t"), context.entries.T, group=groups.T)
     yield Paragraph(_("The end effector in the world:"))
-    yield Rows((concatenate(_END, EQUALS, *_between_base_and_tool(context, _product_of_rows(context))).tex,))
+    n, frame = context.robot.n, context.symbols.frame
+    factors = [frame("A", i, i - 1) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
+    if n > _FEW_FACTORS:
+        factors.insert(3, _DOTS)
+    yield Rows((concatenate(_END, EQUALS, *_between_base_and_tool(context, factors)).tex,))
     if context.steps:
         yield Steps(_("The product, row by row"), tuple(_steps(context)))
     if end.omitted:
@@ -81,14 +85,6 @@ def end_effector(context: Context) -> Iterator[Block]:
 
 def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> LaidOut:
     return context.layouter.block(symbol, entry_namer(symbol), quantity, group=group)
-
-
-def _product_of_rows(context: Context) -> list[Box]:
-    """The factors A_1 ... A_n, those in the middle by dots if there are many."""
-    n = context.robot.n
-    shown = range(1, n + 1) if n <= FEW_FACTORS else (1, 2, 3, n)
-    factors = [context.symbols.frame("A", i, i - 1) for i in shown]
-    return factors if n <= FEW_FACTORS else [*factors[:3], _DOTS, factors[3]]
 
 
 def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box]:

@@ -69,13 +69,13 @@ def coriolis(context: Context) -> Iterator[Block]:
         _("Centrifugal and Coriolis terms; this choice of $\\mathbf{C}$ makes $\\mathbf{N}$ skew-symmetric.")
     )
     yield textbook("coriolis_matrix", c=context.symbols.christoffel("i", "j", "k").tex)
-    if context.dynamics.coriolis_is_named:
+    if not context.dynamics.is_compact(context.entries.C):
         yield Paragraph(_("With the Christoffel symbols above:"))
-        yield formula(context, context.dynamics.named_coriolis(), _CORIOLIS)
+        yield formula(context, context.dynamics.rate_sums("C"), _CORIOLIS)
         return
     if context.steps and context.entries.triples:
-        yield Steps(_("By Christoffel symbols"), (Rows(context.dynamics.named_coriolis().lines),))
-    yield formula(context, context.dynamics.coriolis(), _CORIOLIS)
+        yield Steps(_("By Christoffel symbols"), (Rows(context.dynamics.rate_sums("C").lines),))
+    yield formula(context, context.dynamics.closed("C"), _CORIOLIS)
 
 
 def skew(context: Context) -> Iterator[Block]:
@@ -97,15 +97,16 @@ def skew(context: Context) -> Iterator[Block]:
         )
     )
     yield textbook("skew_symmetry", b=letter.lower(), c_ijk=c("i", "j", "k").tex, c_jik=c("j", "i", "k").tex)
-    derivative = context.dynamics.inertia_rate() if context.steps else None
-    if derivative is not None:
-        yield Steps(_("Derivative of the inertia matrix with respect to time"), (formula(context, derivative),))
-    if context.dynamics.skew_is_named:
-        yield Paragraph(_("The entries above the diagonal; those below are their opposites, those on it are zero."))
-        yield formula(context, context.dynamics.named_skew(), _CORIOLIS)
+    entries, is_compact = context.entries, context.dynamics.is_compact
+    if context.steps and is_compact(entries.Bdot):
+        derivative = formula(context, context.dynamics.closed("Bdot"))
+        yield Steps(_("Derivative of the inertia matrix with respect to time"), (derivative,))
+    if is_compact(entries.C) and is_compact(entries.N):
+        yield formula(context, context.dynamics.closed("N"), _CORIOLIS)
     else:
-        yield formula(context, context.dynamics.skew(), _CORIOLIS)
-    if context.entries.is_skew(context.policy.compact_terms):
+        yield Paragraph(_("The entries above the diagonal; those below are their opposites, those on it are zero."))
+        yield formula(context, context.dynamics.rate_sums("N"), _CORIOLIS)
+    if entries.is_skew(context.policy.compact_terms):
         yield Paragraph(
             _(
                 "Check: multiplied out, the entries of $\\mathbf{N} + \\mathbf{N}^T$ cancel one by one, so that "
@@ -129,7 +130,7 @@ def gravity(context: Context) -> Iterator[Block]:
         return
     yield Paragraph(_("The gradient of the potential energy."))
     yield textbook("gravity_vector", rotors=has_rotors(context.robot))
-    yield formula(context, context.dynamics.gravity(), "gravity_vector")
+    yield formula(context, context.dynamics.closed("g"), "gravity_vector")
 
 
 def equations_of_motion(context: Context) -> Iterator[Block]:
@@ -144,17 +145,18 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     _ = context.text
     friction = any(link.viscous != ZERO or link.coulomb != ZERO for link in context.robot.links)
     yield textbook("equations_of_motion", B=context.dynamics.letter, friction=friction)
-    if context.dynamics.torque_is_too_long:
+    entries, is_compact = context.entries, context.dynamics.is_compact
+    if is_compact(entries.C) and is_compact(entries.tau):
+        if context.steps:
+            yield Steps(_("With the entries and symbols above"), (Rows(context.dynamics.named_torque().lines),))
+        yield formula(context, context.dynamics.closed("tau"), _TORQUE)
+    elif 2 * len(entries.triples) > context.policy.named_products * context.robot.n:
         yield Paragraph(
             _(
                 "Written out, even with the entries and symbols above, they are too long to print; `inverse_dynamics` "
                 "in `model_numpy.py` computes them."
             )
         )
-    elif context.dynamics.torque_is_named:
+    else:
         yield Paragraph(_("With the entries and symbols above:"))
         yield formula(context, context.dynamics.named_torque(), _TORQUE)
-    else:
-        if context.steps:
-            yield Steps(_("With the entries and symbols above"), (Rows(context.dynamics.named_torque().lines),))
-        yield formula(context, context.dynamics.torque(), _TORQUE)

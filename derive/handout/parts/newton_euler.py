@@ -189,7 +189,7 @@ def _link_data(context: Context, recursion: Recursion, i: int) -> Formula:
 def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Constant]:
     index, link, row = str(i), context.robot.links[i - 1], context.entries.A(i)
     rotation = [[row.entry(r, c) for c in (1, 2, 3)] for r in (1, 2, 3)]
-    yield _Constant(recursion.rotation(index, str(i - 1)), rotation, context.printer)
+    yield _Constant(context.symbols.frame("R", i, i - 1), rotation, context.printer)
     # p leads from o_{i-1} to o_i: in frame i (standard), where it is constant, or in frame i-1 (modified)
     back = context.entries.transform(i, i - 1) if context.is_standard else None
     p = [row.entry(r, 4) if back is None else -back.entry(r, 4) for r in (1, 2, 3)]

@@ -68,12 +68,11 @@ def _position(context: Context) -> Iterator[Block]:
         yield Rows((concatenate(bold("p"), EQUALS, matrix([[_t(context, i, 4)] for i in (1, 2, 3)])).tex,))
         return
 
-    def coordinate(i: int, _: int) -> Box:
-        name = script(italic("p"), italic("xyz"[i - 1]))
-        return _t(context, i, 4) if name.tex in context.notation.taken else name
-
+    names = [script(italic("p"), italic(axis)) for axis in "xyz"]
+    names = [_t(context, i, 4) if p.tex in context.notation.taken else p for i, p in enumerate(names, 1)]
     group = groups.row(context.robot.n + 1)
-    yield formula(context, context.layouter.block(bold("p"), coordinate, quantity, group=group), "forward_kinematics")
+    laid_out = context.layouter.block(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
+    yield formula(context, laid_out, "forward_kinematics")
 
 
 def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
@@ -90,7 +89,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
             end=_END,
         )
     )
-    if _vanish(context, (1, 1), (2, 1)):
+    if not _terms(context, (1, 1), (2, 1)):
         pitch_by_entry = (Piece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
         angles: Angles = (Piece(italic("0")),), pitch_by_entry, _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2))
         yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy)
@@ -109,7 +108,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     )
     used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
     yield from _angles(context, names, angles, used, context.entries.rpy)
-    if _vanish(context, (3, 1)):
+    if not _terms(context, (3, 1)):
         yield _never_singular(context, _t(context, 3, 1))
         return
     yield Paragraph(
@@ -149,7 +148,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
             product=_rotations("zyz", names),
         )
     )
-    if _vanish(context, (1, 3), (2, 3)):
+    if not _terms(context, (1, 3), (2, 3)):
         signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
         angles: Angles = _atan2(*signed), (Piece(concatenate(_RIGHT_ANGLE, inside)),), (Piece(italic("0")),)
@@ -170,7 +169,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     )
     used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
     yield from _angles(context, names, angles, used, context.entries.euler_zyz)
-    if _vanish(context, (3, 3)):
+    if not _terms(context, (3, 3)):
         yield _never_singular(context, cosine)
         return
     yield Paragraph(
@@ -200,7 +199,7 @@ def _angles(
 ) -> Iterator[Block]:
     """The angles by entries of T, then written out if those entries are short."""
     yield Rows(tuple(equation_lines(map(Equation, names, by_entries))))
-    if _terms(context, used) > SHORT_ANGLES:
+    if _terms(context, *used) > SHORT_ANGLES:
         return
     values = [quantity.entry(i, 1) for i in (1, 2, 3)]
     written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(names, values, strict=True)]
@@ -220,13 +219,9 @@ def _t(context: Context, row: int, column: int) -> Box:
     return context.symbols.entry("t", row, column)
 
 
-def _terms(context: Context, places: Sequence[Place]) -> int:
+def _terms(context: Context, *places: Place) -> int:
+    """Number of terms of some entries of T together; 0 if they vanish in every configuration."""
     return sum(context.entries.T.terms(*place) for place in places)
-
-
-def _vanish(context: Context, *places: Place) -> bool:
-    """Whether these entries of T are zero in every configuration."""
-    return not _terms(context, places)
 
 
 def _minus(box: Box) -> Box:

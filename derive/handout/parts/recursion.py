@@ -90,20 +90,6 @@ class Recursion:
     is_standard: bool
     symbols: Symbols
 
-    # -- symbols
-
-    def rotation(self, frame: str, reference: str) -> Box:
-        """R, from the axes of one frame into those of another.
-
-        Args:
-            frame: Index of the frame.
-            reference: Index of the frame in whose axes it is.
-
-        Returns:
-            Its name.
-        """
-        return self.symbols.frame("R", frame, reference)
-
     def offset(self, index: str) -> Box:
         """The vector p from o_{i-1} to o_i, with a star in the standard convention.
 
@@ -115,8 +101,6 @@ class Recursion:
         """
         return script(Box("\\mathbf{p}", 6.5), italic(index), Box("*", 5.0) if self.is_standard else EMPTY)
 
-    # -- equations
-
     def outward(self, joint: JointLetters) -> list[str]:
         """Motion of link i from that of link i-1, and the force and moment that this motion takes.
 
@@ -126,8 +110,18 @@ class Recursion:
         Returns:
             Lines.
         """
-        motion = self._standard_motion(joint) if self.is_standard else self._modified_motion(joint)
-        return _lines([*motion, *_resultants(joint)])
+        i = joint.index
+        w, wd, a = _motion(i)
+        center, inertia = vector("a", f"c_{{{i}}}"), vector("I", i)
+        gyroscopic = concatenate(w, _TIMES, _OPEN, inertia, w, _CLOSE)
+        return _lines(
+            [
+                *(self._standard_motion(joint) if self.is_standard else self._modified_motion(joint)),
+                (center, [(1, a), *_rotational(w, wd, com(i))]),
+                (vector("F", i), [(1, concatenate(script(italic("m"), italic(i)), center))]),
+                (vector("N", i), [(1, concatenate(inertia, wd)), (1, gyroscopic)]),
+            ]
+        )
 
     def inward(self, joint: JointLetters) -> list[str]:
         """Force and moment that link i receives through its joint, and the torque of the joint.
@@ -139,13 +133,13 @@ class Recursion:
             Lines.
         """
         i = joint.index
-        back = self.rotation(joint.after, i)
+        back = self.symbols.frame("R", joint.after, i)
         force, moment = vector("f", i), vector("n", i)
         resultant, resultant_moment = vector("F", i), vector("N", i)
         p, r = self.offset(i if self.is_standard else joint.after), com(i)
         arm = concatenate(_OPEN, p, Box(" + ", 12.3), r, _CLOSE) if self.is_standard else r
         z = vector("z", "0")
-        axis = concatenate(self.rotation(joint.before, i), z) if self.is_standard else z
+        axis = concatenate(self.symbols.frame("R", joint.before, i), z) if self.is_standard else z
         forces: list[Term] = [(1, resultant)]
         moments: list[Term] = [(1, concatenate(arm, _TIMES, resultant)), (1, resultant_moment)]
         if not joint.is_last:
@@ -163,7 +157,7 @@ class Recursion:
     def _standard_motion(self, joint: JointLetters) -> Iterator[Sides]:
         w, wd, a = _motion(joint.index)
         w0, wd0, a0 = _motion(joint.before)
-        turn, z, p = self.rotation(joint.before, joint.index), vector("z", "0"), self.offset(joint.index)
+        turn, z, p = self.symbols.frame("R", joint.before, joint.index), vector("z", "0"), self.offset(joint.index)
         rate, acceleration = concatenate(joint.rate, z), concatenate(joint.acceleration, z)
         coriolis = concatenate(joint.rate, w0, _TIMES, z)
         if joint.is_revolute:
@@ -180,7 +174,7 @@ class Recursion:
     def _modified_motion(self, joint: JointLetters) -> Iterator[Sides]:
         w, wd, a = _motion(joint.index)
         w0, wd0, a0 = _motion(joint.before)
-        turn, z, p = self.rotation(joint.before, joint.index), vector("z", "0"), self.offset(joint.index)
+        turn, z, p = self.symbols.frame("R", joint.before, joint.index), vector("z", "0"), self.offset(joint.index)
         rate, acceleration = (joint.sign, concatenate(joint.rate, z)), (joint.sign, concatenate(joint.acceleration, z))
         coriolis = concatenate(joint.rate, w, _TIMES, z)
         carried = (1, _turned(turn, [(1, a0), *_rotational(w0, wd0, p)]))
@@ -223,17 +217,6 @@ def _motion(index: str) -> tuple[Box, Box, Box]:
     """Angular velocity and acceleration of link i, acceleration of its origin."""
     acceleration = Box(f"\\dot{{{_OMEGA.tex}}}", _OMEGA.width)
     return script(_OMEGA, italic(index)), script(acceleration, italic(index)), vector("a", index)
-
-
-def _resultants(joint: JointLetters) -> Iterator[Sides]:
-    """Acceleration of the centre of mass, F = m a_c, and N by Euler's equation."""
-    i = joint.index
-    w, wd, a = _motion(i)
-    acceleration, inertia = vector("a", f"c_{{{i}}}"), vector("I", i)
-    yield acceleration, [(1, a), *_rotational(w, wd, com(i))]
-    yield vector("F", i), [(1, concatenate(script(italic("m"), italic(i)), acceleration))]
-    gyroscopic = concatenate(w, _TIMES, _OPEN, inertia, w, _CLOSE)
-    yield vector("N", i), [(1, concatenate(inertia, wd)), (1, gyroscopic)]
 
 
 def _rotational(w: Box, wd: Box, r: Box) -> list[Term]:

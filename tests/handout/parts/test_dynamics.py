@@ -157,7 +157,7 @@ def test_bodies_and_armatures_add_up_to_the_inertia_matrix(key: str | int) -> No
     n = range(1, context.robot.n + 1)
     total = np.diag(numbers.oracle.arm.armature.astype(float))
     for body in bodies(context.robot):
-        part = (context.entries.B_motor if body.is_rotor else context.entries.B_link)(body.index)
+        part = context.entries.inertia_part(body.index, body.is_rotor)
         total += np.array([[evaluate(part.entry(i, j), numbers.values) for j in n] for i in n])
     np.testing.assert_allclose(total, numbers.oracle.evaluate("inertia_matrix", numbers.q), rtol=0, atol=1e-9)
 
