@@ -100,7 +100,7 @@ SPECIAL: dict[Fraction, tuple[int, ...]] = {
 """Angles (multiples of pi, up to sign and right angles) whose cosine and sine are square roots of these primes."""
 
 
-def rebuilt(e: Expression, change: Callable[[Expression], Expression]) -> Expression:
+def mapped(e: Expression, change: Callable[[Expression], Expression]) -> Expression:
     """A node with changed children and nothing flattened or folded.
 
     Args:
@@ -126,7 +126,7 @@ def canonical(e: Expression) -> Expression:
     Args:
         e: Any tree.
     """
-    ordered = rebuilt(e, canonical)
+    ordered = mapped(e, canonical)
     match ordered:
         case Sum(terms):
             return Sum(tuple(sorted(terms, key=repr)))

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.generators import Kind, canonical, collect, rebuilt
+from derive.algebra.generators import Kind, canonical, collect, mapped
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError
 from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, substitute, to_text
@@ -146,8 +146,8 @@ def _division_by_zero(e: Expression) -> CheckError:
 def _opaque(e: Expression) -> Expression:
     """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets."""
     if isinstance(e, Call) and e.function in NOT_ALGEBRAIC:
-        return Name(to_text(rebuilt(e, canonical)))
-    return rebuilt(e, _opaque)
+        return Name(to_text(mapped(e, canonical)))
+    return mapped(e, _opaque)
 
 
 def _without_division(e: Expression) -> Expression:
@@ -160,7 +160,7 @@ def _without_division(e: Expression) -> Expression:
         case Call():
             return e
         case _:
-            return rebuilt(e, _without_division)
+            return mapped(e, _without_division)
 
 
 def _denominators(e: Expression) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import reduce
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import sympy
@@ -17,13 +17,10 @@ from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, P
 from derive.check.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location
 from derive.lecture.shorthand import read_formula
-from derive.model.equality import Verdict, compare, scalar_quantity
+from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
 from derive.robot.expression import number
 
-__all__ = ["FileReport", "Finding", "Role", "check_expression", "check_file"]
-
-Expr = Any
 Matrix = Any
 
 
@@ -32,6 +29,9 @@ def check_file(file: CorpusFile) -> FileReport:
 
     Args:
         file: The robot and its printed formulas.
+
+    Returns:
+        One finding for each formula, in the order of the file.
 
     Raises:
         QuantityError: An item names no quantity of this robot.
@@ -55,6 +55,9 @@ def check_expression(model: Model, quantity: str, text: str, latex: bool = False
         text: The formula, in the notation of lecture notes.
         latex: Whether it is LaTeX.
 
+    Returns:
+        The comparison.
+
     Raises:
         QuantityError: No such quantity, or a matrix.
         CheckError: The formula cannot be read.
@@ -67,6 +70,25 @@ def check_expression(model: Model, quantity: str, text: str, latex: bool = False
     return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, right, start, question=question)
 
 
+def derived_matrix(model: Model, item: PrintedQuantity) -> Matrix:
+    """The derived quantity that belongs to a printed item.
+
+    Args:
+        model: The robot's model.
+        item: The item; a single printed formula is an entry where its quantity is a matrix.
+
+    Returns:
+        A SymPy matrix, 1x1 for a scalar.
+
+    Raises:
+        QuantityError: No such quantity.
+    """
+    value = model.quantity(item.quantity)
+    if item.shape == (1, 1) and getattr(value, "shape", (1, 1)) != (1, 1):
+        value = scalar_quantity(model, item.quantity)
+    return value if hasattr(value, "shape") else sympy.ImmutableMatrix([[value]])
+
+
 def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding]:
     """Errors about an item are placed at it."""
     try:
@@ -76,72 +98,48 @@ def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding
 
 
 def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
-    right = _derived(model, item)
+    right = derived_matrix(model, item)
     if item.shape is not None and item.shape != right.shape:
         raise CheckError(
             f"{item.quantity}: printed with {item.shape[0]} rows and {item.shape[1]} columns",
             allowed=f"{right.shape[0]} rows and {right.shape[1]} columns",
         )
     erratum = item.status == "erratum"
-    for entry in item.entries:
-        yield _entry(model, item, right, entry, Role.PRINTED, erratum)
-    for entry in item.abbreviated:
-        yield _entry(model, item, right, entry, Role.ABBREVIATED, erratum)
-    for entry in item.corrections:
-        yield _entry(model, item, right, entry, Role.CORRECTION)
+    yield from (_entry(model, item, right, entry, Role.PRINTED, erratum) for entry in item.entries)
+    yield from (_entry(model, item, right, entry, Role.ABBREVIATED, erratum) for entry in item.abbreviated)
+    yield from (_entry(model, item, right, entry, Role.CORRECTION) for entry in item.corrections)
     if item.rest_zero:
-        yield from _rest(model, item, right)
-
-
-def _derived(model: Model, item: PrintedQuantity) -> Matrix:
-    """The quantity as a matrix; a single printed formula is an entry where the quantity is a matrix."""
-    value = model.quantity(item.quantity)
-    if item.shape == (1, 1) and getattr(value, "shape", (1, 1)) != (1, 1):
-        value = scalar_quantity(model, item.quantity)
-    return value if hasattr(value, "shape") else sympy.ImmutableMatrix([[value]])
+        printed = {(entry.row, entry.column) for entry in item.entries}
+        for i, j in product(range(1, right.shape[0] + 1), range(1, right.shape[1] + 1)):
+            if (i, j) not in printed:
+                zero = Printed(i, j, "0", number(0), item.location)
+                yield _entry(model, item, right, zero, Role.REST)
 
 
 def _entry(
     model: Model, item: PrintedQuantity, right: Matrix, entry: Printed, role: Role, erratum: bool = False
 ) -> Finding:
-    if entry.row > right.shape[0] or entry.column > right.shape[1]:
+    rows, columns = right.shape
+    if entry.row > rows or entry.column > columns:
         raise CheckError(
             f"{item.quantity}: entry {entry.row},{entry.column}",
-            allowed=f"rows 1 to {right.shape[0]}, columns 1 to {right.shape[1]}",
+            allowed=f"rows 1 to {rows}, columns 1 to {columns}",
             location=entry.location,
         )
-    row, column = _shown_place(right, entry)
+    row = 0 if (rows, columns) == (1, 1) else entry.row
+    column = 0 if columns == 1 else entry.column
     if entry.unknown is not None:
         return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown, erratum, item.remark)
     derived = right[entry.row - 1, entry.column - 1]
     question = Question(model.robot, entry.formula, expression_from_sympy(derived))
-    verdict = _compared(question, entry)
+    try:
+        verdict = compare(question.robot, question.right, question.printed)
+    except DeriveError as error:
+        raise error.at(entry.location) from None
     where = entry.location
     return Finding(
         item.quantity, row, column, role, entry.text, verdict, derived, where, erratum, question, remark=item.remark
     )
-
-
-def _compared(question: Question, entry: Printed) -> Verdict:
-    try:
-        return compare(question.robot, question.right, question.printed)
-    except DeriveError as error:
-        raise error.at(entry.location) from None
-
-
-def _shown_place(right: Matrix, entry: Printed) -> tuple[int, int]:
-    if right.shape == (1, 1):
-        return 0, 0
-    return entry.row, 0 if right.shape[1] == 1 else entry.column
-
-
-def _rest(model: Model, item: PrintedQuantity, right: Matrix) -> Iterator[Finding]:
-    printed = {(entry.row, entry.column) for entry in item.entries}
-    for i in range(1, right.shape[0] + 1):
-        for j in range(1, right.shape[1] + 1):
-            if (i, j) not in printed:
-                zero = Printed(i, j, "0", number(0), item.location)
-                yield _entry(model, item, right, zero, Role.REST)
 
 
 def _identity(model: Model, identity: Identity) -> Finding:
@@ -163,10 +161,9 @@ def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:
     fits = all(a[1] == b[0] for a, b in pairwise(shapes))
     if not fits or (shapes[0][0], shapes[-1][1]) != getattr(whole, "shape", None):
         raise CheckError(f"factorisation of {item.of}: shapes {shapes} do not fit", remedy="check the names")
-    product = reduce(lambda a, b: a * b, (sympy.Matrix(factor) for factor in factors))
+    multiplied = reduce(lambda a, b: a * b, (sympy.Matrix(factor) for factor in factors))
     text = "*".join(item.factors)
-    for i in range(whole.shape[0]):
-        for j in range(whole.shape[1]):
-            formula = expression_from_sympy(product[i, j])
-            verdict = compare(model.robot, expression_from_sympy(whole[i, j]), formula)
-            yield Finding(item.of, i + 1, j + 1, Role.FACTORISATION, text, verdict, whole[i, j], item.location)
+    for i, j in product(range(whole.shape[0]), range(whole.shape[1])):
+        formula = expression_from_sympy(multiplied[i, j])
+        verdict = compare(model.robot, expression_from_sympy(whole[i, j]), formula)
+        yield Finding(item.of, i + 1, j + 1, Role.FACTORISATION, text, verdict, whole[i, j], item.location)

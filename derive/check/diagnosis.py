@@ -9,9 +9,9 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import chain, islice
 
-from derive.check.edits import Edit, Kind, Vocabulary, changes_text, edits
+from derive.check.edits import Edit, Replacements, SlipKind, changes_text, edits
 from derive.check.spots import Evaluator, Spot, is_token, spots
 from derive.errors import DeriveError
 from derive.model.equality import compare
@@ -22,16 +22,25 @@ from derive.robot.robot import Robot
 MAX_WORK = 4_000_000
 """Float operations, about, spent on one formula; beyond them no change is named."""
 
-MAX_TERMS = 400
+WORK_OF_EDIT = 8
+"""Float operations of one change beside those on the way to the root, about."""
+
+MAX_LACKING_TERMS = 400
 """Terms of the right formula that a printed one may lack."""
 
 MAX_PROOFS = 20
 """Candidates of one kind that are decided exactly: what is right at one point to nine digits rarely fails."""
 
-WORK_OF_EDIT = 8
 CLOSE = 1e-9
+"""Relative difference of two values that count as the same."""
+
 POINTS = 40
-PAIRED = (Kind.SIGN, Kind.FUNCTION, Kind.EXPONENT, Kind.INDEX)
+"""Points that are tried until both formulas have a value."""
+
+MAX_SINGLE_ANGLES = 12
+"""Joint angles whose sine and cosine a term may lack; for longer arms only those that occur are tried."""
+
+PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)
 """Kinds of which two changes are tried."""
 
 _BAD = (ArithmeticError, ValueError, KeyError)
@@ -67,8 +76,12 @@ class Question:
         return self.compared is _itself
 
     def is_answer(self, formula: Expression) -> bool:
-        """Whether a formula is right, decided exactly."""
-        whole = substitute(self.compared(formula), dict(self.definitions))
+        """Whether a formula is right, decided exactly.
+
+        Args:
+            formula: What might have been printed.
+        """
+        whole = substitute(self.compared(formula), self.definitions)
         try:
             return compare(self.robot, self.right, whole).equal
         except DeriveError:
@@ -85,107 +98,105 @@ class Repair:
         formula: The printed formula with the changes made.
     """
 
-    kinds: tuple[Kind, ...]
+    kinds: tuple[SlipKind, ...]
     text: str
     formula: Expression
 
 
 def diagnose(question: Question) -> Repair | None:
-    """The smallest change that repairs a formula, or None if no single change and no two of one kind do."""
-    search = _Search.of(question)
-    if search is None:
-        return None
-    found = search.single() or search.double()
-    if found is None:
-        return None
-    return Repair(tuple(edit.kind for edit in found), changes_text(found, question.robot), _changed(found[-1]))
+    """The smallest change that repairs a formula.
+
+    Args:
+        question: The formula and what it should be.
+
+    Returns:
+        The change, or None if no single change and no two of one kind repair it.
+    """
+    known_names = _known_names(question)
+    for evaluate in _evaluators(question, known_names):
+        try:
+            search = _Search(question, evaluate, known_names)
+        except _BAD:  # one of the formulas has no value at this point
+            continue
+        found = search.one_change() or search.two_changes()
+        if found is None:
+            return None
+        return Repair(tuple(edit.kind for edit in found), changes_text(found, question.robot), found[-1].formula)
+    return None
 
 
 class _Search:
-    def __init__(self, question: Question, evaluate: Evaluator, target: float, whole: Callable[[float], float]) -> None:
+    """The search at one point; ArithmeticError, ValueError or KeyError where a formula has no value there."""
+
+    def __init__(self, question: Question, evaluate: Evaluator, known_names: Sequence[str]) -> None:
         self.question = question
         self.evaluate = evaluate
-        self.target = target
-        self.whole = whole
-        self.words = _vocabulary(question)
+        self.outer = None if question.is_plain else question.compared(Name("(printed)"))
+        self.target = evaluate(question.right)
+        self._compared_value(evaluate(question.printed))
+        self.may = _replacements(question, known_names)
         self.work = 0
 
-    @classmethod
-    def of(cls, question: Question) -> _Search | None:
-        """A search at the first point where both formulas have values; None without one."""
-        for evaluate in _evaluators(question):
-            try:
-                target = evaluate(question.right)
-                whole = _compared_value(question, evaluate)
-                whole(evaluate(question.printed))
-            except _BAD:
-                continue
-            return cls(question, evaluate, target, whole)
-        return None
+    def _compared_value(self, value: float) -> float:
+        """What is compared, for a value of the printed formula."""
+        if self.outer is None:
+            return value
+        return Evaluator({**self.evaluate.values, "(printed)": value})(self.outer)
 
-    def single(self) -> tuple[Edit, ...] | None:
+    def one_change(self) -> tuple[Edit, ...] | None:
         """One change, of the first kind that has one."""
-        places = self.places(self.question.printed)
-        for kind in Kind:
-            if found := self.right([(edit,) for edit in self.hits(places, kind)]):
+        places = self._places(self.question.printed)
+        for kind in SlipKind:
+            if found := self._least_right([(edit,) for edit in self._hits(places, kind)]):
                 return found
         return None
 
-    def double(self) -> tuple[Edit, ...] | None:
+    def two_changes(self) -> tuple[Edit, ...] | None:
         """Two changes of one kind."""
-        places = self.places(self.question.printed)
+        places = self._places(self.question.printed)
         for kind in PAIRED:
-            firsts = [edit for place in places for edit in edits(place, self.words, frozenset({kind}))]
+            firsts = [edit for place in places for edit in edits(place, self.may, kind)]
             if len(firsts) ** 2 * (WORK_OF_EDIT + len(places)) > MAX_WORK:
                 continue
             pairs: list[tuple[Edit, ...]] = [
-                (first, second) for first in firsts for second in self.hits(self.places(_changed(first)), kind)
+                (first, second) for first in firsts for second in self._hits(self._places(first.formula), kind)
             ]
-            if found := self.right(pairs):
+            if found := self._least_right(pairs):
                 return found
         return None
 
-    def right(self, candidates: list[tuple[Edit, ...]]) -> tuple[Edit, ...] | None:
+    def _least_right(self, candidates: list[tuple[Edit, ...]]) -> tuple[Edit, ...] | None:
         """The candidate that touches least, of those that are right."""
-        candidates.sort(key=lambda made: (sum(_size(edit.old) for edit in made), made[0].place.depth))
-        return next((made for made in candidates[:MAX_PROOFS] if self.question.is_answer(_changed(made[-1]))), None)
+        sizes = [sum(1 for edit in made for _ in _nodes(edit.old)) for made in candidates]
+        ranked = sorted(zip(sizes, candidates, strict=True), key=lambda pair: (pair[0], pair[1][0].place.depth))
+        return next((made for _, made in ranked[:MAX_PROOFS] if self.question.is_answer(made[-1].formula)), None)
 
-    def places(self, formula: Expression) -> list[Spot]:
+    def _places(self, formula: Expression) -> list[Spot]:
         try:
             return list(spots(formula, self.evaluate))
         except _BAD:
             return []
 
-    def hits(self, places: Sequence[Spot], kind: Kind) -> Iterator[Edit]:
+    def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
         """The changes that give the right value at the point."""
         for place in places:
-            for edit in edits(place, self.words, frozenset({kind})):
+            for edit in edits(place, self.may, kind):
                 self.work += place.cost + WORK_OF_EDIT
                 if self.work > MAX_WORK:
                     return
-                if self.is_close(edit):
+                try:
+                    value = self._compared_value(place.value(self.evaluate(edit.node)))
+                    is_close = abs(value - self.target) <= CLOSE * (1 + abs(self.target))
+                except (*_BAD, TypeError):
+                    continue
+                if is_close:
                     yield edit
 
-    def is_close(self, edit: Edit) -> bool:
-        try:
-            value = self.whole(edit.place.value(self.evaluate(edit.node)))
-            return abs(value - self.target) <= CLOSE * (1 + abs(self.target))
-        except (*_BAD, TypeError):
-            return False
 
-
-def _compared_value(question: Question, evaluate: Evaluator) -> Callable[[float], float]:
-    """What is compared, as a function of the value of the printed formula."""
-    if question.is_plain:
-        return lambda value: value
-    slot = "(printed)"
-    outer = question.compared(Name(slot))
-    return lambda value: Evaluator({**evaluate.values, slot: value})(outer)
-
-
-def _evaluators(question: Question) -> Iterator[Evaluator]:
+def _evaluators(question: Question, known_names: Sequence[str]) -> Iterator[Evaluator]:
+    """Random points at which all definitions have a value."""
     rng = random.Random(7)
-    wanted = dict.fromkeys([*_known_names(question), *names(question.printed), *names(question.right)])
+    wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
     for _ in range(POINTS):
         values = {name: rng.choice((-1, 1)) * rng.uniform(0.3, 1.7) for name in wanted}
         try:
@@ -197,7 +208,7 @@ def _evaluators(question: Question) -> Iterator[Evaluator]:
 
 
 def _known_names(question: Question) -> list[str]:
-    """What a name may be mistaken for; rates only where the formula is about motion."""
+    """What a name may be mistaken for; velocities and accelerations only where the formula is about motion."""
     robot = question.robot
     variables = [joint.variable for joint in robot.joints]
     rates = [rename(v) for rename in (velocity_name, acceleration_name) for v in variables]
@@ -207,17 +218,17 @@ def _known_names(question: Question) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _vocabulary(question: Question) -> Vocabulary:
-    robot, right = question.robot, question.right
-    angles = tuple(joint.variable for joint in robot.joints if joint.is_revolute)
-    tokens = [node for node in (*_nodes(question.printed), *_nodes(right)) if is_token(node)]
-    singles = [Call(f, (Name(angle),)) for angle in angles[:12] for f in ("cos", "sin")]
-    known = tuple(_known_names(question))
-    terms = [*question.extra_terms, *islice(_terms(right), MAX_TERMS)]
-    return Vocabulary(
-        names=known,
+def _replacements(question: Question, known_names: Sequence[str]) -> Replacements:
+    angles = tuple(joint.variable for joint in question.robot.joints if joint.is_revolute)
+    tokens = [node for node in (*_nodes(question.printed), *_nodes(question.right)) if is_token(node)]
+    singles = [Call(f, (Name(angle),)) for angle in angles[:MAX_SINGLE_ANGLES] for f in ("cos", "sin")]
+    whole = () if isinstance(question.right, Sum) else (question.right,)
+    of_right = islice(chain(whole, _terms_inside(question.right)), MAX_LACKING_TERMS)
+    terms = [*question.extra_terms, *of_right]
+    return Replacements(
+        names=tuple(known_names),
         angles=angles,
-        factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known)])),
+        factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known_names)])),
         terms=tuple(dict.fromkeys([*terms, *map(negate, terms)])),
     )
 
@@ -230,30 +241,15 @@ def _nodes(e: Expression) -> Iterator[Expression]:
         waiting.extend(children(node))
 
 
-def _terms(e: Expression) -> Iterator[Expression]:
+def _terms_inside(e: Expression) -> Iterator[Expression]:
     """Terms of all sums of a formula, each as it stands and multiplied with what stands before its brackets."""
-    if not isinstance(e, Sum):
-        yield e
-    yield from _inner_terms(e)
-
-
-def _inner_terms(e: Expression) -> Iterator[Expression]:
     match e:
         case Sum(terms):
             for term in terms:
                 yield term
-                yield from _inner_terms(term)
+                yield from _terms_inside(term)
         case Product(factors):
             for i, factor in enumerate(factors):
-                for term in _inner_terms(factor):
+                for term in _terms_inside(factor):
                     yield term
                     yield multiply(*factors[:i], *factors[i + 1 :], term)
-
-
-def _changed(edit: Edit) -> Expression:
-    """The whole formula with the change made."""
-    return edit.place.formula(edit.node)
-
-
-def _size(e: Expression) -> int:
-    return sum(1 for _ in _nodes(e))

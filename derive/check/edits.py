@@ -1,14 +1,13 @@
 """Single changes of a printed formula: the slips that typists, scanners and tired authors make, undone.
 
-Changes of a formula in words: ``sign of the 2nd term, -a2*c12``.
+Each has a kind, and is said in words: ``sign of the 2nd term, -a2*c12``.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import IntEnum
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
 
 from derive.check.spots import Spot, is_token
@@ -29,46 +28,25 @@ from derive.robot.expression import (
 )
 from derive.robot.robot import Robot
 
-_STEM = re.compile(r"(.*?)[0-9]*")
-_SUFFIXES = ("st", "nd", "rd")
 SWAPPED = {"cos": "sin", "sin": "cos"}
 
 
-class Kind(IntEnum):
+class SlipKind(Enum):
     """What kind of slip a change undoes, the likelier first; of several changes the first kind is reported."""
 
-    SIGN = 0
-    FUNCTION = 1
-    EXPONENT = 2
-    INDEX = 3
-    SYMBOL = 4
-    NUMBER = 5
-    MISSING_FACTOR = 6
-    EXTRA_FACTOR = 7
-    MISSING_TERM = 8
-    EXTRA_TERM = 9
-
-    @property
-    def words(self) -> str:
-        """The kind as people say it."""
-        return _WORDS[self]
+    SIGN = "sign"
+    FUNCTION = "sine or cosine"
+    EXPONENT = "exponent"
+    INDEX = "index"
+    SYMBOL = "symbol"
+    NUMBER = "number"
+    MISSING_FACTOR = "missing factor"
+    EXTRA_FACTOR = "extra factor"
+    MISSING_TERM = "missing term"
+    EXTRA_TERM = "extra term"
 
 
-_WORDS = {
-    Kind.SIGN: "sign",
-    Kind.FUNCTION: "sine or cosine",
-    Kind.EXPONENT: "exponent",
-    Kind.INDEX: "index",
-    Kind.SYMBOL: "symbol",
-    Kind.NUMBER: "number",
-    Kind.MISSING_FACTOR: "missing factor",
-    Kind.EXTRA_FACTOR: "extra factor",
-    Kind.MISSING_TERM: "missing term",
-    Kind.EXTRA_TERM: "extra term",
-}
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Edit:
     """One change at one place.
 
@@ -80,15 +58,20 @@ class Edit:
         new: What replaces it; None where a part is only negated or left out.
     """
 
-    kind: Kind
+    kind: SlipKind
     place: Spot
     node: Expression
     old: Expression
     new: Expression | None = None
 
+    @property
+    def formula(self) -> Expression:
+        """The whole formula with the change made."""
+        return self.place.formula(self.node)
+
 
 @dataclass(frozen=True, slots=True)
-class Vocabulary:
+class Replacements:
     """What may stand in a formula.
 
     Attributes:
@@ -102,52 +85,63 @@ class Vocabulary:
     angles: tuple[str, ...]
     factors: tuple[Expression, ...] = ()
     terms: tuple[Expression, ...] = ()
-    stems: Mapping[str, str] = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "stems", {name: _stem(name) for name in self.names})
 
 
-def edits(spot: Spot, words: Vocabulary, kinds: frozenset[Kind]) -> Iterator[Edit]:
-    """All changes of some kinds at one place."""
-    for kind in sorted(kinds):
-        yield from _MAKERS[kind](spot, words)
+def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
+    """All changes of one kind at one place.
+
+    Args:
+        spot: The place.
+        may: What may stand in the formula.
+        kind: The kind.
+    """
+    node = spot.node
+    match kind, node:
+        case SlipKind.SIGN, _:
+            yield from _signs(spot)
+        case SlipKind.FUNCTION, Call(function, arguments) if function in SWAPPED:
+            yield _replaced(kind, spot, Call(SWAPPED[function], arguments))
+        case SlipKind.EXPONENT, Power(base, exponent):
+            exponents = {1, 2, 3, exponent + 1, exponent - 1} if exponent > 0 else {-1, -2}
+            yield from (_replaced(kind, spot, power(base, other)) for other in sorted(exponents - {0, exponent}))
+        case SlipKind.EXPONENT, Name() | Call() | Sum() if not isinstance(spot.parent, Power):
+            yield _replaced(kind, spot, power(node, 2))
+        case ((SlipKind.INDEX | SlipKind.SYMBOL), Name(own)):
+            stem, wants_relatives = _stem(own), kind is SlipKind.INDEX
+            fitting = (name for name in may.names if name != own and (_stem(name) == stem) is wants_relatives)
+            yield from (_replaced(kind, spot, Name(name)) for name in fitting)
+        case SlipKind.INDEX, Call(function, (angle,)) if is_token(node):
+            yield from (_replaced(kind, spot, Call(function, (a,))) for a in _other_angles(angle, may.angles))
+        case SlipKind.NUMBER, Number(value):
+            values = (value + 1, value - 1, value * 2, value / 2)
+            yield from (_replaced(kind, spot, number(other)) for other in values if other != value)
+        case SlipKind.NUMBER, _ if spot.is_term:
+            yield from (_replaced(kind, spot, multiply(number(k), node)) for k in (2, Fraction(1, 2)))
+        case SlipKind.MISSING_FACTOR, _ if spot.is_term:
+            yield from (Edit(kind, spot, multiply(node, factor), node, factor) for factor in may.factors)
+        case SlipKind.EXTRA_FACTOR, Product(factors):
+            for i, factor in enumerate(factors):
+                if not (isinstance(factor, Number) and factor.value == -1):
+                    yield Edit(kind, spot, multiply(*factors[:i], *factors[i + 1 :]), factor)
+        case SlipKind.MISSING_TERM, _ if not isinstance(spot.parent, Sum):
+            yield from (Edit(kind, spot, add(node, term), node, term) for term in may.terms)
+        case SlipKind.EXTRA_TERM, _ if isinstance(spot.parent, Sum):
+            yield Edit(kind, spot, number(0), node)
 
 
-def _signs(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
+def _replaced(kind: SlipKind, spot: Spot, new: Expression) -> Edit:
+    return Edit(kind, spot, new, spot.node, new)
+
+
+def _signs(spot: Spot) -> Iterator[Edit]:
+    """The sign of a term, and those inside the angle of a cosine or sine."""
     node = spot.node
     if spot.is_term:
-        yield Edit(Kind.SIGN, spot, negate(node), node)
+        yield Edit(SlipKind.SIGN, spot, negate(node), node)
     if isinstance(node, Call) and is_token(node) and isinstance(angle := node.arguments[0], Sum):
         for i, term in enumerate(angle.terms):
             turned = add(*angle.terms[:i], negate(term), *angle.terms[i + 1 :])
-            yield _replaced(Kind.SIGN, spot, Call(node.function, (turned,)))
-
-
-def _functions(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
-    if isinstance(spot.node, Call) and spot.node.function in SWAPPED:
-        yield _replaced(Kind.FUNCTION, spot, Call(SWAPPED[spot.node.function], spot.node.arguments))
-
-
-def _exponents(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
-    node = spot.node
-    if isinstance(node, Power):
-        others = {1, 2, 3, node.exponent + 1, node.exponent - 1} if node.exponent > 0 else {-1, -2}
-        for exponent in sorted(others - {0, node.exponent}):
-            yield _replaced(Kind.EXPONENT, spot, power(node.base, exponent))
-    elif isinstance(node, Name | Call | Sum) and not isinstance(spot.parent, Power):
-        yield _replaced(Kind.EXPONENT, spot, power(node, 2))
-
-
-def _indices(spot: Spot, words: Vocabulary) -> Iterator[Edit]:
-    node = spot.node
-    if isinstance(node, Name):
-        for name in words.names:
-            if name != node.name and words.stems[name] == _stem(node.name):
-                yield _replaced(Kind.INDEX, spot, Name(name))
-    elif isinstance(node, Call) and is_token(node):
-        for angle in _other_angles(node.arguments[0], words.angles):
-            yield _replaced(Kind.INDEX, spot, Call(node.function, (angle,)))
+            yield _replaced(SlipKind.SIGN, spot, Call(node.function, (turned,)))
 
 
 def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expression]:
@@ -166,104 +160,52 @@ def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expres
         yield from (add(*map(Name, run)) for run in runs if set(run) != present)
 
 
-def _symbols(spot: Spot, words: Vocabulary) -> Iterator[Edit]:
-    if isinstance(spot.node, Name):
-        own = _stem(spot.node.name)
-        yield from (_replaced(Kind.SYMBOL, spot, Name(name)) for name in words.names if words.stems[name] != own)
-
-
-def _numbers(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
-    node = spot.node
-    if isinstance(node, Number):
-        for value in (node.value + 1, node.value - 1, node.value * 2, node.value / 2):
-            if value != node.value:
-                yield _replaced(Kind.NUMBER, spot, number(value))
-    elif spot.is_term:
-        for factor in (2, Fraction(1, 2)):
-            yield _replaced(Kind.NUMBER, spot, multiply(number(factor), node))
-
-
-def _missing_factors(spot: Spot, words: Vocabulary) -> Iterator[Edit]:
-    if spot.is_term:
-        for factor in words.factors:
-            yield Edit(Kind.MISSING_FACTOR, spot, multiply(spot.node, factor), spot.node, factor)
-
-
-def _extra_factors(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
-    if isinstance(spot.node, Product):
-        factors = spot.node.factors
-        for i, factor in enumerate(factors):
-            if not (isinstance(factor, Number) and factor.value == -1):
-                yield Edit(Kind.EXTRA_FACTOR, spot, multiply(*factors[:i], *factors[i + 1 :]), factor)
-
-
-def _missing_terms(spot: Spot, words: Vocabulary) -> Iterator[Edit]:
-    if not isinstance(spot.parent, Sum):
-        for term in words.terms:
-            yield Edit(Kind.MISSING_TERM, spot, add(spot.node, term), spot.node, term)
-
-
-def _extra_terms(spot: Spot, _: Vocabulary) -> Iterator[Edit]:
-    if isinstance(spot.parent, Sum):
-        yield Edit(Kind.EXTRA_TERM, spot, number(0), spot.node)
-
-
-def _replaced(kind: Kind, spot: Spot, new: Expression) -> Edit:
-    return Edit(kind, spot, new, spot.node, new)
-
-
 def _stem(name: str) -> str:
-    match = _STEM.fullmatch(name)
-    return match[1] if match else name
+    """A name without the number at its end."""
+    return name.rstrip("0123456789")
 
 
 def ordinal(i: int) -> str:
-    """``2nd`` for 2."""
+    """``2nd`` for 2.
+
+    Args:
+        i: A number from 1.
+    """
     plain = 10 < i % 100 < 14 or not 1 <= i % 10 <= 3
-    return f"{i}th" if plain else f"{i}{_SUFFIXES[i % 10 - 1]}"
+    return f"{i}th" if plain else f"{i}{('st', 'nd', 'rd')[i % 10 - 1]}"
 
 
-_MAKERS: Mapping[Kind, Callable[[Spot, Vocabulary], Iterator[Edit]]] = {
-    Kind.SIGN: _signs,
-    Kind.FUNCTION: _functions,
-    Kind.EXPONENT: _exponents,
-    Kind.INDEX: _indices,
-    Kind.SYMBOL: _symbols,
-    Kind.NUMBER: _numbers,
-    Kind.MISSING_FACTOR: _missing_factors,
-    Kind.EXTRA_FACTOR: _extra_factors,
-    Kind.MISSING_TERM: _missing_terms,
-    Kind.EXTRA_TERM: _extra_terms,
-}
+def changes_text(made: Sequence[Edit], robot: Robot) -> str:
+    """One change, or several and how many, with formulas in the notation of the robot.
 
-
-def changes_text(edits: Sequence[Edit], robot: Robot) -> str:
-    """One change, or several and how many, with formulas in the notation of the robot."""
-    texts = [_text(edit, robot) for edit in edits]
+    Args:
+        made: At least one.
+        robot: Whose formula it is.
+    """
+    texts = [_text(edit, robot) for edit in made]
     return texts[0] if len(texts) == 1 else f"{len(texts)} changes: {'; '.join(texts)}"
 
 
 def _text(edit: Edit, robot: Robot) -> str:
-    def shown(e: Expression) -> str:
-        return notation_text(e, robot)
-
-    parent = edit.place.parent
-    match edit:
-        case Edit(kind=Kind.SIGN, new=None) if parent is None:
-            whole = f"sign: {shown(edit.node)} instead of {shown(edit.old)}"
+    place, parent = edit.place, edit.place.parent
+    shown_parent = notation_text(parent, robot) if parent is not None else ""
+    old, new = notation_text(edit.old, robot), notation_text(edit.new, robot) if edit.new is not None else ""
+    match edit.kind:
+        case SlipKind.SIGN if not new and parent is None:
+            whole = f"sign: {notation_text(edit.node, robot)} instead of {old}"
             return "sign of the whole" if isinstance(edit.old, Sum) else whole
-        case Edit(kind=Kind.SIGN, new=None) if parent is not None:
-            place = f" of {shown(parent)}" if edit.place.depth > 1 else ""
-            return f"sign of the {ordinal(edit.place.index + 1)} term{place}, {shown(edit.old)}"
-        case Edit(kind=Kind.EXTRA_TERM):
-            return f"extra term: {shown(edit.old)}"
-        case Edit(kind=Kind.EXTRA_FACTOR):
-            return f"extra factor: {shown(edit.old)} in {shown(edit.place.node)}"
-        case Edit(kind=Kind.MISSING_FACTOR, new=new) if new is not None:
-            return f"missing factor: {shown(new)} of {shown(edit.old)}"
-        case Edit(kind=Kind.MISSING_TERM, new=new) if new is not None:
-            return f"missing term: {shown(new)}" + (f" beside {shown(edit.old)}" if parent is not None else "")
-        case Edit(new=new) if new is not None:
-            context = f" in {shown(parent)}" if isinstance(parent, Product) else ""
-            return f"{edit.kind.words}: {shown(new)} instead of {shown(edit.old)}{context}"
-    raise ValueError(edit.kind)
+        case SlipKind.SIGN if not new:
+            inside = f" of {shown_parent}" if place.depth > 1 else ""
+            return f"sign of the {ordinal(place.index + 1)} term{inside}, {old}"
+        case SlipKind.EXTRA_TERM:
+            return f"extra term: {old}"
+        case SlipKind.EXTRA_FACTOR:
+            return f"extra factor: {old} in {notation_text(place.node, robot)}"
+        case SlipKind.MISSING_FACTOR:
+            return f"missing factor: {new} of {old}"
+        case SlipKind.MISSING_TERM:
+            return f"missing term: {new}" + (f" beside {old}" if parent is not None else "")
+        case kind:
+            return f"{kind.value}: {new} instead of {old}" + (
+                f" in {shown_parent}" if isinstance(parent, Product) else ""
+            )

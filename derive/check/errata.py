@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from derive.check.findings import FileReport, Finding, Role
-from derive.check.printed import Document
+from derive.check.printed import Citation
 from derive.check.report import (
     Printer,
+    cut,
     difference_text,
     numbers,
     repaired_text,
@@ -22,6 +23,7 @@ from derive.check.verdicts import judge
 
 TITLE = "# Errata"
 LONGEST = 600
+"""Characters of a formula in the report; longer ones are cut."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +51,26 @@ class Item:
 
     findings: tuple[Finding, ...]
     printout: Printout
-    document: Document
+    document: Citation
 
 
 def errata_items(printouts: Sequence[Printout]) -> tuple[Item, ...]:
-    """What is wrong, item by item, in the order of documents; what another file counts already is left out."""
-    found = [item for printout in printouts for item in _items(printout)]
+    """What is wrong, item by item, in the order of documents; what another file counts already is left out.
+
+    Args:
+        printouts: The checked files.
+    """
+    found = []
+    for printout in printouts:
+        report = printout.report
+        wrong = [f for f in report.wrong if f.role is not Role.CORRECTION]
+        # one printed item has one remark object, which all of its findings share
+        for _, group in groupby(wrong, key=lambda f: (id(f.remark), f.quantity)):
+            findings = tuple(group)
+            said, whole = findings[0].remark, report.document
+            title, section = said.document.title or whole.title or report.source, said.document.section or whole.section
+            if not said.duplicate or said.kind == "convention":
+                found.append(Item(findings, printout, Citation(title, section)))
     return tuple(sorted(found, key=lambda item: item.document.title))
 
 
@@ -65,10 +81,13 @@ def errata_report(printouts: Sequence[Printout], titles: Mapping[str, str] | Non
         printouts: The checked files.
         titles: Names to be shown for documents.
         head: A paragraph under the title.
+
+    Returns:
+        A page with one section for each document and one entry for each printed item.
     """
     items = errata_items(printouts)
-    errors = [item for item in items if _kind(item) != "convention"]
-    conventions = [item for item in items if _kind(item) == "convention"]
+    errors = [item for item in items if item.findings[0].remark.kind != "convention"]
+    conventions = [item for item in items if item.findings[0].remark.kind == "convention"]
     lines = [TITLE, ""]
     lines += [head, ""] if head else []
     lines += [_count(errors, printouts), ""]
@@ -79,37 +98,12 @@ def errata_report(printouts: Sequence[Printout], titles: Mapping[str, str] | Non
     if conventions:
         lines += ["## Other conventions, not errors", ""]
         lines += [line for item in conventions for line in (*_lines(item), "")]
-    lines += _undecidable(printouts)
+    undecidable = [f for printout in printouts for f in printout.report.undecidable]
+    lines += ["## Undecidable: unknown names", ""] if undecidable else []
+    for f in undecidable:
+        name = _plain(unknown_name(f))
+        lines.append(f"- {_code(str(f.location))}: {_plain(what(f))}, printed {_code(f.text)}: {name}")
     return "\n".join(lines).rstrip() + "\n"
-
-
-def _items(printout: Printout) -> Iterator[Item]:
-    report = printout.report
-    wrong = [f for f in report.wrong if f.role is not Role.CORRECTION]
-    for _, group in groupby(wrong, key=lambda f: (id(f.remark), f.quantity)):
-        findings = tuple(group)
-        own, whole = findings[0].remark.document, report.document
-        document = Document(own.title or whole.title or report.source, own.section or whole.section)
-        if not (findings[0].remark.duplicate and _is_error(findings[0])):
-            yield Item(findings, printout, document)
-
-
-def _undecidable(printouts: Sequence[Printout]) -> list[str]:
-    """The formulas about which nothing can be said, each with its place in the file."""
-    found = [f for printout in printouts for f in printout.report.undecidable]
-    lines = [
-        f"- {_code(str(f.location))}: {_plain(what(f))}, printed {_code(f.text)}: {_plain(unknown_name(f))}"
-        for f in found
-    ]
-    return ["## Undecidable: unknown names", "", *lines] if found else []
-
-
-def _is_error(finding: Finding) -> bool:
-    return finding.remark.kind != "convention"
-
-
-def _kind(item: Item) -> str:
-    return item.findings[0].remark.kind
 
 
 def _count(errors: Sequence[Item], printouts: Sequence[Printout]) -> str:
@@ -144,8 +138,11 @@ def _lines(item: Item) -> Iterator[str]:
 
 def _entry_lines(finding: Finding, printout: Printout, corrections: Mapping[str, Finding]) -> Iterator[str]:
     verdict, example = judge(finding), finding.verdict.counter_example
+    correction = corrections.get(finding.entry)
+    # in the document's own style where that is known: its correction, or the printed formula repaired
+    own_style = correction.text if correction else repaired_text(finding)
     yield f"- printed: {_code(finding.text)}"
-    yield f"- right: {_code(_right(finding, printout, corrections))}"
+    yield f"- right: {_code(own_style or right_text(finding, printout.printer))}"
     if verdict.repair is not None:
         yield f"- change: {_code(verdict.repair.text)}"
     elif terms := difference_text(verdict, printout.printer):
@@ -154,18 +151,10 @@ def _entry_lines(finding: Finding, printout: Printout, corrections: Mapping[str,
         yield f"- numbers: {_plain(numbers(example))}"
 
 
-def _right(finding: Finding, printout: Printout, corrections: Mapping[str, Finding]) -> str:
-    """In the document's own style where that is known: its correction, or the printed formula repaired."""
-    correction = corrections.get(finding.entry)
-    if correction is not None:
-        return correction.text
-    return repaired_text(finding) or right_text(finding, printout.printer)
-
-
 def _code(text: str) -> str:
     """A formula between backticks, on one line."""
     shown = " ".join(text.split()).replace("`", "'")
-    return f"`{shown if len(shown) <= LONGEST else shown[: LONGEST - 3] + '...'}`"
+    return f"`{cut(shown, LONGEST)}`"
 
 
 def _plain(text: str) -> str:

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Any
 
 from derive.check.diagnosis import Question, Repair
-from derive.check.printed import NO_DOCUMENT, NO_REMARK, Document, Remark
+from derive.check.printed import NO_CITATION, NO_REMARK, Citation, Remark
 from derive.errors import Location, UnknownNameError
 from derive.model.equality import Verdict
 
@@ -92,6 +92,9 @@ def undecidable(
         unknown: The name, with its place and the nearest known ones.
         erratum: Whether the file marks it as wrong.
         remark: What the file says about it.
+
+    Returns:
+        A finding without a verdict.
     """
     where = unknown.location or Location("")
     return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, erratum, remark=remark, unknown=unknown)
@@ -113,7 +116,7 @@ class FileReport:
     robot: str
     findings: tuple[Finding, ...]
     unread: tuple[str, ...] = ()
-    document: Document = NO_DOCUMENT
+    document: Citation = NO_CITATION
 
     @property
     def wrong(self) -> tuple[Finding, ...]:

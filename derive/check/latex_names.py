@@ -3,7 +3,7 @@ r"""Names as LaTeX prints them, found among the names of a robot: ``m_{\ell_1}``
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from derive.errors import CheckError
@@ -56,41 +56,63 @@ class LatexNames:
     def meaning(self, symbol: Symbol) -> Expression:
         """The expression that a printed name stands for.
 
+        Args:
+            symbol: The name.
+
         Raises:
             CheckError: An unknown name, or one that can be read in two ways.
         """
-        if symbol.text == "pi":
+        text = symbol.text
+        if text == "pi":
             return Pi()
         if symbol.dots:
-            return self._rate(symbol)
-        angle = self._named_angle(symbol.text)
-        if angle:
-            return Call(_ANGLE[symbol.text[0].lower()], (Name(angle),))
-        return resolve_tokens(Name(self._name(symbol.text)), self.robot, self.abbreviations)
-
-    def _named_angle(self, text: str) -> str:
-        r"""The Greek angle in ``c_{\alpha_1}``; only of letters that are never lengths."""
+            return self._derivative(symbol)
+        # the Greek angle in c_{\alpha_1}; only of letters that are never lengths
         angle = text[1:]
-        is_angle = _GREEK.fullmatch(angle) is not None and angle in self.own
-        return angle if is_angle and text not in self.own and text[0].lower() in _ANGLE else ""
+        if text not in self.own and text[0].lower() in _ANGLE and _GREEK.fullmatch(angle) and angle in self.own:
+            return Call(_ANGLE[text[0].lower()], (Name(angle),))
+        return resolve_tokens(Name(self._name(text)), self.robot, self.abbreviations)
 
     def circular(self, symbol: Symbol) -> str:
-        r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty."""
+        r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty.
+
+        Args:
+            symbol: The name.
+        """
         plain = symbol.text.lower() in _ANGLE and not symbol.dots and symbol.text not in self.own
         return _ANGLE[symbol.text.lower()] if plain else ""
 
+    def _derivative(self, symbol: Symbol) -> Expression:
+        """The velocity or acceleration of a joint."""
+        variables = [joint.variable for joint in self.robot.joints]
+        name = self._name(symbol.text)
+        if name not in variables:
+            raise CheckError(
+                f"derivative of {symbol.text}, which is no joint variable", allowed=f"allowed: {', '.join(variables)}"
+            )
+        if symbol.dots > 2:
+            raise CheckError(f"{symbol.dots} dots", allowed="one for a velocity, two for an acceleration")
+        return Name(velocity_name(name) if symbol.dots == 1 else acceleration_name(name))
+
     def _name(self, text: str) -> str:
+        """The robot's name, or the token, that is printed like this; the text itself where there is none."""
         if text in self.own:
             return text
-        if match := _JOINT.fullmatch(text):
-            found = self._joint(match[1], match[2])
-            if found:
-                return found
+        if (match := _JOINT.fullmatch(text)) and (variable := self._variable(match[1], match[2])):
+            return variable
         if match := _CIRCULAR.fullmatch(text):
             return match[1].lower() + re.sub("[a-z]", "", match[2])
-        return self._relaxed(text) or text
+        for key in (_joined, _digits_last, _caseless):
+            found = sorted(name for name in self.own if key(name) == key(text))
+            if len(found) > 1:
+                ways = " or ".join(found[:2])
+                raise CheckError(f"{text} can be read in two ways, {ways}", remedy="write the name out")
+            if found:
+                return found[0]
+        return text
 
-    def _joint(self, stem: str, label: str) -> str:
+    def _variable(self, stem: str, label: str) -> str:
+        """The variable of the joint with a label, printed as theta, d or q; empty where there is none."""
         for joint in self.robot.joints:
             if joint_label(joint.variable) != label:
                 continue
@@ -101,32 +123,6 @@ class LatexNames:
                     f"theta_{label}: joint {label} is prismatic", remedy=f"its variable is d_{label} or q_{label}"
                 )
         return ""
-
-    def _relaxed(self, text: str) -> str:
-        for key in (_joined, _digits_last, _caseless):
-            found = sorted(name for name in self.own if key(name) == key(text))
-            if len(found) > 1:
-                ways = " or ".join(found[:2])
-                raise CheckError(f"{text} can be read in two ways, {ways}", remedy="write the name out")
-            if found:
-                return found[0]
-        return ""
-
-    def _rate(self, symbol: Symbol) -> Expression:
-        variables = {joint.variable for joint in self.robot.joints}
-        name = self._name(symbol.text)
-        if name not in variables:
-            raise CheckError(
-                f"derivative of {symbol.text}, which is no joint variable", allowed=f"allowed: {', '.join(variables)}"
-            )
-        if symbol.dots > 2:
-            raise CheckError(f"{symbol.dots} dots", allowed="one for a velocity, two for an acceleration")
-        return Name(_RENAME[symbol.dots](name))
-
-
-def circular_call(function: str, angle: Expression) -> Expression:
-    """The function of an angle."""
-    return Call(function, (angle,))
 
 
 def _joined(name: str) -> str:
@@ -139,6 +135,3 @@ def _digits_last(name: str) -> str:
 
 def _caseless(name: str) -> str:
     return _digits_last(name).casefold()
-
-
-_RENAME: Mapping[int, Callable[[str], str]] = {1: velocity_name, 2: acceleration_name}

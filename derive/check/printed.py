@@ -10,7 +10,7 @@ from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
-class Document:
+class Citation:
     """Where something is printed.
 
     Attributes:
@@ -20,6 +20,9 @@ class Document:
 
     title: str = ""
     section: str = ""
+
+
+NO_CITATION = Citation()
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +39,9 @@ class Remark:
     note: str = ""
     kind: str = "error"
     duplicate: bool = False
-    document: Document = Document()
+    document: Citation = NO_CITATION
 
 
-NO_DOCUMENT = Document()
 NO_REMARK = Remark()
 
 
@@ -91,16 +93,6 @@ class PrintedQuantity:
     status: str = "ok"
     remark: Remark = NO_REMARK
     implied: bool = False
-
-    @property
-    def kind(self) -> str:
-        """``error``, or what else makes it an erratum: ``convention``, ``notation``."""
-        return self.remark.kind
-
-    @property
-    def duplicate(self) -> bool:
-        """Whether another file counts it."""
-        return self.remark.duplicate
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,4 +170,4 @@ class CorpusFile:
     factorisation: Factorisation | None = None
     unread: tuple[str, ...] = ()
     solutions: tuple[Solution, ...] = ()
-    document: Document = Document()
+    document: Citation = NO_CITATION

@@ -1,18 +1,16 @@
-"""Reading of positioned trees outside the robot block: mappings with known keys, lists, texts and words.
+"""Reading of files around printed formulas: mappings with known keys, lists, texts, words, remarks and formulas.
 
-What a file says around its formulas: where they are printed, and why one is wrong.
-
-Printed formulas from texts: one with an unknown name is kept as such, what is no formula is refused.
+A printed formula with an unknown name is kept as such, what is no formula is refused.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from derive.check.printed import Document, Printed, Remark
+from derive.check.printed import Citation, Printed, Remark
 from derive.errors import CheckError, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import read_formula
 from derive.robot.document import Node, YamlMapping, YamlScalar, YamlSequence
@@ -21,7 +19,13 @@ from derive.robot.robot import Robot
 
 
 def mapping(node: Node, what: str, required: Collection[str] = (), optional: Collection[str] = ()) -> YamlMapping:
-    """A mapping with these keys and no others; with no keys given, any.
+    """A mapping with some keys and no others; with no keys given, any.
+
+    Args:
+        node: The node that should be one.
+        what: What it is, for messages.
+        required: Keys that it must have.
+        optional: Keys that it may have.
 
     Raises:
         CheckError: Another kind of node, a key that is missing, or one that is unknown.
@@ -46,6 +50,10 @@ def mapping(node: Node, what: str, required: Collection[str] = (), optional: Col
 def items(node: Node | None, what: str) -> list[Node]:
     """The items of a list; none where there is no node.
 
+    Args:
+        node: The node that should be one.
+        what: What it is, for messages.
+
     Raises:
         CheckError: Another kind of node.
     """
@@ -57,7 +65,11 @@ def items(node: Node | None, what: str) -> list[Node]:
 
 
 def scalar(node: Node, what: str) -> YamlScalar:
-    """A text.
+    """A text with its place.
+
+    Args:
+        node: The node that should be one.
+        what: What it is, for messages.
 
     Raises:
         CheckError: A list or a mapping.
@@ -67,14 +79,68 @@ def scalar(node: Node, what: str) -> YamlScalar:
     return node
 
 
+def required_text(node: YamlMapping, key: str) -> YamlScalar:
+    """The text under a key that the mapping is known to have.
+
+    Args:
+        node: The mapping.
+        key: The key, also what the text is called in messages.
+
+    Raises:
+        CheckError: A list or a mapping.
+    """
+    return scalar(node.entries[key][1], key)
+
+
 def child(node: YamlMapping, name: str) -> Node | None:
-    """The value of a key, or None."""
+    """The value of a key, or None.
+
+    Args:
+        node: The mapping.
+        name: The key.
+    """
     entry = node.entries.get(name)
     return entry[1] if entry else None
 
 
+def pairs(node: YamlMapping, name: str, what: str) -> Iterator[tuple[YamlScalar, YamlScalar]]:
+    """The keys and texts of a mapping inside another; none where the key is missing.
+
+    Args:
+        node: The mapping.
+        name: The key of the inner one.
+        what: What its values are, for messages.
+
+    Raises:
+        CheckError: Another kind of node, or a value that is no text.
+    """
+    inner = child(node, name)
+    for key, value in mapping(inner, name).entries.values() if inner else ():
+        yield key, scalar(value, what)
+
+
+def rows(node: Node | None, what: str, row: str) -> list[list[Node]]:
+    """The entries of a matrix, row by row.
+
+    Args:
+        node: A list of lists.
+        what: What it is, for messages.
+        row: What one of its rows is, for messages.
+
+    Raises:
+        CheckError: Another kind of node.
+    """
+    return [items(entries, row) for entries in items(node, what)]
+
+
 def word(node: YamlMapping, name: str, allowed: Collection[str], default: str) -> str:
     """One of some words.
+
+    Args:
+        node: The mapping.
+        name: The key.
+        allowed: The words.
+        default: What a missing key stands for.
 
     Raises:
         CheckError: Another word.
@@ -94,39 +160,68 @@ def word(node: YamlMapping, name: str, allowed: Collection[str], default: str) -
 
 
 def flag(node: YamlMapping, name: str) -> bool:
-    """``true`` or ``false``; false where the key is missing."""
+    """``true`` or ``false``; false where the key is missing.
+
+    Args:
+        node: The mapping.
+        name: The key.
+
+    Raises:
+        CheckError: Another word.
+    """
     return word(node, name, ("true", "false"), "false") == "true"
 
 
-KINDS = ("error", "convention", "notation")
+def text_of(node: YamlMapping, key: str) -> str:
+    """The text under a key, on one line; empty where it is missing or no text.
+
+    Args:
+        node: The mapping.
+        key: The key.
+    """
+    value = child(node, key)
+    return " ".join(value.text.split()) if isinstance(value, YamlScalar) else ""
+
+
+def is_erratum(item: YamlMapping) -> bool:
+    """Whether an item is marked as wrong by ``status: erratum``.
+
+    Args:
+        item: The item.
+
+    Raises:
+        CheckError: Another status than ``ok`` or ``erratum``.
+    """
+    return word(item, "status", ("ok", "erratum"), "ok") == "erratum"
 
 
 def remark(item: YamlMapping) -> Remark:
-    """The remarks of one item.
+    """What a file says about one item.
+
+    Args:
+        item: The item, with or without ``note``, ``kind``, ``duplicate`` and ``source``.
 
     Raises:
         CheckError: An unknown kind.
     """
     return Remark(
         note=text_of(item, "note"),
-        kind=word(item, "kind", KINDS, "error"),
+        kind=word(item, "kind", ("error", "convention", "notation"), "error"),
         duplicate=flag(item, "duplicate"),
         document=printed_in(item),
     )
 
 
-def printed_in(node: YamlMapping) -> Document:
-    """The block ``source:``, empty where there is none or where it is only a text."""
+def printed_in(node: YamlMapping) -> Citation:
+    """Where something is printed, from the block ``source:``; empty where there is none.
+
+    Args:
+        node: A file or an item.
+    """
     source = child(node, "source")
     if isinstance(source, YamlMapping):
-        return Document(text_of(source, "document"), text_of(source, "section"))
-    return Document(source.text if isinstance(source, YamlScalar) else "")
-
-
-def text_of(node: YamlMapping, key: str) -> str:
-    """The text under a key, on one line; empty where it is missing or no text."""
-    value = child(node, key)
-    return " ".join(value.text.split()) if isinstance(value, YamlScalar) else ""
+        return Citation(text_of(source, "document"), text_of(source, "section"))
+    return Citation(source.text if isinstance(source, YamlScalar) else "")
 
 
 Refusal = TypeVar("Refusal", bound=CheckError)
@@ -135,7 +230,7 @@ _WORD = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
 @dataclass(frozen=True, slots=True)
-class Vocabulary:
+class Abbreviations:
     """Further names of some formulas, beside the robot's own.
 
     Attributes:
@@ -146,18 +241,23 @@ class Vocabulary:
     names: Mapping[str, Expression] = field(default_factory=dict)
     unknown: Mapping[str, UnknownNameError] = field(default_factory=dict)
 
-    def defining(self, name: str, definition: Printed) -> Vocabulary:
-        """With one name more."""
+    def defining(self, name: str, definition: Printed) -> Abbreviations:
+        """With one name more.
+
+        Args:
+            name: The name.
+            definition: What it stands for.
+        """
         if definition.unknown is None:
-            return Vocabulary({**self.names, name: definition.formula}, self.unknown)
-        return Vocabulary({**self.names, name: Name(name)}, {**self.unknown, name: definition.unknown})
+            return Abbreviations({**self.names, name: definition.formula}, self.unknown)
+        return Abbreviations({**self.names, name: Name(name)}, {**self.unknown, name: definition.unknown})
 
 
-NO_NAMES = Vocabulary()
+NO_ABBREVIATIONS = Abbreviations()
 
 
 def read_printed(
-    text: YamlScalar, robot: Robot, further: Vocabulary = NO_NAMES, place: tuple[int, int] = (1, 1)
+    text: YamlScalar, robot: Robot, further: Abbreviations = NO_ABBREVIATIONS, place: tuple[int, int] = (1, 1)
 ) -> Printed:
     """A printed formula; one with a name that the robot does not know says so and has the formula zero.
 
@@ -176,9 +276,9 @@ def read_printed(
         return Printed(*place, text.text, ZERO, text.inner, _placed(error, text))
     except CheckError as error:
         raise _placed(error, text) from None
-    for word in _WORD.findall(text.text) if further.unknown else ():
-        if word in further.unknown:
-            return Printed(*place, text.text, ZERO, text.inner, further.unknown[word])
+    for name in _WORD.findall(text.text) if further.unknown else ():
+        if name in further.unknown:
+            return Printed(*place, text.text, ZERO, text.inner, further.unknown[name])
     return Printed(*place, text.text, formula, text.inner)
 
 

@@ -1,4 +1,4 @@
-"""Verdicts as text and as plain data."""
+"""Verdicts as lines of text and as plain data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Printer = Callable[[Any], str]
 LONGEST = 400
 """Characters of a formula in a report; longer ones are cut."""
 
-MAX_TERMS = 6
+MAX_SHOWN_TERMS = 6
 """Terms of a difference that are shown; a longer one says little."""
 
 
@@ -26,6 +26,9 @@ def report_lines(report: FileReport, printer: Printer) -> list[str]:
     Args:
         report: The comparisons.
         printer: Writes derived formulas.
+
+    Returns:
+        Lines without ends.
     """
     corrections = right_corrections(report)
     lines: list[str] = []
@@ -40,12 +43,23 @@ def report_lines(report: FileReport, printer: Printer) -> list[str]:
 
 
 def right_corrections(report: FileReport) -> dict[str, Finding]:
-    """The corrections that a file gives and that are right, by entry."""
+    """The corrections that a file gives and that are right.
+
+    Args:
+        report: The comparisons.
+
+    Returns:
+        Entry, such as ``B[1,2]`` -> its correction.
+    """
     return {f.entry: f for f in report.findings if f.role is Role.CORRECTION and f.verdict.equal}
 
 
 def summary(report: FileReport) -> str:
-    """``173 equal (120 in the same form), 6 wrong``, with what was compared at points only or not at all."""
+    """``173 equal (120 in the same form), 6 wrong``, with what was compared at points only or not at all.
+
+    Args:
+        report: The comparisons of one file.
+    """
     same = sum(judge(finding).outcome is Outcome.SAME_FORM for finding in report.findings)
     known = sum(finding.erratum for finding in report.wrong)
     numeric = sum(not finding.verdict.exact for finding in report.findings)
@@ -57,7 +71,15 @@ def summary(report: FileReport) -> str:
 
 
 def finding_lines(finding: Finding, printer: Printer) -> Iterator[str]:
-    """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers."""
+    """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers.
+
+    Args:
+        finding: The comparison.
+        printer: Writes derived formulas.
+
+    Yields:
+        Lines without ends.
+    """
     verdict = judge(finding)
     match verdict.outcome:
         case Outcome.SAME_FORM:
@@ -81,7 +103,15 @@ def finding_lines(finding: Finding, printer: Printer) -> Iterator[str]:
 
 
 def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
-    """The report of one file as plain data."""
+    """The report of one file as plain data.
+
+    Args:
+        report: The comparisons.
+        printer: Writes derived formulas.
+
+    Returns:
+        Counts, and under ``entries`` one mapping for each formula; see `finding_dict`.
+    """
     return {
         "file": report.source,
         "robot": report.robot,
@@ -94,7 +124,15 @@ def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
 
 
 def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
-    """One verdict as plain data; the reasons only where the printed formula is wrong."""
+    """One verdict as plain data.
+
+    Args:
+        finding: The comparison.
+        printer: Writes derived formulas.
+
+    Returns:
+        Strings, numbers, lists and mappings; the reasons only where the printed formula is wrong.
+    """
     verdict = judge(finding)
     entry: dict[str, Any] = {
         "quantity": finding.entry,
@@ -113,7 +151,12 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
         entry["right"] = right_text(finding, printer)
     if not finding.verdict.equal:
         entry["difference"] = [printer(term) for term in verdict.difference]
-        entry["change"] = _change_dict(finding, verdict)
+        repair = verdict.repair
+        entry["change"] = repair and {
+            "kinds": [kind.value for kind in repair.kinds],
+            "text": repair.text,
+            "formula": repaired_text(finding),
+        }
     example = finding.verdict.counter_example
     if example is not None:
         values = {name: float(value) for name, value in example.values}
@@ -121,15 +164,12 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
     return entry
 
 
-def _change_dict(finding: Finding, verdict: Judgement) -> dict[str, Any] | None:
-    repair = verdict.repair
-    if repair is None:
-        return None
-    return {"kinds": [kind.words for kind in repair.kinds], "text": repair.text, "formula": repaired_text(finding)}
-
-
 def repaired_text(finding: Finding) -> str:
-    """The printed formula with the change made; empty where none was found."""
+    """The printed formula with the change made; empty where none was found.
+
+    Args:
+        finding: The comparison.
+    """
     repair, question = judge(finding).repair, finding.question
     if repair is None:
         return ""
@@ -137,21 +177,34 @@ def repaired_text(finding: Finding) -> str:
 
 
 def difference_text(verdict: Judgement, printer: Printer) -> str:
-    """Printed minus right in one line; empty where it is not known or has many terms."""
-    if not 0 < len(verdict.difference) <= MAX_TERMS:
+    """Printed minus right in one line; empty where it is not known or has many terms.
+
+    Args:
+        verdict: The verdict on a wrong formula.
+        printer: Writes the terms.
+    """
+    if not 0 < len(verdict.difference) <= MAX_SHOWN_TERMS:
         return ""
     first, *rest = [printer(term) for term in verdict.difference]
     return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in rest)
 
 
 def unknown_name(finding: Finding) -> str:
-    """The name that the robot does not know, and the nearest known ones; empty where all are known."""
+    """The name that the robot does not know, and the nearest known ones; empty where all are known.
+
+    Args:
+        finding: The comparison.
+    """
     error = finding.unknown
     return "; ".join(part for part in (error.found, error.allowed, error.remedy) if part) if error else ""
 
 
 def what(finding: Finding) -> str:
-    """What a formula is, in words."""
+    """What a formula is, in words.
+
+    Args:
+        finding: The comparison.
+    """
     match finding.role:
         case Role.CORRECTION:
             return f"correction of {finding.entry}"
@@ -166,17 +219,31 @@ def what(finding: Finding) -> str:
 
 
 def right_text(finding: Finding, printer: Printer) -> str:
-    """The derived formula."""
+    """The derived formula.
+
+    Args:
+        finding: The comparison.
+        printer: Writes it.
+    """
     return finding.right if isinstance(finding.right, str) else printer(finding.right)
 
 
 def numbers(example: CounterExample) -> str:
-    """Numbers that show a difference."""
+    """Numbers that show a difference.
+
+    Args:
+        example: A point and both values there.
+    """
     values = ", ".join(f"{name} = {float(value):g}" for name, value in example.values)
     compared = f"printed {example.printed:.6g}, right {example.right:.6g}"
     return f"at {values}: {compared}" if values else compared
 
 
-def cut(text: str) -> str:
-    """A text of at most `LONGEST` characters."""
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+def cut(text: str, length: int = LONGEST) -> str:
+    """The beginning of a text.
+
+    Args:
+        text: The text.
+        length: Characters that it may have, the dots at its end counted.
+    """
+    return text if len(text) <= length else f"{text[: length - 3]}..."

@@ -7,69 +7,88 @@ evaluating the rest again.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 from derive.robot.evaluate import FUNCTIONS as REAL_FUNCTIONS
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    Product,
-    Sum,
-    add,
-    children,
-    multiply,
-    power,
-)
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, rebuilt
 
-T = TypeVar("T")
+FUNCTIONS: Mapping[str, Callable[..., float]] = {
+    **REAL_FUNCTIONS,
+    "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
+}
 
 
-def _sign(x: float) -> float:
-    return math.copysign(1.0, x) if x else 0.0
-
-
-FUNCTIONS: Mapping[str, Callable[..., float]] = {**REAL_FUNCTIONS, "sign": _sign}
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Spot:
     """One node of a formula.
 
     Attributes:
         node: What stands there.
-        parent: The node above; None for the whole formula.
-        value: Value of the whole for a value here.
-        formula: The whole for another node here.
-        index: Which child of its parent it is, from 0.
+        above: The place above; None for the whole formula.
+        index: Which child of the node above it is, from 0.
+        siblings: Values of all children of the node above.
         depth: Nodes above it.
-        cost: Float operations of one value, about.
+        cost: Float operations of one value of the whole, about.
     """
 
     node: Expression
-    parent: Expression | None
-    value: Callable[[float], float]
-    formula: Callable[[Expression], Expression]
+    above: Spot | None = None
     index: int = 0
+    siblings: tuple[float, ...] = ()
     depth: int = 0
     cost: int = 1
 
     @property
+    def parent(self) -> Expression | None:
+        """The node above; None for the whole formula."""
+        return self.above.node if self.above else None
+
+    @property
     def is_term(self) -> bool:
         """Whether it is the whole formula or a term of a sum."""
-        return self.parent is None or isinstance(self.parent, Sum)
+        return self.above is None or isinstance(self.above.node, Sum)
+
+    def value(self, here: float) -> float:
+        """The value of the whole formula for another value here.
+
+        Args:
+            here: What this place is worth.
+        """
+        spot = self
+        while (above := spot.above) is not None:
+            parts = [*spot.siblings[: spot.index], here, *spot.siblings[spot.index + 1 :]]
+            spot, here = above, combined(above.node, parts)
+        return here
+
+    def formula(self, here: Expression) -> Expression:
+        """The whole formula with another node here, flattened.
+
+        Args:
+            here: What stands at this place.
+        """
+        spot = self
+        while (above := spot.above) is not None:
+            spot, here = above, _with_child(above.node, spot.index, here)
+        return here
+
+
+def _with_child(e: Expression, index: int, part: Expression) -> Expression:
+    parts = children(e)
+    changed = iter((*parts[:index], part, *parts[index + 1 :]))
+    return rebuilt(e, lambda _: next(changed))
 
 
 class Evaluator:
-    """Values of trees at one point; those of shared nodes are computed once."""
+    """The values of trees at one point; every node is evaluated once.
+
+    Args:
+        values: Numbers of the names.
+    """
 
     def __init__(self, values: Mapping[str, float]) -> None:
         self.values = values
+        # by identity, since hashing a tree takes as long as evaluating it; the entry keeps its node, so the id, alive
         self._known: dict[int, tuple[Expression, float]] = {}
 
     def __call__(self, e: Expression) -> float:
@@ -77,24 +96,30 @@ class Evaluator:
         known = self._known.get(id(e))
         if known is not None:
             return known[1]
-        value = self._value(e)
+        match e:
+            case Number(number):
+                value = float(number)
+            case Pi():
+                value = math.pi
+            case Name(name):
+                value = self.values[name]
+            case _:
+                value = combined(e, [self(child) for child in children(e)])
         self._known[id(e)] = (e, value)
         return value
 
-    def _value(self, e: Expression) -> float:
-        match e:
-            case Number(value):
-                return float(value)
-            case Pi():
-                return math.pi
-            case Name(name):
-                return self.values[name]
-            case _:
-                return combined(e, [self(child) for child in children(e)])
 
+def combined(e: Expression, parts: Sequence[float]) -> float:
+    """The value of a node from the values below it.
 
-def combined(e: Expression, parts: list[float]) -> float:
-    """The value of a node from the values below it."""
+    Args:
+        e: A sum, product, power or call.
+        parts: The values of its children.
+
+    Raises:
+        ArithmeticError: There is none.
+        ValueError: There is none.
+    """
     match e:
         case Sum():
             return math.fsum(parts)
@@ -107,58 +132,32 @@ def combined(e: Expression, parts: list[float]) -> float:
     raise TypeError(e)
 
 
-def rebuilt(e: Expression, parts: tuple[Expression, ...]) -> Expression:
-    """The node with other children, flattened."""
-    match e:
-        case Sum():
-            return add(*parts)
-        case Product():
-            return multiply(*parts)
-        case Power(_, exponent):
-            return power(parts[0], exponent)
-        case Call(function, _):
-            return Call(function, parts)
-    raise TypeError(e)
-
-
 def spots(root: Expression, evaluate: Evaluator) -> Iterator[Spot]:
-    """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token."""
-    waiting = [Spot(root, None, _same, _same)]
+    """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token.
+
+    Args:
+        root: The formula.
+        evaluate: Gives the values at the point.
+    """
+    waiting = [Spot(root)]
     while waiting:
         spot = waiting.pop()
         yield spot
-        waiting.extend(reversed([] if is_token(spot.node) else list(_below(spot, evaluate))))
+        if not is_token(spot.node):
+            parts = children(spot.node)
+            values = tuple(evaluate(part) for part in parts)
+            depth, cost = spot.depth + 1, spot.cost + len(parts)
+            below = [Spot(part, spot, i, values, depth, cost) for i, part in enumerate(parts)]
+            waiting.extend(reversed(below))
 
 
 def is_token(e: Expression) -> bool:
-    """Whether it is the cosine or sine of an angle without numbers and further functions."""
+    """Whether it is the cosine or sine of an angle without numbers and further functions.
+
+    Args:
+        e: Any tree.
+    """
     if not (isinstance(e, Call) and e.function in ("cos", "sin")):
         return False
     (angle,) = e.arguments
     return all(isinstance(t, Name | Product) for t in (angle.terms if isinstance(angle, Sum) else (angle,)))
-
-
-def _same(value: T) -> T:
-    return value
-
-
-def _below(spot: Spot, evaluate: Evaluator) -> Iterator[Spot]:
-    parts = children(spot.node)
-    values = [evaluate(part) for part in parts]
-    for i, part in enumerate(parts):
-        value, formula = _value_with(spot, values, i), _formula_with(spot, parts, i)
-        yield Spot(part, spot.node, value, formula, i, spot.depth + 1, spot.cost + len(parts))
-
-
-def _value_with(spot: Spot, values: list[float], i: int) -> Callable[[float], float]:
-    def value(here: float) -> float:
-        return spot.value(combined(spot.node, [*values[:i], here, *values[i + 1 :]]))
-
-    return value
-
-
-def _formula_with(spot: Spot, parts: tuple[Expression, ...], i: int) -> Callable[[Expression], Expression]:
-    def formula(here: Expression) -> Expression:
-        return spot.formula(rebuilt(spot.node, (*parts[:i], here, *parts[i + 1 :])))
-
-    return formula

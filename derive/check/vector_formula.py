@@ -1,13 +1,10 @@
-"""Printed vector equations such as ``cross(wd, p) + 2*cross(w, z_prev*qd)`` as trees.
-
-The smallest change that repairs a printed vector equation.
-"""
+"""Printed vector equations such as ``cross(wd, p) + 2*cross(w, z_prev*qd)`` as trees, and what repairs them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from itertools import islice
 from typing import Any
 
@@ -17,7 +14,7 @@ from lark.exceptions import UnexpectedInput
 from lark.visitors import Transformer_NonRecursive
 
 from derive.check.diagnosis import Repair
-from derive.check.edits import Kind
+from derive.check.edits import SlipKind
 from derive.errors import CheckError, Location, quoted
 from derive.robot.expression import Name
 from derive.robot.parser import place
@@ -28,14 +25,14 @@ MAX_LENGTH = 400
 """Characters; three times the longest equation of the books, and no tree of them is too deep."""
 
 GRAMMAR = """
-start: sum
-sum: first ((PLUS | MINUS) product)*
-first: product | MINUS product -> negative
-product: atom ((TIMES | AT) atom)*
+?start: sum
+?sum: first ((PLUS | MINUS) product)*
+?first: product | MINUS product -> negative
+?product: atom ((TIMES | AT) atom)*
 ?atom: NAME -> name
      | NUMBER -> number
      | "cross" "(" sum "," sum ")" -> cross
-     | "(" sum ")" -> group
+     | "(" sum ")"
 PLUS: "+"
 MINUS: "-"
 TIMES: "*"
@@ -87,6 +84,9 @@ def read_vector(text: str, where: Location) -> Vector:
         text: Sums, products with numbers (``*``), products with matrices (``@``), ``cross(a, b)``.
         where: Where its first character stands.
 
+    Returns:
+        The tree.
+
     Raises:
         CheckError: Outside the grammar.
     """
@@ -100,118 +100,108 @@ def read_vector(text: str, where: Location) -> Vector:
         raise CheckError(found, allowed="names, numbers, + - * @, cross(a, b)", location=there) from None
 
 
-def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
-    """The value of an equation; KeyError for an unknown name, ValueError where shapes do not fit."""
-    match e.operation:
-        case "name":
-            return values[e.text]
-        case "number":
-            return float(e.text)
-    parts = [value_of(part, values) for part in e.parts]
-    return _OPERATIONS[e.operation](parts)
-
-
-def nodes(e: Vector) -> Iterator[tuple[Vector, Callable[[Vector], Vector]]]:
-    """Every node with the function that puts another in its place."""
-    yield e, lambda new: new
-    for i, part in enumerate(e.parts):
-        for node, put in nodes(part):
-            yield node, _putter(e, i, put)
-
-
-def _putter(e: Vector, i: int, put: Callable[[Vector], Vector]) -> Callable[[Vector], Vector]:
-    return lambda new: replace(e, parts=(*e.parts[:i], put(new), *e.parts[i + 1 :]))
-
-
-def _times(parts: list[Array]) -> Array:
-    return parts[0] * parts[1]
-
-
-def _added(parts: list[Array]) -> Array:
-    if len({np.shape(part) for part in parts}) > 1:
-        raise ValueError("a sum of vectors and scalars")
-    return sum(parts[1:], start=parts[0])
-
-
-def _cross(parts: list[Array]) -> Array:
-    a, b = parts
-    if np.shape(a) != (3,) or np.shape(b) != (3,):
-        raise ValueError("a cross product of something else than vectors")
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-
-
-_OPERATIONS: Mapping[str, Callable[[list[Array]], Array]] = {
-    "+": _added,
-    "-": lambda parts: -parts[0],
-    "*": _times,
-    "@": lambda parts: parts[0] @ parts[1],
-    "cross": _cross,
-}
-
-
 @cache
 def _parser() -> Lark:
     return Lark(GRAMMAR, parser="lalr")
 
 
 class _Builder(Transformer_NonRecursive[Token, Vector]):
-    def start(self, children: list[Any]) -> Vector:
-        return children[0]  # type: ignore[no-any-return]
-
-    first = group = start
-
-    def negative(self, children: list[Any]) -> Vector:
-        return Vector("-", parts=(children[1],))
-
-    def sum(self, children: list[Any]) -> Vector:
-        if len(children) == 1:
-            return children[0]  # type: ignore[no-any-return]
-        pairs = zip(children[1::2], children[2::2], strict=True)
-        signed = [Vector("-", parts=(term,)) if sign == "-" else term for sign, term in pairs]
-        return Vector("+", parts=(children[0], *signed))
-
-    def product(self, children: list[Any]) -> Vector:
-        found = children[0]
-        for sign, factor in zip(children[1::2], children[2::2], strict=True):
-            found = Vector(str(sign), parts=(found, factor))
-        return found  # type: ignore[no-any-return]
-
-    def cross(self, children: list[Any]) -> Vector:
-        return Vector("cross", parts=tuple(children))
-
-    def name(self, children: list[Any]) -> Vector:
-        return Vector("name", str(children[0]))
-
-    def number(self, children: list[Any]) -> Vector:
-        return Vector("number", str(children[0]))
+    def __default__(self, data: str, children: list[Any], meta: object) -> Vector:
+        """What a rule of the grammar makes of its parts."""
+        match data, children:
+            case (("name" | "number"), (token,)):
+                return Vector(str(data), str(token))
+            case "negative", (_, product):
+                return Vector("-", parts=(product,))
+            case "cross", (a, b):
+                return Vector("cross", parts=(a, b))
+            case "sum", (first, *rest):
+                pairs = zip(rest[::2], rest[1::2], strict=True)
+                signed = (Vector("-", parts=(term,)) if sign == "-" else term for sign, term in pairs)
+                return Vector("+", parts=(first, *signed))
+            case "product", (first, *rest):
+                found: Vector = first
+                for sign, factor in zip(rest[::2], rest[1::2], strict=True):
+                    found = Vector(str(sign), parts=(found, factor))
+                return found
+        raise AssertionError(data)
 
 
-Holds = Callable[[Vector], bool]
-Change = tuple[Kind, str, Vector]
+def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
+    """The value of an equation.
+
+    Args:
+        e: The equation.
+        values: What its names stand for: numbers, vectors (3,) and matrices (3, 3).
+
+    Raises:
+        KeyError: An unknown name.
+        ValueError: Shapes that do not fit.
+    """
+    if e.operation == "name":
+        return values[e.text]
+    if e.operation == "number":
+        return float(e.text)
+    parts = [value_of(part, values) for part in e.parts]
+    match e.operation:
+        case "+":
+            if len({np.shape(part) for part in parts}) > 1:
+                raise ValueError("a sum of vectors and scalars")
+            return sum(parts[1:], start=parts[0])
+        case "-":
+            return -parts[0]
+        case "*":
+            return parts[0] * parts[1]
+        case "@":
+            return parts[0] @ parts[1]
+    a, b = parts
+    if np.shape(a) != (3,) or np.shape(b) != (3,):
+        raise ValueError("a cross product of something else than vectors")
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def nodes(e: Vector) -> Iterator[tuple[Vector, Callable[[Vector], Vector]]]:
+    """Every node with the function that puts another in its place.
+
+    Args:
+        e: The equation.
+    """
+    yield e, lambda new: new
+    for i, part in enumerate(e.parts):
+        for node, put in nodes(part):
+            yield node, partial(_with_part, e, i, put)
+
+
+def _with_part(e: Vector, i: int, put: Callable[[Vector], Vector], new: Vector) -> Vector:
+    return replace(e, parts=(*e.parts[:i], put(new), *e.parts[i + 1 :]))
+
+
+Change = tuple[SlipKind, str, Vector]
 
 MAX_TRIES = 10_000
+"""Changes of one kind that are tried, so that the search ends for the longest equation too."""
 
 
-def diagnose_vector(printed: Vector, names: Sequence[str], holds: Holds) -> Repair | None:
+def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vector], bool]) -> Repair | None:
     """One change that makes an equation hold, or two names of the same letter.
 
     Args:
         printed: The printed right-hand side.
         names: What may stand in it.
         holds: Whether an equation is right.
+
+    Returns:
+        The change, or None if no such change does.
     """
-    for make in (_signs, _relatives, _operations, _others):
-        for kind, text, changed in islice(make(printed, names), MAX_TRIES):
+    kinds = (_signs(printed), _renamed(printed, names, True), _operations(printed), _renamed(printed, names, False))
+    for changes in kinds:
+        for kind, text, changed in islice(changes, MAX_TRIES):
             if holds(changed):
                 return Repair((kind,), text, Name(str(changed)))
-    return _two_names(printed, names, holds)
-
-
-def _two_names(printed: Vector, names: Sequence[str], holds: Holds) -> Repair | None:
     pairs = (
         (kind, f"2 changes: {first}; {second}", twice)
-        for kind, first, changed in _relatives(printed, names)
-        for _, second, twice in _relatives(changed, names)
+        for kind, first, changed in _renamed(printed, names, True)
+        for _, second, twice in _renamed(changed, names, True)
     )
     for kind, text, twice in islice(pairs, MAX_TRIES):
         if holds(twice):
@@ -219,35 +209,28 @@ def _two_names(printed: Vector, names: Sequence[str], holds: Holds) -> Repair | 
     return None
 
 
-def _signs(e: Vector, _: Sequence[str]) -> Iterator[Change]:
+def _signs(e: Vector) -> Iterator[Change]:
     for node, put in nodes(e):
         if node.operation == "+":
             for i, term in enumerate(node.parts):
                 other = term.parts[0] if term.operation == "-" else Vector("-", parts=(term,))
                 parts = (*node.parts[:i], other, *node.parts[i + 1 :])
-                yield Kind.SIGN, f"sign of {term}", put(Vector("+", parts=parts))
+                yield SlipKind.SIGN, f"sign of {term}", put(Vector("+", parts=parts))
 
 
-def _relatives(e: Vector, names: Sequence[str]) -> Iterator[Change]:
-    """Names with the same first letter: another dot, another index."""
-    yield from _renamed(e, names, Kind.INDEX, lambda a, b: a[0] == b[0])
-
-
-def _others(e: Vector, names: Sequence[str]) -> Iterator[Change]:
-    yield from _renamed(e, names, Kind.SYMBOL, lambda a, b: a[0] != b[0])
-
-
-def _renamed(e: Vector, names: Sequence[str], kind: Kind, fits: Callable[[str, str], bool]) -> Iterator[Change]:
+def _renamed(e: Vector, names: Sequence[str], relatives: bool) -> Iterator[Change]:
+    """Another name: one with the same first letter (another dot, another index), or one with another letter."""
+    kind = SlipKind.INDEX if relatives else SlipKind.SYMBOL
     for node, put in nodes(e):
         if node.operation == "name":
             for name in names:
-                if name != node.text and fits(name, node.text):
-                    yield kind, f"{kind.words}: {name} instead of {node.text}", put(Vector("name", name))
+                if name != node.text and (name[0] == node.text[0]) is relatives:
+                    yield kind, f"{kind.value}: {name} instead of {node.text}", put(Vector("name", name))
 
 
-def _operations(e: Vector, _: Sequence[str]) -> Iterator[Change]:
+def _operations(e: Vector) -> Iterator[Change]:
     """A cross product where a sum is meant, and the other way round."""
     for node, put in nodes(e):
         if node.operation == "cross" or (node.operation == "+" and len(node.parts) == 2):
             other = Vector("+" if node.operation == "cross" else "cross", parts=node.parts)
-            yield Kind.SYMBOL, f"operation: {other} instead of {node}", put(other)
+            yield SlipKind.SYMBOL, f"operation: {other} instead of {node}", put(other)

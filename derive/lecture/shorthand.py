@@ -20,14 +20,11 @@ from derive.robot.expression import (
     Call,
     Expression,
     Name,
-    Power,
-    Product,
     Sum,
     add,
     expanded_terms,
-    multiply,
     names,
-    power,
+    rebuilt,
     substitute,
     to_text,
 )
@@ -242,19 +239,9 @@ def notation_text(expression: Expression, robot: Robot) -> str:
 
 def _with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:
     """A tree with names such as c12 in the place of cosines and sines of labelled joint angles."""
-    match e:
-        case Call(function, (argument,)) if function in _LETTER and (digits := _digits(argument, labels)):
-            return Name(_LETTER[function] + digits)
-        case Call(function, arguments):
-            return Call(function, tuple(_with_tokens(a, labels) for a in arguments))
-        case Sum(terms):
-            return add(*(_with_tokens(t, labels) for t in terms))
-        case Product(factors):
-            return multiply(*(_with_tokens(f, labels) for f in factors))
-        case Power(base, exponent):
-            return power(_with_tokens(base, labels), exponent)
-        case _:
-            return e
+    if isinstance(e, Call) and e.function in _LETTER and (digits := _digits(e.arguments[0], labels)):
+        return Name(_LETTER[e.function] + digits)
+    return rebuilt(e, lambda part: _with_tokens(part, labels))
 
 
 def _digits(angle: Expression, labels: Mapping[str, str]) -> str:

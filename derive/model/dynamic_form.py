@@ -2,26 +2,24 @@
 
 A short entry is expanded in the user's symbols, contracted, and grouped by masses and moments of inertia. A long one
 (a 6R arm with every parameter symbolic) stays grouped by the lumped parameters of its bodies, each written out in the
-user's symbols.
+user's symbols. Equal Christoffel symbols of an entry of C are collected: ``h*(qd1 + qd2)``; names for them, ``h``, are
+given in `derive.model.abbreviations`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
 from derive.lecture.plan import flat
+from derive.lecture.sympy_types import Expr
 from derive.model.dynamics import Dynamics
 from derive.robot.style import Style
-
-Expr = Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,17 +57,33 @@ class DynamicForm:
     # -- entries
 
     def matrix_entries(self, entries: Sequence[Polynomial]) -> list[Expr]:
-        """The entries of one quantity."""
+        """The entries of one quantity as SymPy expressions.
+
+        Args:
+            entries: In lumped parameters.
+        """
         limit = self.limit(entries)
         return [self.entry(p, limit) for p in entries]
 
     def limit(self, entries: Iterable[Polynomial]) -> int:
-        """The longest entry that is expanded when all of ``entries`` are to be written."""
+        """The longest entry that is expanded when a whole quantity is to be written.
+
+        Args:
+            entries: Its entries, in lumped parameters.
+
+        Returns:
+            A number of terms.
+        """
         total = sum(self.dynamics.expanded_size(p) for p in entries)
         return self.budget.long_entry if total <= self.budget.quantity else self.budget.entry
 
     def entry(self, p: Polynomial, limit: int) -> Expr:
-        """One entry, expanded where it has at most ``limit`` terms."""
+        """One entry as a SymPy expression.
+
+        Args:
+            p: In lumped parameters.
+            limit: It is expanded where it has at most so many terms.
+        """
         if not p:
             return sympy.S.Zero
         key = (p.key(), self.dynamics.expanded_size(p) <= limit)
@@ -95,12 +109,18 @@ class DynamicForm:
             unit = p * (1 / scale)
             self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.terms(unit)))
         value = self._coefficients[key]
-        return value if scale == 1 else sympy.Mul(_rational(scale), value, evaluate=not value.is_Add)
+        factor = sympy.Rational(scale.numerator, scale.denominator)
+        return value if scale == 1 else sympy.Mul(factor, value, evaluate=not value.is_Add)
 
     # -- sums over rates
 
     def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], limit: int) -> Expr:
-        """sum p * rate, with equal coefficients collected: ``h*(qd1 + qd2)``; multiplied out in the expanded style."""
+        """sum p * rate, with equal coefficients collected: ``h*(qd1 + qd2)``; multiplied out in the expanded style.
+
+        Args:
+            pairs: Coefficients in lumped parameters, and rates or products of rates.
+            limit: Coefficients with at most so many terms are expanded.
+        """
         if self.form.style is Style.EXPANDED:
             return sympy.Add(*(self.product(p, rate, limit) for p, rate in pairs))
         groups: dict[object, tuple[Polynomial, list[Expr]]] = {}
@@ -116,16 +136,24 @@ class DynamicForm:
         return sympy.Add(*terms)
 
     def product(self, p: Polynomial, rate: Expr, limit: int) -> Expr:
-        """p * rate, multiplied out in the expanded style."""
+        """p * rate, multiplied out in the expanded style.
+
+        Args:
+            p: In lumped parameters.
+            rate: A rate or product of rates.
+            limit: p is expanded where it has at most so many terms.
+        """
         return times_rate(self.entry(p, limit), rate, self.form.style)
 
 
 def times_rate(value: Expr, rate: Expr, style: Style) -> Expr:
-    """value * rate, multiplied out in the expanded style."""
+    """value * rate, multiplied out in the expanded style.
+
+    Args:
+        value: What is multiplied.
+        rate: A velocity, an acceleration or a product of them.
+        style: How expressions are grouped.
+    """
     if style is Style.EXPANDED and value.is_Add:
         return sympy.Add(*(term * rate for term in value.args))
     return value * rate
-
-
-def _rational(value: Fraction) -> Expr:
-    return sympy.Rational(value.numerator, value.denominator)

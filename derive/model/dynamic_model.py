@@ -6,21 +6,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
 
 import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
+from derive.lecture.sympy_types import Expr, Matrix
 from derive.model.dynamic_form import DynamicForm, times_rate
 from derive.model.dynamics import Dynamics
-from derive.model.identification.identification import ClosedIdentification
+from derive.model.identification.closed_forms import ClosedIdentification
 from derive.model.kinematic_model import KinematicModel
 from derive.model.matrices import aligned_latex, columns_matrix, only_link, symmetric_matrix
 from derive.robot.style import Style
-
-Expr = Any
-Matrix = Any
 
 MAX_DYNAMIC_TERMS = 400_000
 """Budget of one entry of B; beyond it only the generated functions remain."""
@@ -46,6 +43,8 @@ class Energy:
 class DynamicModel(KinematicModel):
     """Closed forms of the dynamics of one robot; arguments and attributes as in `KinematicModel`."""
 
+    # -- exact layer
+
     @cached_property
     def dynamics(self) -> Dynamics:
         """Exact B and Christoffel symbols.
@@ -61,6 +60,45 @@ class DynamicModel(KinematicModel):
         """How dynamics is written."""
         return DynamicForm(self.dynamics, self.form)
 
+    @cached_property
+    def christoffel_limit(self) -> int:
+        """Longest Christoffel symbol that is written in the user's symbols, see `DynamicForm`."""
+        n = range(self.n)
+        return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
+
+    def rate_coefficient(self, quantity: str) -> Callable[[int, int, int], Polynomial] | None:
+        """The coefficients of a matrix that is linear in the joint velocities.
+
+        Args:
+            quantity: ``C``, ``N`` or ``Bdot``.
+
+        Returns:
+            (i, j, k), from 0 -> the exact coefficient of qd_k in entry (i, j); None for other quantities.
+        """
+        d = self.dynamics
+        return {"C": d.christoffel, "N": d.skew, "Bdot": d.derivative}.get(quantity)
+
+    def terms(self, quantity: str, row: int, column: int = 1) -> int:
+        """Number of terms of an entry expanded in the user's symbols, counted without writing it.
+
+        Args:
+            quantity: ``B``, ``C``, ``Bdot``, ``N`` or ``g``.
+            row: From 1.
+            column: From 1.
+
+        Raises:
+            QuantityError: No such quantity.
+        """
+        i, j = row - 1, column - 1
+        if quantity == "B":
+            return self.dynamics.expanded_size(self.dynamics.inertia_matrix[i][j])
+        if quantity == "g":
+            return len(self.kinematics.gravity_vector[i])
+        coefficient = self.rate_coefficient(quantity)
+        if coefficient is None:
+            raise QuantityError(f"the size of {quantity!r}", allowed="B, C, Bdot, N or g")
+        return sum(self.dynamics.expanded_size(coefficient(i, j, k)) for k in range(self.n))
+
     def _require_links(self, what: str) -> None:
         if not self.robot.has_dynamics:
             raise QuantityError(
@@ -69,25 +107,69 @@ class DynamicModel(KinematicModel):
                 remedy="add `links:` with mass, com and inertia of each link",
             )
 
+    def _require_body(self, i: int) -> None:
+        self._require_links("link and rotor Jacobians")
+        self._require_index(i, 1)
+
     # -- Jacobians of bodies
 
     def Jv_com(self, i: int) -> Matrix:
-        """3xn: velocity of the centre of mass of link i (from 1) per rate, world frame."""
+        """J_v of the centre of mass of a link: its velocity is J_v qd (Siciliano et al., Robotics, section 7.1.1).
+
+        Args:
+            i: The link, from 1.
+
+        Returns:
+            3xn, world frame.
+
+        Raises:
+            QuantityError: No such link, or the file gives none.
+        """
         self._require_body(i)
         return columns_matrix(self.kinematics.linear_columns(self.kinematics.com(i)), write=self.form.kinematic)
 
     def Jw_com(self, i: int) -> Matrix:
-        """3xn: angular velocity of link i (from 1) per rate, world frame."""
+        """J_w of a link: its angular velocity is J_w qd (Siciliano et al., Robotics, section 7.1.1).
+
+        Args:
+            i: The link, from 1.
+
+        Returns:
+            3xn, world frame.
+
+        Raises:
+            QuantityError: No such link, or the file gives none.
+        """
         self._require_body(i)
         return columns_matrix(self.kinematics.angular_columns(i), write=self.form.kinematic)
 
     def Jv_motor(self, i: int) -> Matrix:
-        """3xn: velocity of the rotor of joint i (from 1) per rate, world frame."""
+        """J_v of the rotor of a joint: the velocity of its place is J_v qd.
+
+        Args:
+            i: The joint, from 1.
+
+        Returns:
+            3xn, world frame.
+
+        Raises:
+            QuantityError: No such joint, or the file gives no links.
+        """
         self._require_body(i)
         return columns_matrix(self.kinematics.linear_columns(self.kinematics.motor_place(i)), write=self.form.kinematic)
 
     def Jw_motor(self, i: int) -> Matrix:
-        """3xn: angular velocity of the rotor of joint i (from 1) per rate, its spin included, world frame."""
+        """J_w of the rotor of a joint, its spin included: that of link i-1, and ratio * z in column i.
+
+        Args:
+            i: The joint, from 1.
+
+        Returns:
+            3xn, world frame.
+
+        Raises:
+            QuantityError: No such joint, or the file gives no links.
+        """
         self._require_body(i)
         return columns_matrix(self.kinematics.motor_angular_columns(i), write=self.form.kinematic)
 
@@ -95,26 +177,32 @@ class DynamicModel(KinematicModel):
 
     @cached_property
     def energy(self) -> Energy:
-        """Kinetic and potential energy."""
-        return Energy(self._kinetic(), self._potential())
-
-    def _kinetic(self) -> Expr:
-        b, n = self.B, self.n
-        squares = [b[i, i] * self.qd[i] ** 2 / 2 for i in range(n)]
-        products = [b[i, j] * self.qd[i] * self.qd[j] for i in range(n) for j in range(i + 1, n)]
-        return sympy.Add(*squares, *products)
-
-    def _potential(self) -> Expr:
-        self._require_links("potential energy")
-        return self.form.dynamic(self.kinematics.potential)
+        """Kinetic energy 1/2 qd^T B qd and potential energy -sum m g0.p [J]."""
+        b, qd, n = self.B, self.qd, self.n
+        squares = [b[i, i] * qd[i] ** 2 / 2 for i in range(n)]
+        products = [b[i, j] * qd[i] * qd[j] for i in range(n) for j in range(i + 1, n)]
+        return Energy(sympy.Add(*squares, *products), self.form.dynamic(self.kinematics.potential))
 
     @cached_property
     def B(self) -> Matrix:
-        """Inertia matrix B(q), nxn, links, rotors and armatures [kg m^2, kg m, kg]."""
+        """Inertia matrix B(q), nxn, symmetric: links, rotors and armatures [kg m^2, kg m, kg].
+
+        B = sum m J_v^T J_v + J_w^T R I R^T J_w over links and rotors (Siciliano et al., Robotics, eq. 7.32).
+        """
         return self._inertia(self.dynamics, self.dynamic_form)
 
     def B_link(self, i: int) -> Matrix:
-        """The part of B that link i (from 1) contributes, without any rotor."""
+        """The part of B that one link contributes, without any rotor.
+
+        Args:
+            i: The link, from 1.
+
+        Returns:
+            nxn.
+
+        Raises:
+            QuantityError: No such link, or the file gives none.
+        """
         self._require_body(i)
         alone = Dynamics(only_link(self.robot, i), self.domain, MAX_DYNAMIC_TERMS)
         return self._inertia(alone, DynamicForm(alone, self.form))
@@ -124,7 +212,19 @@ class DynamicModel(KinematicModel):
         return symmetric_matrix(n, form.matrix_entries([b[i][j] for i in range(n) for j in range(i, n)]))
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
-        """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i); indices from 1."""
+        """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, eq. 7.45).
+
+        Args:
+            i: Joint of the torque, from 1.
+            j: Joint of one velocity, from 1.
+            k: Joint of the other, from 1.
+
+        Returns:
+            The expression; c_ijk = c_ikj.
+
+        Raises:
+            QuantityError: No such joint, or the file gives no links.
+        """
         for index in (i, j, k):
             self._require_index(index, 1)
         p = self.dynamics.christoffel(i - 1, j - 1, k - 1)
@@ -139,8 +239,11 @@ class DynamicModel(KinematicModel):
 
     @cached_property
     def C(self) -> Matrix:
-        """Coriolis matrix C(q, qd), nxn, by Christoffel symbols: C_ij = sum_k c_ijk qd_k."""
-        return self._rate_matrix(self.dynamics.christoffel)
+        """Coriolis matrix C(q, qd), nxn, by Christoffel symbols: C_ij = sum_k c_ijk qd_k, so that Bdot - 2C is skew.
+
+        Siciliano et al., Robotics, eq. 7.44.
+        """
+        return self._rate_matrix("C")
 
     @cached_property
     def coriolis_vector(self) -> Matrix:
@@ -149,23 +252,31 @@ class DynamicModel(KinematicModel):
 
     @cached_property
     def N(self) -> Matrix:
-        """N = Bdot - 2C, nxn, skew-symmetric."""
-        return self._rate_matrix(self.dynamics.skew)
+        """N = Bdot - 2C, nxn, skew-symmetric (Siciliano et al., Robotics, eq. 7.47)."""
+        return self._rate_matrix("N")
 
     @cached_property
     def Bdot(self) -> Matrix:
         """dB/dt, nxn: sum_k dB/dq_k qd_k."""
-        return self._rate_matrix(self.dynamics.derivative)
+        return self._rate_matrix("Bdot")
+
+    def _rate_matrix(self, quantity: str) -> Matrix:
+        coefficient = self.rate_coefficient(quantity)
+        assert coefficient is not None
+        n, limit, form = range(self.n), self.christoffel_limit, self.dynamic_form
+        return sympy.ImmutableMatrix(
+            [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], limit) for j in n] for i in n]
+        )
 
     @cached_property
     def g(self) -> Matrix:
-        """Gravity vector g(q) = dU/dq, nx1 [N m or N]."""
+        """Gravity vector g(q) = dU/dq, nx1 [N m or N] (Siciliano et al., Robotics, eq. 7.39)."""
         self._require_links("gravity vector")
         return sympy.ImmutableMatrix([self.form.gravity(p) for p in self.kinematics.gravity_vector])
 
     @cached_property
     def friction(self) -> Matrix:
-        """Joint friction, nx1: b*qd + f*sign(qd)."""
+        """Joint friction, nx1 [N m or N]: b*qd + f*sign(qd)."""
         self._require_links("friction")
         constant = self.domain.constant
         return sympy.ImmutableMatrix(
@@ -178,22 +289,31 @@ class DynamicModel(KinematicModel):
 
     @cached_property
     def tau(self) -> Matrix:
-        """Joint torques, nx1: B qdd + C qd + g + friction [N m or N]."""
-        rows = [self._inertial_torque(i) + self._velocity_torque(i) for i in range(self.n)]
-        return sympy.ImmutableMatrix([r + self.g[i] + self.friction[i] for i, r in enumerate(rows)])
+        """Joint torques, nx1 [N m or N]: B qdd + C qd + g + friction (Siciliano et al., Robotics, eq. 7.42)."""
+        n = range(self.n)
+        inertial = [sympy.Add(*(times_rate(self.B[i, j], self.qdd[j], self.style) for j in n)) for i in n]
+        return sympy.ImmutableMatrix([inertial[i] + self._velocity_torque(i) + self.g[i] + self.friction[i] for i in n])
 
-    def _inertial_torque(self, i: int) -> Expr:
-        return sympy.Add(*(times_rate(self.B[i, j], self.qdd[j], self.style) for j in range(self.n)))
+    def velocity_pairs(self, i: int) -> list[tuple[Polynomial, Expr]]:
+        """What C qd consists of: sum_jk c_ijk qd_j qd_k, each pair of joints once.
 
-    def _velocity_torque(self, i: int) -> Expr:
-        """sum_jk c_ijk qd_j qd_k, each pair once; the rates of a symbol are collected where geometry leads."""
+        Args:
+            i: The joint, from 0.
+
+        Returns:
+            Exact Christoffel symbols and the products of velocities, with the factor 2, that they are multiplied by.
+        """
         n, qd = range(self.n), self.qd
-        pairs = [
+        return [
             (self.dynamics.christoffel(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k
         ]
+
+    def _velocity_torque(self, i: int) -> Expr:
+        """An entry of C qd; the velocities of a symbol are collected where geometry leads."""
+        pairs, limit = self.velocity_pairs(i), self.christoffel_limit
         if self.style is Style.BY_GEOMETRY:
-            return self.dynamic_form.rate_sum(pairs, self.christoffel_limit)
-        return sympy.Add(*(self.dynamic_form.product(p, rates, self.christoffel_limit) for p, rates in pairs))
+            return self.dynamic_form.rate_sum(pairs, limit)
+        return sympy.Add(*(self.dynamic_form.product(p, rates, limit) for p, rates in pairs))
 
     # -- identification
 
@@ -205,7 +325,7 @@ class DynamicModel(KinematicModel):
 
     @property
     def regressor(self) -> Matrix:
-        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi."""
+        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi (Siciliano et al., Robotics, eq. 7.63)."""
         return self.identification.regressor
 
     @property
@@ -241,50 +361,3 @@ class DynamicModel(KinematicModel):
     def base_parameter_names(self) -> tuple[str, ...]:
         """Names of the base parameters, each that of the parameter which takes the others over."""
         return tuple(parameter.name for parameter in self.identification.base.parameters)
-
-    # -- sizes
-
-    def terms(self, quantity: str, row: int, column: int = 1) -> int:
-        """Number of terms of an entry of B, C, Bdot, N or g expanded in the user's symbols; indices from 1.
-
-        It is counted on the exact polynomial, without writing it.
-
-        Raises:
-            QuantityError: No such quantity.
-        """
-        i, j = row - 1, column - 1
-        if quantity == "B":
-            return self.dynamics.expanded_size(self.dynamics.inertia_matrix[i][j])
-        if quantity == "g":
-            return len(self.kinematics.gravity_vector[i])
-        coefficient = self._rate_coefficients.get(quantity)
-        if coefficient is None:
-            raise QuantityError(f"the size of {quantity!r}", allowed="B, C, Bdot, N or g")
-        return sum(self.dynamics.expanded_size(coefficient(i, j, k)) for k in range(self.n))
-
-    @property
-    def _rate_coefficients(self) -> dict[str, Callable[[int, int, int], Polynomial]]:
-        d = self.dynamics
-        return {"C": d.christoffel, "N": d.skew, "Bdot": d.derivative}
-
-    # -- writing
-
-    @cached_property
-    def christoffel_limit(self) -> int:
-        """Longest Christoffel symbol that is written in the user's symbols, see `DynamicForm`."""
-        n = range(self.n)
-        return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
-
-    def _rate_matrix(self, coefficient: Callable[[int, int, int], Polynomial]) -> Matrix:
-        n = range(self.n)
-        limit = self.christoffel_limit
-        form = self.dynamic_form
-        return sympy.ImmutableMatrix(
-            [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], limit) for j in n] for i in n]
-        )
-
-    # -- arguments
-
-    def _require_body(self, i: int) -> None:
-        self._require_links("link and rotor Jacobians")
-        self._require_index(i, 1)

@@ -14,10 +14,10 @@ from functools import cached_property
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
-from derive.mechanics.chain import Body, Chain, build_chain
+from derive.mechanics.chain import Body, build_chain
 from derive.mechanics.inertia_matrix import inertia_matrix
 from derive.mechanics.vectors import Symmetric
-from derive.robot.description import Inertia, Link
+from derive.robot.description import Inertia
 from derive.robot.expression import ZERO, Name
 from derive.robot.robot import Robot
 
@@ -39,7 +39,7 @@ class Lump:
 
 
 class Dynamics:
-    """B and what follows from it.
+    """B and what follows from it, in lumped parameters; joints count from 0.
 
     Args:
         robot: A robot with links.
@@ -50,40 +50,42 @@ class Dynamics:
     def __init__(self, robot: Robot, domain: PolynomialDomain, max_terms: int = 10**9) -> None:
         self.robot = robot
         self.domain = domain
-        bare = replace(robot, links=tuple(_without_body(link) for link in robot.links))
+        massless = (replace(link, mass=ZERO, com=(ZERO, ZERO, ZERO), inertia=Inertia()) for link in robot.links)
+        bare = replace(robot, links=tuple(massless))
         names = [Name(f"{part} of {i}") for i in range(robot.n) for part in PARTS]
         self.lumped = PolynomialDomain(bare, names, contraction=domain.contraction, rates=False, max_terms=max_terms)
         self.lumps: list[Lump] = []
-        self.chain = self._chain(bare)
+        bodies = tuple(self._lump_body(i, body) for i, body in enumerate(build_chain(robot, domain).bodies))
+        self.chain = replace(build_chain(bare, self.lumped), bodies=bodies)
         self._derivatives: dict[tuple[int, int, int], Polynomial] = {}
         self._christoffel: dict[tuple[int, int, int], Polynomial] = {}
 
-    def _chain(self, bare: Robot) -> Chain[Polynomial]:
-        full = build_chain(self.robot, self.domain)
-        bodies = tuple(self._lump_body(i, body) for i, body in enumerate(full.bodies))
-        return replace(build_chain(bare, self.lumped), bodies=bodies)
-
     def _lump_body(self, index: int, body: Body[Polynomial]) -> Body[Polynomial]:
-        t = body.inertia
+        """A generator for each of the ten parameters of a body, or its number."""
+        t, ring, p = body.inertia, self.lumped.ring, list[Polynomial]()
         values = (body.mass, *body.first_moment, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz)
-        p = [self._lump(f"{part} of {index}", value) for part, value in zip(PARTS, values, strict=True)]
+        for part, value in zip(PARTS, values, strict=True):
+            if value.is_constant:
+                p.append(self.lumped.number(value.constant_term))
+            else:
+                name = f"{part} of {index}"
+                self.lumps.append(Lump(ring.index[name], value))
+                p.append(ring.generator(name))
         return Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:]))
-
-    def _lump(self, name: str, value: Polynomial) -> Polynomial:
-        """A generator for ``value``, or its number."""
-        if value.is_constant:
-            return self.lumped.number(value.constant_term)
-        ring = self.lumped.ring
-        self.lumps.append(Lump(ring.index[name], value))
-        return ring.generator(name)
 
     @cached_property
     def inertia_matrix(self) -> list[list[Polynomial]]:
-        """B(q), n x n, links and rotors, in lumped parameters."""
+        """B(q), nxn, links and rotors."""
         return inertia_matrix(self.chain)
 
     def derivative(self, i: int, j: int, k: int) -> Polynomial:
-        """dB_ij/dq_k, in lumped parameters."""
+        """dB_ij/dq_k.
+
+        Args:
+            i: Row of B.
+            j: Column of B.
+            k: Joint variable.
+        """
         key = (min(i, j), max(i, j), k)
         if key not in self._derivatives:
             value = self.inertia_matrix[i][j]
@@ -91,7 +93,13 @@ class Dynamics:
         return self._derivatives[key]
 
     def christoffel(self, i: int, j: int, k: int) -> Polynomial:
-        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), in lumped parameters; indices from 0."""
+        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i) (Siciliano et al., Robotics, eq. 7.45).
+
+        Args:
+            i: Joint of the torque.
+            j: Joint of one velocity.
+            k: Joint of the other.
+        """
         key = (i, min(j, k), max(j, k))
         if key not in self._christoffel:
             d = self.derivative
@@ -100,11 +108,24 @@ class Dynamics:
         return self._christoffel[key]
 
     def skew(self, i: int, j: int, k: int) -> Polynomial:
-        """The coefficient of qd_k in N_ij: dB_jk/dq_i - dB_ik/dq_j, for Bdot - 2C."""
+        """The coefficient of qd_k in N_ij, N = Bdot - 2C: dB_jk/dq_i - dB_ik/dq_j.
+
+        Args:
+            i: Row of N.
+            j: Column of N.
+            k: Joint of the velocity.
+        """
         return self.derivative(j, k, i) - self.derivative(i, k, j)
 
     def split(self, p: Polynomial) -> tuple[list[tuple[Lump, Polynomial]], Polynomial]:
-        """p as sum of lump * coefficient, and the rest that has no lump in it (rotors, armatures, numbers)."""
+        """A polynomial as sum of lump * coefficient, and the rest that has no lump in it.
+
+        Args:
+            p: Linear in all lumps together.
+
+        Returns:
+            The pairs, and the rest: rotors, armatures, numbers.
+        """
         parts = self._coefficients(p)
         ring = self.lumped.ring
         if sum(len(coefficient) for _, coefficient in parts) == len(p):
@@ -113,23 +134,27 @@ class Dynamics:
         return parts, ring.wrap(p.raw.subs(names)) if names else p
 
     def _coefficients(self, p: Polynomial) -> list[tuple[Lump, Polynomial]]:
-        """What every lump that occurs is multiplied by; p is linear in all of them together."""
+        """What every lump that occurs is multiplied by."""
         degrees = p.degrees()
         return [(lump, p.partial(lump.generator)) for lump in self.lumps if degrees[lump.generator]]
 
     def expanded_size(self, p: Polynomial) -> int:
-        """Number of terms once the user's symbols are put in (before terms meet)."""
+        """Number of terms once the user's symbols are put in (before terms meet).
+
+        Args:
+            p: In lumped parameters.
+        """
         return len(p) + sum((len(lump.value) - 1) * len(c) for lump, c in self._coefficients(p))
 
     def expand(self, p: Polynomial) -> Polynomial:
-        """p in the ring of the user's symbols."""
+        """A polynomial in the ring of the user's symbols.
+
+        Args:
+            p: In lumped parameters.
+        """
         parts, rest = self.split(p)
         ring = self.domain.ring
         total = ring.project(rest)
         for lump, coefficient in parts:
             total = total + ring.project(coefficient) * lump.value
         return total
-
-
-def _without_body(link: Link) -> Link:
-    return replace(link, mass=ZERO, com=(ZERO, ZERO, ZERO), inertia=Inertia(), motor=link.motor)

@@ -1,6 +1,7 @@
 """Whether a printed formula equals a derived quantity, decided exactly in the polynomial ring wherever possible.
 
-Formulas at random points, with fifty digits: counter-examples, and the last resort where algebra cannot decide.
+Formulas are also evaluated at random points, with fifty digits: for counter-examples, and as the last resort where
+algebra cannot decide.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ from derive.algebra.quotients import QuotientRing
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
+from derive.lecture.sympy_types import Expr
 from derive.model.dynamic_model import DynamicModel
-from derive.model.quantities import Quantity, parse, pick
+from derive.model.quantities import parse, pick
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, names
 from derive.robot.robot import Robot
 
@@ -39,7 +41,7 @@ VISIBLE = mpmath.mpf(10) ** -3
 """Relative difference that a reader sees in a few digits; a counter-example should show one."""
 
 
-def _root(value: Real) -> Real:
+def _real_root(value: Real) -> Real:
     if value < 0:
         raise ValueError("root of a negative number")
     return mpmath.sqrt(value)
@@ -49,7 +51,7 @@ _FUNCTIONS: Mapping[str, Callable[..., Real]] = {
     "sin": mpmath.sin,
     "cos": mpmath.cos,
     "tan": mpmath.tan,
-    "sqrt": _root,
+    "sqrt": _real_root,
     "atan2": mpmath.atan2,
     "sign": mpmath.sign,
 }
@@ -70,21 +72,8 @@ class CounterExample:
     right: float
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """Two formulas at some points.
-
-    Attributes:
-        points: At how many points both have a real value.
-        differing: The point where they differ most visibly, if they differ at any.
-    """
-
-    points: int
-    differing: CounterExample | None
-
-
-def compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> Comparison:
-    """Both formulas at random points where both have real values; deterministic."""
+def _compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> tuple[int, CounterExample | None]:
+    """At how many random points both formulas have real values, and where they differ most visibly; deterministic."""
     wanted = sorted({*names(ours), *names(theirs)})
     found: list[tuple[Real, CounterExample]] = []
     points = 0
@@ -101,11 +90,19 @@ def compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> Com
             if points == POINTS:
                 break
     worst = max(found, key=lambda pair: pair[0], default=None)
-    return Comparison(points, worst[1] if worst else None)
+    return points, worst[1] if worst else None
 
 
 def evaluate(expression: Expression, values: Values) -> Real | None:
-    """Value with the working precision of mpmath; None where it is no real number or does not fit into a float."""
+    """The value of a formula with the working precision of mpmath.
+
+    Args:
+        expression: The formula.
+        values: A number for every name in it.
+
+    Returns:
+        The value; None where it is no real number or does not fit into a float.
+    """
     try:
         value = _value(expression, values)
     except (ArithmeticError, ValueError):
@@ -144,11 +141,6 @@ def _samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
         yield point
 
 
-Expr = Any
-
-__all__ = ["Verdict", "compare", "difference", "equal", "expression_from_sympy", "scalar_quantity", "verdict"]
-
-
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """The outcome of a comparison.
@@ -173,6 +165,9 @@ def difference(robot: Robot, ours: Expression, theirs: Expression) -> Polynomial
         ours: One formula, in the robot's own names.
         theirs: The other.
 
+    Returns:
+        The difference of the numerators over a common denominator.
+
     Raises:
         CheckError: A formula divides by zero everywhere.
         ExpressionError: A formula that the ring cannot hold.
@@ -189,6 +184,9 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
         ours: The derived formula.
         theirs: The printed one.
 
+    Returns:
+        The verdict, with a counter-example where they differ.
+
     Raises:
         CheckError: A formula divides by zero, or has no real value at any of many points.
     """
@@ -199,13 +197,13 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
         zero = proves = False
     if zero:
         return Verdict(True, True)
-    points = compare_at_points(robot, ours, theirs)
-    if not proves and not points.points:
+    points, counter_example = _compare_at_points(robot, ours, theirs)
+    if not proves and not points:
         raise CheckError(
             "formula without a real value at any of many random points",
             remedy="check its roots and denominators",
         )
-    return Verdict(not proves and points.differing is None, proves, points.differing)
+    return Verdict(not proves and counter_example is None, proves, counter_example)
 
 
 def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
@@ -216,30 +214,50 @@ def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
         quantity: A scalar quantity; ``T[1,4]`` is the entry in row 1, column 4 of T here, as no scalar equals a matrix.
         expression: Text in the notation of lecture notes (c12, qd1, ...) or a SymPy expression.
 
+    Returns:
+        The verdict, with a counter-example where they differ.
+
     Raises:
         QuantityError: No such quantity, or a matrix.
         CheckError: The expression cannot be read.
     """
-    theirs = _read(model.robot, expression)
+    if isinstance(expression, str):
+        theirs = read_formula(expression, model.robot)
+    else:
+        try:
+            theirs = expression_from_sympy(expression)
+        except ExpressionError as error:
+            raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy) from None
     return compare(model.robot, expression_from_sympy(scalar_quantity(model, quantity)), theirs)
 
 
 def equal(model: DynamicModel, quantity: str, expression: object) -> bool:
-    """Whether an expression equals a scalar quantity; see `verdict`."""
+    """Whether an expression equals a scalar quantity.
+
+    Args:
+        model: The robot's model.
+        quantity: A scalar quantity such as ``T[1,4]``.
+        expression: Text in the notation of lecture notes or a SymPy expression.
+
+    Returns:
+        True if they are equal wherever both are defined.
+
+    Raises:
+        QuantityError: No such quantity, or a matrix.
+        CheckError: The expression cannot be read.
+    """
     return verdict(model, quantity, expression).equal
 
 
-def _read(robot: Robot, expression: object) -> Expression:
-    if isinstance(expression, str):
-        return read_formula(expression, robot)
-    try:
-        return expression_from_sympy(expression)
-    except ExpressionError as error:
-        raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy) from None
-
-
 def scalar_quantity(model: DynamicModel, text: str) -> Expr:
-    """A quantity that is one expression; the last two indices (one for a vector) may pick an entry of a matrix.
+    """A quantity that is one expression.
+
+    Args:
+        model: The robot's model.
+        text: Its name; the last two indices (one for a vector) may pick an entry of a matrix.
+
+    Returns:
+        The expression.
 
     Raises:
         QuantityError: No such quantity, or a matrix.
@@ -247,8 +265,9 @@ def scalar_quantity(model: DynamicModel, text: str) -> Expr:
     quantity, indices, entry = parse(model, text)
     if entry is not None:
         return pick(quantity.value(model, *indices), entry, text)
-    for count, rest in _readings(quantity, indices):
-        value = quantity.value(model, *indices[:count])
+    # as many indices as possible name the quantity, the rest picks the entry
+    for count in sorted((count for count in quantity.indices if count <= len(indices)), reverse=True):
+        value, rest = quantity.value(model, *indices[:count]), indices[count:]
         shape = getattr(value, "shape", None)
         if shape is None and not rest:
             return value
@@ -259,10 +278,3 @@ def scalar_quantity(model: DynamicModel, text: str) -> Expr:
     raise QuantityError(
         f"{text} is a matrix", allowed="a scalar here", remedy=f"name an entry, for instance {quantity.name}[...][1,1]"
     )
-
-
-def _readings(quantity: Quantity, indices: tuple[int, ...]) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """How many indices name the quantity, and which are left for the entry; as many as possible first."""
-    for count in sorted(quantity.indices, reverse=True):
-        if count <= len(indices):
-            yield count, indices[count:]

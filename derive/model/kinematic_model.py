@@ -1,16 +1,9 @@
-"""Closed-form kinematics of a robot: frames, orientation angles, Jacobians and their determinants.
-
-Orientation angles in closed form from R, and the Jacobians of their rates.
-
-Roll, pitch, yaw: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll). Euler ZYZ: R = Rot(z, phi) Rot(y, theta) Rot(z, psi).
-(Siciliano, Sciavicco, Villani, Oriolo, Robotics, sections 2.4 and 3.6.)
-"""
+"""Closed-form kinematics of a robot: frames, orientation angles, Jacobians and their determinants."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
 
 import sympy
 
@@ -18,91 +11,18 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError
 from derive.lecture.form import LectureForm, SymbolRoles
+from derive.lecture.sympy_types import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.model.kinematics import Kinematics
 from derive.model.long_chain import LongChain
 from derive.model.matrices import columns_matrix, frame_matrix, gravity_symbols, inertial_symbols
-from derive.model.singularities.singularities import Singularities, find_singularities
+from derive.model.singularities.determinant import Singularities, find_singularities
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction, Style
 
-
-def rpy(r: Matrix, cosine: Any = None) -> Matrix:
-    """(roll, pitch, yaw), 3x1 [rad], pitch in (-pi/2, pi/2).
-
-    Args:
-        r: The rotation, 3x3.
-        cosine: A shorter form of sqrt(r32^2 + r33^2), the cosine of pitch.
-
-    Singular where r11 = r21 = 0 (pitch = +-pi/2): only yaw - roll or yaw + roll is then determined. Where that holds in
-    every configuration, roll is taken as 0.
-    """
-    if r[0, 0] == 0 and r[1, 0] == 0:
-        return sympy.ImmutableMatrix([0, -r[2, 0] * sympy.pi / 2, sympy.atan2(-r[0, 1], r[1, 1])])
-    return sympy.ImmutableMatrix(
-        [
-            sympy.atan2(r[2, 1], r[2, 2]),
-            sympy.atan2(-r[2, 0], sympy.sqrt(r[2, 1] ** 2 + r[2, 2] ** 2) if cosine is None else cosine),
-            sympy.atan2(r[1, 0], r[0, 0]),
-        ]
-    )
-
-
-def euler_zyz(r: Matrix, sine: Any = None) -> Matrix:
-    """(phi, theta, psi), 3x1 [rad], theta in (0, pi).
-
-    Args:
-        r: The rotation, 3x3.
-        sine: A shorter form of sqrt(r13^2 + r23^2), the sine of theta.
-
-    Singular where r13 = r23 = 0 (theta = 0 or pi): only phi + psi or phi - psi is then determined. Where that holds in
-    every configuration, as for planar arms, psi is taken as 0.
-    """
-    if r[0, 2] == 0 and r[1, 2] == 0:
-        sign = r[2, 2]
-        theta = sympy.pi * (1 - sign) / 2
-        return sympy.ImmutableMatrix([sympy.atan2(sign * r[1, 0], sign * r[0, 0]), theta, 0])
-    return sympy.ImmutableMatrix(
-        [
-            sympy.atan2(r[1, 2], r[0, 2]),
-            sympy.atan2(sympy.sqrt(r[0, 2] ** 2 + r[1, 2] ** 2) if sine is None else sine, r[2, 2]),
-            sympy.atan2(r[2, 1], -r[2, 0]),
-        ]
-    )
-
-
-def analytic_jacobian(kind: str, r: Matrix, jacobian: Matrix) -> Matrix:
-    """6xn: rows of velocity, then of the rates of the angles ``rpy`` or ``zyz``, from the geometric Jacobian.
-
-    The matrix that turns angular velocity into rates is written in entries of R, so that no inverse trigonometric
-    function occurs.
-    """
-    column = 0 if kind == "rpy" else 2
-    x, y, z = r[0, column], r[1, column], r[2, column]
-    if x == 0 and y == 0:
-        other = "rpy" if kind == "zyz" else "zyz"
-        raise QuantityError(
-            f"the analytic Jacobian for {kind}",
-            allowed="angles that are not singular in every configuration of this arm",
-            remedy=f"use {other}, or the geometric Jacobian J",
-        )
-    square = x**2 + y**2
-    rates = []
-    for k in range(jacobian.shape[1]):
-        wx, wy, wz = jacobian[3, k], jacobian[4, k], jacobian[5, k]
-        about = (x * wx + y * wy) / square
-        across = (x * wy - y * wx) / sympy.sqrt(square)
-        turn = wz - z * about
-        rates.append([about, across, turn] if kind == "rpy" else [turn, across, about])
-    return sympy.ImmutableMatrix(sympy.Matrix.vstack(sympy.Matrix(jacobian[:3, :]), sympy.Matrix(rates).T))
-
-
 SHORT_ROOT = 4
 """Most terms under the roots of the orientation angles that are worth simplifying."""
-
-Expr = Any
-Matrix = Any
 
 
 class KinematicModel:
@@ -120,7 +40,7 @@ class KinematicModel:
         robot: The robot.
         style: How expressions are grouped.
         contraction: Which sums of angles are contracted.
-        q: Joint variables.
+        q: Joint variables [rad or m].
         qd: Their velocities.
         qdd: Their accelerations.
     """
@@ -160,15 +80,53 @@ class KinematicModel:
         roles = SymbolRoles(inertial_symbols(self.robot), gravity_symbols(self.robot))
         return LectureForm(self.domain, roles, self.style)
 
+    @cached_property
+    def _long(self) -> LongChain:
+        return LongChain(self.robot)
+
+    @property
+    def _is_long(self) -> bool:
+        """Whether T is too long to expand."""
+        return self._long.is_long(0, self.n)
+
+    def _require_index(self, i: int, first: int) -> None:
+        if not first <= i <= self.n:
+            raise QuantityError(f"index {i}", allowed=f"{first} to {self.n} for {self.robot.name}")
+
     # -- frames
 
     def A(self, i: int) -> Matrix:
-        """A_i, 4x4: DH frame i in DH frame i-1, row i of the table (from 1)."""
+        """A_i: DH frame i in DH frame i-1.
+
+        Standard: A_i = Rot(z, theta_i) Trans(z, d_i) Trans(x, a_i) Rot(x, alpha_i) (Siciliano et al., Robotics,
+        section 2.8.2); modified: Rot(x, alpha_{i-1}) Trans(x, a_{i-1}) Rot(z, theta_i) Trans(z, d_i) (Craig,
+        Introduction to Robotics, section 3.4).
+
+        Args:
+            i: Row of the table, from 1.
+
+        Returns:
+            4x4.
+
+        Raises:
+            QuantityError: No such row.
+        """
         self._require_index(i, 1)
         return frame_matrix(self.kinematics.row(i), self.form.kinematic)
 
     def transform(self, i: int, j: int) -> Matrix:
-        """T_j^i, 4x4: DH frame j in DH frame i, without base and tool; i and j from 0 to n, in either order."""
+        """T_j^i = A_{i+1} ... A_j: DH frame j in DH frame i, without base and tool.
+
+        Args:
+            i: The reference frame, from 0 to n.
+            j: The frame, from 0 to n; before i it is the inverse transform.
+
+        Returns:
+            4x4.
+
+        Raises:
+            QuantityError: No such frame.
+        """
         self._require_index(i, 0)
         self._require_index(j, 0)
         if self._long.is_long(i, j):
@@ -176,7 +134,17 @@ class KinematicModel:
         return frame_matrix(self.kinematics.transform(i, j), self.form.kinematic)
 
     def frame(self, i: int) -> Matrix:
-        """T_i, 4x4: DH frame i in the world, base A_1 ... A_i."""
+        """T_i = base A_1 ... A_i: DH frame i in the world.
+
+        Args:
+            i: The frame, from 0 to n.
+
+        Returns:
+            4x4.
+
+        Raises:
+            QuantityError: No such frame.
+        """
         self._require_index(i, 0)
         if self._long.is_long(0, i):
             return self._long.frame(i)
@@ -184,10 +152,8 @@ class KinematicModel:
 
     @cached_property
     def T(self) -> Matrix:
-        """T, 4x4: the end effector in the world, base A_1 ... A_n tool."""
-        if self._long.is_long(0, self.n):
-            return self._long.end
-        return frame_matrix(self.kinematics.end, self.form.kinematic)
+        """T = base A_1 ... A_n tool, 4x4: the end effector in the world."""
+        return self._long.end if self._is_long else frame_matrix(self.kinematics.end, self.form.kinematic)
 
     @property
     def p(self) -> Matrix:
@@ -201,44 +167,65 @@ class KinematicModel:
 
     @cached_property
     def rpy(self) -> Matrix:
-        """Roll, pitch, yaw [rad]: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), pitch in (-pi/2, pi/2).
+        """Roll, pitch, yaw, 3x1 [rad]: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), pitch in (-pi/2, pi/2).
 
-        Singular at pitch = +-pi/2, where only the sum or difference of roll and yaw is determined.
+        Singular where r11 = r21 = 0 (pitch = +-pi/2): only yaw - roll or yaw + roll is then determined. Where that
+        holds in every configuration, roll is taken as 0 (Siciliano et al., Robotics, section 2.4.2).
         """
-        return rpy(self.R, self._length((2, 1), (2, 2)))
+        r = self.R
+        if r[0, 0] == 0 and r[1, 0] == 0:
+            return sympy.ImmutableMatrix([0, -r[2, 0] * sympy.pi / 2, sympy.atan2(-r[0, 1], r[1, 1])])
+        cosine = self._length((2, 1), (2, 2))
+        angles = [sympy.atan2(r[2, 1], r[2, 2]), sympy.atan2(-r[2, 0], cosine), sympy.atan2(r[1, 0], r[0, 0])]
+        return sympy.ImmutableMatrix(angles)
 
     @cached_property
     def euler_zyz(self) -> Matrix:
-        """Euler angles phi, theta, psi [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi).
+        """Euler angles phi, theta, psi, 3x1 [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi).
 
-        Singular at theta = 0 and pi, where only the sum or difference of phi and psi is determined.
+        Singular where r13 = r23 = 0 (theta = 0 or pi): only phi + psi or phi - psi is then determined. Where that
+        holds in every configuration, as for planar arms, psi is taken as 0 (Siciliano et al., Robotics, section
+        2.4.1).
         """
-        return euler_zyz(self.R, self._length((0, 2), (1, 2)))
+        r = self.R
+        if r[0, 2] == 0 and r[1, 2] == 0:
+            theta = sympy.pi * (1 - r[2, 2]) / 2
+            return sympy.ImmutableMatrix([sympy.atan2(r[2, 2] * r[1, 0], r[2, 2] * r[0, 0]), theta, 0])
+        sine = self._length((0, 2), (1, 2))
+        angles = [sympy.atan2(r[1, 2], r[0, 2]), sympy.atan2(sine, r[2, 2]), sympy.atan2(r[2, 1], -r[2, 0])]
+        return sympy.ImmutableMatrix(angles)
 
     def _length(self, *places: tuple[int, int]) -> Expr:
-        """Square root of the sum of squares of entries of R, simplified where they are short; None otherwise."""
-        if self._long.is_long(0, self.n):
-            return None
+        """Square root of the sum of squares of two entries of R, simplified where they are short."""
+        plain = sympy.Add(*(self.R[i, j] ** 2 for i, j in places))
+        if self._is_long:
+            return sympy.sqrt(plain)
         entries = [self.kinematics.end.rotation[i][j] for i, j in places]
         if sum(map(len, entries)) > SHORT_ROOT:
-            return None
+            return sympy.sqrt(plain)
         square = self.form.kinematic(entries[0] * entries[0] + entries[1] * entries[1])
-        plain = sympy.Add(*(self.R[i, j] ** 2 for i, j in places))
         return sympy.sqrt(min(plain, square, key=lambda e: e.count_ops()))
 
     # -- Jacobians
 
     @cached_property
     def J(self) -> Matrix:
-        """Geometric Jacobian of the end effector, 6xn, linear rows first, world frame."""
-        if self._long.is_long(0, self.n):
+        """Geometric Jacobian of the end effector, 6xn: (v, omega) = J qd, linear rows first, world frame.
+
+        Column i is (z x (p - o), z) of a revolute joint, (z, 0) of a prismatic one (Siciliano et al., Robotics,
+        section 3.1.3).
+        """
+        if self._is_long:
             return self._long.jacobian
         return columns_matrix(*self._jacobian_columns, write=self.form.kinematic)
 
     @cached_property
     def J_end(self) -> Matrix:
-        """Geometric Jacobian of the end effector, 6xn, linear rows first, in the axes of the end effector."""
-        if self._long.is_long(0, self.n):
+        """Geometric Jacobian of the end effector, 6xn, linear rows first, in the axes of the end effector.
+
+        It is diag(R^T, R^T) J (Siciliano et al., Robotics, eq. 3.35).
+        """
+        if self._is_long:
             turned = sympy.Matrix(self.R).T
             return sympy.ImmutableMatrix(sympy.Matrix.vstack(turned * self.J[:3, :], turned * self.J[3:, :]))
         turned_back = transpose(self.kinematics.end.rotation)
@@ -256,17 +243,51 @@ class KinematicModel:
 
         The acceleration of the end effector is J qdd + dJ/dt qd (Siciliano et al., Robotics, section 3.8).
         """
-        if self._long.is_long(0, self.n):
+        if self._is_long:
             rate = sum((self.J.diff(q) * qd for q, qd in zip(self.q, self.qd, strict=True)), sympy.zeros(6, self.n))
             return sympy.ImmutableMatrix(rate)
+
+        def _rate(entry: Polynomial) -> Expr:
+            slopes = (self.form.kinematic(self.domain.derivative(entry, k)) for k in range(self.n))
+            return sympy.Add(*(slope * qd for slope, qd in zip(slopes, self.qd, strict=True)))
+
         linear, angular = self._jacobian_columns
         rows = [[(*v, *w)[row] for v, w in zip(linear, angular, strict=True)] for row in range(6)]
-        return sympy.ImmutableMatrix([[self._rate(entry) for entry in row] for row in rows])
+        return sympy.ImmutableMatrix([[_rate(entry) for entry in row] for row in rows])
 
-    def _rate(self, entry: Polynomial) -> Expr:
-        """The time derivative of a polynomial in the joint variables, collected by their rates."""
-        slopes = (self.form.kinematic(self.domain.derivative(entry, k)) for k in range(self.n))
-        return sympy.Add(*(slope * qd for slope, qd in zip(slopes, self.qd, strict=True)))
+    def J_analytic(self, kind: str) -> Matrix:
+        """Analytic Jacobian: derivative of position and of orientation angles.
+
+        The matrix that turns angular velocity into rates is written in entries of R, so that no inverse trigonometric
+        function occurs (Siciliano et al., Robotics, section 3.6).
+
+        Args:
+            kind: ``rpy`` (roll, pitch, yaw) or ``zyz`` (phi, theta, psi).
+
+        Returns:
+            6xn: rows of velocity in the world frame, then of the rates of the angles.
+
+        Raises:
+            QuantityError: Another kind, or angles that are singular in every configuration.
+        """
+        if kind not in ("rpy", "zyz"):
+            raise QuantityError(f"J_analytic of kind {kind!r}", allowed="rpy or zyz")
+        x, y, z = self.R[:, 0 if kind == "rpy" else 2]  # the direction that the second turn tilts
+        if x == 0 and y == 0:
+            raise QuantityError(
+                f"the analytic Jacobian for {kind}",
+                allowed="angles that are not singular in every configuration of this arm",
+                remedy=f"use {'rpy' if kind == 'zyz' else 'zyz'}, or the geometric Jacobian J",
+            )
+        square = x**2 + y**2
+        rates = []
+        for k in range(self.n):
+            wx, wy, wz = self.J[3:, k]
+            about = (x * wx + y * wy) / square
+            across = (x * wy - y * wx) / sympy.sqrt(square)
+            turn = wz - z * about
+            rates.append([about, across, turn] if kind == "rpy" else [turn, across, about])
+        return sympy.ImmutableMatrix(sympy.Matrix.vstack(sympy.Matrix(self.J[:3, :]), sympy.Matrix(rates).T))
 
     def det_J(self, rows: Sequence[int] | None = None, columns: Sequence[int] | None = None) -> Expr:
         """Determinant of a square block of J.
@@ -274,6 +295,9 @@ class KinematicModel:
         Args:
             rows: Rows of J from 1; default 1 to 3 for three joints, all six for six.
             columns: Columns of J from 1; default all.
+
+        Returns:
+            The determinant in the lecture form.
 
         Raises:
             QuantityError: The block is not square, or the arm is too long for a closed form.
@@ -293,23 +317,9 @@ class KinematicModel:
 
     @cached_property
     def singularities(self) -> Singularities:
-        """Where J loses rank: the determinant of a square block, its factors and their zeros."""
-        return find_singularities(self.robot, self.style, self.contraction)
+        """Where J loses rank: the determinant of a square block, its factors and their zeros.
 
-    def J_analytic(self, kind: str) -> Matrix:
-        """Analytic Jacobian, 6xn: derivative of position and of the angles ``rpy`` or ``zyz``.
-
-        Raises:
-            QuantityError: Another kind.
+        With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., Robotics, section
+        3.3).
         """
-        if kind not in ("rpy", "zyz"):
-            raise QuantityError(f"J_analytic of kind {kind!r}", allowed="rpy or zyz")
-        return analytic_jacobian(kind, self.R, self.J)
-
-    @cached_property
-    def _long(self) -> LongChain:
-        return LongChain(self.robot)
-
-    def _require_index(self, i: int, first: int) -> None:
-        if not first <= i <= self.n:
-            raise QuantityError(f"index {i}", allowed=f"{first} to {self.n} for {self.robot.name}")
+        return find_singularities(self.robot, self.style, self.contraction)

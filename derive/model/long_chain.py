@@ -1,17 +1,10 @@
 """Kinematics of arms whose expanded polynomials would be too long: SymPy expressions nested from the base outwards.
 
-SymPy expressions as scalars: for kinematics that is nested instead of expanded.
-
-Kinematics straight from the recursion, nested from the base outwards.
-
-For arms whose expanded polynomials are too long. Everything is computed from the end effector inwards, so that an
-expression is ``c1*(...) + s1*(...)`` with inner parts shared between entries; a chain of n joints costs O(n^2)
-operations where its polynomials have a number of terms exponential in n.
-
-How many terms nested kinematics has when multiplied out, without multiplying out.
-
-The recursion of `derive.model.long_chain` runs on numbers of terms instead of expressions: a sum has the terms of its
-parts together, a product the product of theirs.
+Everything is computed from the end effector inwards, so that an expression is ``c1*(...) + s1*(...)`` with inner parts
+shared between entries; a chain of n joints costs O(n^2) operations where its polynomials have a number of terms
+exponential in n. How many terms an entry has when multiplied out is found without multiplying out: the same recursion
+runs on numbers of terms instead of expressions, a sum having the terms of its parts together, a product the product of
+theirs.
 """
 
 from __future__ import annotations
@@ -27,8 +20,9 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import TooManyTerms
 from derive.lecture.form import LectureForm
+from derive.lecture.sympy_types import Expr, Matrix
 from derive.mechanics.chain import Chain, build_chain
-from derive.mechanics.vectors import Frame, Matrix, S, Vector, multiply, scale
+from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
 from derive.model.kinematics import Kinematics
 from derive.model.matrices import columns_matrix, frame_matrix
 from derive.robot.description import Convention, Joint
@@ -48,25 +42,47 @@ class SymPyDomain:
         self.form = LectureForm(domain)
 
     def number(self, value: int | Fraction) -> Expr:
-        """A rational."""
+        """A rational.
+
+        Args:
+            value: The number.
+        """
         return sympy.Rational(Fraction(value).numerator, Fraction(value).denominator)
 
     def constant(self, expression: Expression) -> Expr:
-        """A cell without joint variables."""
+        """A cell without joint variables.
+
+        Args:
+            expression: The cell.
+        """
         return self.form.kinematic(self.domain.constant(expression))
 
     def cosine_sine(self, angle: Expression) -> tuple[Expr, Expr]:
-        """Cosine and sine of a constant angle."""
+        """Cosine and sine of a constant angle.
+
+        Args:
+            angle: The angle [rad].
+        """
         c, s = self.domain.cosine_sine(angle)
         return self.form.kinematic(c), self.form.kinematic(s)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Expr, Expr]:
-        """Cosine and sine of ``sign*q + theta``."""
+        """Cosine and sine of ``sign*q + theta`` of a revolute joint.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
         c, s = self.domain.joint_cosine_sine(index, joint)
         return self.form.kinematic(c), self.form.kinematic(s)
 
     def joint_offset(self, index: int, joint: Joint) -> Expr:
-        """``sign*q + d``."""
+        """``sign*q + d`` of a prismatic joint.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
         return self.form.kinematic(self.domain.joint_offset(index, joint))
 
 
@@ -86,46 +102,29 @@ class NestedKinematics(Generic[S]):
 
 
 def nested_kinematics(chain: Chain[S]) -> NestedKinematics[S]:
-    """T and J of ``chain`` from the end effector inwards."""
-    end = chain.tool
-    columns: list[tuple[Vector[S], Vector[S]]] = []
+    """T and J of an arm from the end effector inwards.
+
+    Args:
+        chain: The arm.
+    """
+    zero, end = chain.zero, chain.tool
+    linear: list[Vector[S]] = []
+    angular: list[Vector[S]] = []
     for joint in reversed(chain.joints):
-        rotation = joint.motion(chain.zero, chain.one)
-        columns = [*(_turned(c, rotation.rotation) for c in columns)]
-        end = rotation @ end
-        columns.insert(0, _column(chain, joint.revolute, joint.sign, end.position))
-        columns = [_turned(c, joint.fixed.rotation) for c in columns]
+        motion = joint.motion(zero, chain.one)
+        linear, angular = ([multiply(motion.rotation, v) for v in columns] for columns in (linear, angular))
+        end = motion @ end
+        # velocity of the end and of the link per unit rate about (along) z, in a frame on the axis of the joint
+        x, y, _ = end.position
+        z: Vector[S] = (zero, zero, chain.one)
+        v, w = ((-y, x, zero), z) if joint.revolute else (z, chain.null)
+        linear.insert(0, v if joint.sign > 0 else scale(-1, v))
+        angular.insert(0, w if joint.sign > 0 else scale(-1, w))
+        linear, angular = ([multiply(joint.fixed.rotation, v) for v in columns] for columns in (linear, angular))
         end = joint.fixed @ end
-    columns = [_turned(c, chain.base.rotation) for c in columns]
-    return NestedKinematics(
-        end=chain.base @ end,
-        linear=tuple(v for v, _ in columns),
-        angular=tuple(w for _, w in columns),
-    )
+    linear, angular = ([multiply(chain.base.rotation, v) for v in columns] for columns in (linear, angular))
+    return NestedKinematics(end=chain.base @ end, linear=tuple(linear), angular=tuple(angular))
 
-
-def _column(chain: Chain[S], revolute: bool, sign: int, p: Vector[S]) -> tuple[Vector[S], Vector[S]]:
-    """Velocity of the end and of the link per unit rate about (along) z, in a frame on the axis of the joint."""
-    zero = chain.zero
-    z = (zero, zero, chain.one)
-    v, w = ((-p[1], p[0], zero), z) if revolute else (z, (zero, zero, zero))
-    return (v, w) if sign > 0 else (scale(-1, v), scale(-1, w))
-
-
-def _turned(column: tuple[Vector[S], Vector[S]], rotation: Matrix[S]) -> tuple[Vector[S], Vector[S]]:
-    return multiply(rotation, column[0]), multiply(rotation, column[1])
-
-
-def product(frames: Sequence[Frame[S]]) -> Frame[S]:
-    """The product of frames from the right, so that it nests outwards."""
-    result = frames[-1]
-    for frame in reversed(frames[:-1]):
-        result = frame @ result
-    return result
-
-
-Expr = Any
-SympyMatrix = Any
 
 MAX_TERMS = 300
 """Entries of a transform with more terms are nested from the recursion instead of derived as polynomials."""
@@ -135,7 +134,7 @@ ALWAYS_SHORT = 8
 
 
 class LongChain:
-    """Decides what is too long to expand, and writes that.
+    """An arm of which some transforms are too long to expand: says which, and writes those.
 
     Args:
         robot: The robot.
@@ -146,7 +145,12 @@ class LongChain:
         self._reach: dict[int, int] = {}
 
     def is_long(self, i: int, j: int) -> bool:
-        """Whether the entries of the transform between frames i and j are too long to expand."""
+        """Whether the entries of the transform between two DH frames are too long to expand.
+
+        Args:
+            i: One frame, from 0.
+            j: The other.
+        """
         if self.robot.n <= ALWAYS_SHORT:
             return False
         start, end = sorted((i, j))
@@ -179,23 +183,38 @@ class LongChain:
         return nested_kinematics(self.chain)
 
     @property
-    def end(self) -> SympyMatrix:
+    def end(self) -> Matrix:
         """The end effector in the world, 4x4."""
         return frame_matrix(self.kinematics.end)
 
     @property
-    def jacobian(self) -> SympyMatrix:
+    def jacobian(self) -> Matrix:
         """J, 6xn, world frame."""
         return columns_matrix(self.kinematics.linear, self.kinematics.angular)
 
-    def frame(self, i: int) -> SympyMatrix:
-        """DH frame i in the world, 4x4."""
-        return frame_matrix(product([self.chain.base, *(self._row(k) for k in range(1, i + 1))]))
+    def frame(self, i: int) -> Matrix:
+        """DH frame i in the world.
 
-    def transform(self, i: int, j: int) -> SympyMatrix:
-        """DH frame j in DH frame i, 4x4."""
+        Args:
+            i: From 0.
+
+        Returns:
+            4x4.
+        """
+        return frame_matrix(_product([self.chain.base, *(self._row(k) for k in range(1, i + 1))]))
+
+    def transform(self, i: int, j: int) -> Matrix:
+        """DH frame j in DH frame i, without base and tool.
+
+        Args:
+            i: The reference, from 0.
+            j: The frame.
+
+        Returns:
+            4x4.
+        """
         if i < j:
-            return frame_matrix(product([self._row(k) for k in range(i + 1, j + 1)]))
+            return frame_matrix(_product([self._row(k) for k in range(i + 1, j + 1)]))
         t = self.transform(j, i)
         turned = t[:3, :3].T
         rows = turned.row_join(-turned * t[:3, 3])
@@ -207,6 +226,14 @@ class LongChain:
         if self.robot.convention is Convention.STANDARD:
             return motion @ self.chain.ends[i - 1]
         return joint.fixed @ motion
+
+
+def _product(frames: Sequence[Frame[S]]) -> Frame[S]:
+    """The product of frames from the right, so that it nests outwards."""
+    result = frames[-1]
+    for frame in reversed(frames[:-1]):
+        result = frame @ result
+    return result
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,29 +275,55 @@ class TermCountDomain:
         self._domain = domain
 
     def number(self, value: int | Fraction) -> TermCount:
-        """A rational."""
+        """A rational.
+
+        Args:
+            value: The number.
+        """
         return TermCount(int(value != 0))
 
     def constant(self, expression: Expression) -> TermCount:
-        """A cell without joint variables."""
+        """A cell without joint variables.
+
+        Args:
+            expression: The cell.
+        """
         return TermCount(len(self._domain.constant(expression)))
 
     def cosine_sine(self, angle: Expression) -> tuple[TermCount, TermCount]:
-        """Cosine and sine of a constant angle."""
+        """Cosine and sine of a constant angle.
+
+        Args:
+            angle: The angle [rad].
+        """
         cosine, sine = self._domain.cosine_sine(angle)
         return TermCount(len(cosine)), TermCount(len(sine))
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[TermCount, TermCount]:
-        """Cosine and sine of a joint's angle."""
+        """Cosine and sine of the angle of a revolute joint.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
         cosine, sine = self._domain.joint_cosine_sine(index, joint)
         return TermCount(len(cosine)), TermCount(len(sine))
 
     def joint_offset(self, index: int, joint: Joint) -> TermCount:
-        """Offset of a prismatic joint."""
+        """Displacement of a prismatic joint.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
         return TermCount(len(self._domain.joint_offset(index, joint)))
 
 
 def nested_term_counts(robot: Robot) -> NestedKinematics[TermCount]:
-    """Numbers of terms of T and J."""
+    """Numbers of terms of the entries of T and J, without multiplying out.
+
+    Args:
+        robot: The robot.
+    """
     alone = PolynomialDomain(robot, rates=False, sums=lambda group: False)
     return nested_kinematics(build_chain(robot, TermCountDomain(alone)))

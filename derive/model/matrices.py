@@ -1,7 +1,4 @@
-"""Frames and columns as SymPy matrices.
-
-Parts of a robot: the symbols of its inertia, one link alone.
-"""
+"""What a model is put together from: matrices of frames and columns, symbols by their role, bodies one at a time."""
 
 from __future__ import annotations
 
@@ -11,43 +8,60 @@ from typing import Any
 
 import sympy
 
+from derive.lecture.sympy_types import Matrix
 from derive.mechanics.vectors import Frame, Vector
 from derive.robot.description import Link
 from derive.robot.expression import names
 from derive.robot.robot import Robot
 
-Matrix = Any
 Write = Callable[[Any], Any]
+"""Turns an exact entry into a SymPy expression."""
 
 
-def _as_is(value: Any) -> Any:
-    return value
+def frame_matrix(frame: Frame[Any], write: Write = lambda value: value) -> Matrix:
+    """A frame as a homogeneous matrix, 4x4.
 
-
-def frame_matrix(frame: Frame[Any], write: Write = _as_is) -> Matrix:
-    """A frame as a 4x4 matrix, every entry written by ``write``."""
+    Args:
+        frame: The frame.
+        write: Writes an entry.
+    """
     rows = [[*map(write, frame.rotation[i]), write(frame.position[i])] for i in range(3)]
     return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
 
 
 def columns_matrix(
-    linear: Sequence[Vector[Any]], angular: Sequence[Vector[Any]] | None = None, write: Write = _as_is
+    linear: Sequence[Vector[Any]], angular: Sequence[Vector[Any]] | None = None, write: Write = lambda value: value
 ) -> Matrix:
-    """A Jacobian from its columns: 3xn, or 6xn with the linear rows first."""
+    """A Jacobian from its columns: 3xn, or 6xn with the linear rows first.
+
+    Args:
+        linear: n columns of three entries.
+        angular: n further ones to stand below, if any.
+        write: Writes an entry.
+    """
     halves = [linear] if angular is None else [linear, angular]
     columns = [[write(x) for vector in parts for x in vector] for parts in zip(*halves, strict=True)]
     return sympy.ImmutableMatrix(columns).T
 
 
 def symmetric_matrix(n: int, upper: Sequence[Any]) -> Matrix:
-    """A symmetric nxn matrix from its upper triangle, row by row."""
+    """A symmetric matrix from its upper triangle.
+
+    Args:
+        n: Rows and columns.
+        upper: Entries (i, j) with i <= j, row by row.
+    """
     keys = [(i, j) for i in range(n) for j in range(i, n)]
     written = dict(zip(keys, upper, strict=True))
     return sympy.ImmutableMatrix([[written[min(i, j), max(i, j)] for j in range(n)] for i in range(n)])
 
 
 def inertial_symbols(robot: Robot) -> frozenset[str]:
-    """Symbols of masses and moments of inertia, by which dynamics is grouped."""
+    """Symbols of masses and moments of inertia, by which dynamics is grouped.
+
+    Args:
+        robot: The robot.
+    """
     found: set[str] = set()
     for link in robot.links:
         t = link.inertia
@@ -60,22 +74,36 @@ def inertial_symbols(robot: Robot) -> frozenset[str]:
 
 
 def gravity_symbols(robot: Robot) -> frozenset[str]:
-    """Symbols of the acceleration of gravity."""
+    """Symbols of the acceleration of gravity.
+
+    Args:
+        robot: The robot.
+    """
     return frozenset(name for cell in robot.gravity or () for name in names(cell))
 
 
 def only_link(robot: Robot, i: int) -> Robot:
-    """The robot with the body of link i (from 1) alone: every other link massless, no rotor at all."""
-    link = replace(robot.links[i - 1], motor=None, armature=Link().armature)
-    links = tuple(link if k == i else Link() for k in range(1, robot.n + 1))
-    return replace(robot, links=links)
+    """The robot with the body of one link alone: every other link massless, no rotor at all.
+
+    Args:
+        robot: A robot with links.
+        i: The link, from 1.
+    """
+    return _only(robot, i, replace(robot.links[i - 1], motor=None, armature=Link().armature))
 
 
 def only_rotor(robot: Robot, i: int) -> Robot:
-    """The robot with the rotor of joint i (from 1) alone: every link massless, no armature."""
-    rotor = Link(motor=robot.links[i - 1].motor)
-    links = tuple(rotor if k == i else Link() for k in range(1, robot.n + 1))
-    return replace(robot, links=links)
+    """The robot with one rotor alone: every link massless, no armature.
+
+    Args:
+        robot: A robot with links.
+        i: The joint of the rotor, from 1.
+    """
+    return _only(robot, i, Link(motor=robot.links[i - 1].motor))
+
+
+def _only(robot: Robot, i: int, link: Link) -> Robot:
+    return replace(robot, links=tuple(link if k == i else Link() for k in range(1, robot.n + 1)))
 
 
 def aligned_latex(lines: Sequence[str]) -> str:

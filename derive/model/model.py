@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
+from derive.lecture.sympy_types import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal
 from derive.model.quantities import evaluate
-
-Expr = Any
 
 
 class Model(DynamicModel):
     """Closed forms of one robot.
 
     Every quantity is an immutable SymPy matrix or an expression in the robot's own symbols, which are plain
-    ``sympy.Symbol``s; ``qd1`` and ``qdd1`` are velocity and acceleration of ``q1``.
+    ``sympy.Symbol``s; ``qd1`` and ``qdd1`` are velocity and acceleration of ``q1``. Matrices of the end effector are in
+    the world frame unless they say otherwise, lengths in metres, angles in radians.
 
     Args:
         robot: The robot.
@@ -28,7 +27,7 @@ class Model(DynamicModel):
         robot: The robot.
         style: How expressions are grouped.
         contraction: Which sums of angles are contracted.
-        q: Joint variables.
+        q: Joint variables [rad or m].
         qd: Their velocities.
         qdd: Their accelerations.
     """
@@ -50,7 +49,13 @@ class Model(DynamicModel):
         return abbreviate(self, quantity, by)
 
     def quantity(self, name: str) -> Expr:
-        """A quantity by its name as `derive show` takes it, for instance ``T[1,4]`` or ``christoffel[1,1,2]``.
+        """A quantity by its name.
+
+        Args:
+            name: As `derive show` takes it, for instance ``T[1,4]`` or ``christoffel[1,1,2]``.
+
+        Returns:
+            The matrix or expression.
 
         Raises:
             QuantityError: No such quantity or entry.
@@ -63,6 +68,9 @@ class Model(DynamicModel):
         Args:
             quantity: A scalar quantity such as ``T[1,4]``.
             expression: Text in the notation of lecture notes (c12, qd1, ...) or a SymPy expression.
+
+        Returns:
+            True if they are equal wherever both are defined.
 
         Raises:
             QuantityError: No such quantity.

@@ -9,7 +9,7 @@ import pytest
 
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.check.diagnosis import Question, diagnose
-from derive.check.edits import Kind, ordinal
+from derive.check.edits import SlipKind, ordinal
 from derive.lecture.shorthand import notation_text, read_formula
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
@@ -68,7 +68,7 @@ def test_two_changes_of_one_kind_are_found_where_one_is_not_enough() -> None:
     asked = question("puma560-usp", "T[][1,2]", "c1*(-c23*(c4*c5*s6 - s4*c6) - s23*s5*s6) - s1*(-s4*c5*s6 + c4*c6)")
     found = diagnose(asked)
     assert found is not None
-    assert found.kinds == (Kind.SIGN, Kind.SIGN)
+    assert found.kinds == (SlipKind.SIGN, SlipKind.SIGN)
     assert found.text.startswith("2 changes: sign of the 2nd term of ")
     right = "c1*(-c23*(c4*c5*s6 + s4*c6) + s23*s5*s6) - s1*(-s4*c5*s6 + c4*c6)"
     assert notation_text(found.formula, asked.robot) == right

@@ -61,7 +61,7 @@ def _printed(finding: Finding, item: PrintedQuantity, corrected: bool | None) ->
         ok=item.status == "ok",
         equal=finding.verdict.equal,
         corrected=corrected,
-        counted=not (item.duplicate or item.implied),
+        counted=not (item.remark.duplicate or item.implied),
     )
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from derive.algebra.from_sympy import expression_from_sympy
-from derive.check.comparison import _derived
+from derive.check.comparison import derived_matrix
 from derive.check.files import read_corpus_file
 from derive.check.verdicts import same_form
 from derive.model.model import Model
@@ -93,9 +93,9 @@ def compared(path: Path) -> list[tuple[str, Expression, Expression]]:
     model = Model(file.robot)
     found = []
     for item in file.expected:
-        if item.quantity.startswith("A[") or (item.status == "erratum" and item.kind != "error"):
+        if item.quantity.startswith("A[") or (item.status == "erratum" and item.remark.kind != "error"):
             continue
-        derived = _derived(model, item)
+        derived = derived_matrix(model, item)
         for entry in item.entries if item.status == "ok" else item.corrections:
             if contains_sum(entry.formula):
                 ours = expression_from_sympy(derived[entry.row - 1, entry.column - 1])

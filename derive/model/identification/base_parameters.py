@@ -32,8 +32,8 @@ from derive.errors import ExpressionError
 from derive.mechanics.chain import build_chain
 from derive.mechanics.screws import with_unit_rotors
 from derive.model.identification.column_relations import Coefficient, ColumnSolver, Unproven
-from derive.model.identification.unit_forms import UnitForms
-from derive.robot.description import IDENTITY, Joint, Link, Motor
+from derive.model.identification.unit_dynamics import UnitDynamics
+from derive.robot.description import IDENTITY, Link, Motor
 from derive.robot.expression import ZERO, Expression, substitute
 from derive.robot.inertial_parameters import JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
 from derive.robot.names import number_of
@@ -104,15 +104,17 @@ def base_set(robot: Robot) -> BaseSet:
 
 def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
     candidates, geometry = _candidates(robot), _geometry(robot, numbers)
+    # b*qd and f*sign(qd) are independent of all others: no column of B or g is odd in one velocity
+    friction = [p for p in standard_parameters(robot) if p.part in ("b", "f")]
     samples = _FEWEST_SAMPLES
     while samples <= 4 * len(candidates):
         try:
-            return _proven(geometry, candidates, _friction(robot), samples)
+            return _proven(geometry, candidates, friction, samples)
         except Unproven:
             samples *= 2
         except (ExpressionError, TooManyTerms, NoPointError, ZeroDivisionError):
             break
-    return BaseSet(_ordered([*candidates, *_friction(robot)]), (), None, proven=False)
+    return BaseSet(_ordered([*candidates, *friction]), (), None, proven=False)
 
 
 def _defined(base: BaseSet, numbers: Mapping[str, Expression]) -> bool:
@@ -146,14 +148,14 @@ def _independent(
     """The first independent columns from the left, and all columns in them, at points modulo a prime."""
     n = domain.robot.n
     residues = ResidueDomain(domain, samples)
-    forms: UnitForms[Residue] = UnitForms(build_chain(domain.robot, residues), ends=False)
+    units: UnitDynamics[Residue] = UnitDynamics(build_chain(domain.robot, residues), ends=False)
     pairs = [(a, b) for a in range(n) for b in range(a, n)]
     place = {pair: k for k, pair in enumerate(pairs)}
     matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)
     for j, parameter in enumerate(candidates):
-        for pair, value in forms.inertia(parameter).items():
+        for pair, value in units.inertia(parameter).items():
             matrix[:, place[pair], j] = value.values[:, 0]
-        for i, value in enumerate(forms.gravity(parameter)):
+        for i, value in enumerate(units.gravity(parameter)):
             matrix[:, len(place) + i, j] = value.values[:, 0]
     pivots, form = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
     return residues, pivots, form
@@ -173,14 +175,12 @@ def absorbed_rotors(robot: Robot) -> tuple[int, ...]:
 
     The square of its speed, (w.u + k qd)^2, is (1 - k) (w.u)^2 + k (w.u + qd)^2 + (k^2 - k) qd^2: links i-1 and i and
     the armature take it over.
+
+    Args:
+        robot: A robot with links.
     """
     pairs = enumerate(zip(robot.joints, robot.links, strict=True), start=1)
     return tuple(i for i, (j, link) in pairs if j.is_revolute and link.motor is not None and link.armature != ZERO)
-
-
-def _friction(robot: Robot) -> list[Parameter]:
-    """b*qd and f*sign(qd): no column of B or g is odd in one velocity."""
-    return [p for p in standard_parameters(robot) if p.part in ("b", "f")]
 
 
 def _ordered(parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
@@ -191,22 +191,19 @@ def _ordered(parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
 def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     """What decides on dependence: numbers put in, no tool, joint variables counted from where they are simplest."""
 
-    def put(cell: Expression) -> Expression:
+    def _put(cell: Expression) -> Expression:
         return substitute(cell, dict(numbers))
 
-    def row(joint: Joint) -> Joint:
-        theta = ZERO if joint.is_revolute else put(joint.theta)
-        d = put(joint.d) if joint.is_revolute else ZERO
-        return replace(joint, theta=theta, d=d, a=put(joint.a), alpha=put(joint.alpha), limits=None)
-
-    def link(link: Link) -> Link:
-        return link if link.motor is None else Link(motor=Motor(ratio=put(link.motor.ratio)))
-
+    joints = []
+    for joint in robot.joints:
+        theta, d = (ZERO, _put(joint.d)) if joint.is_revolute else (_put(joint.theta), ZERO)
+        joints.append(replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None))
+    motors = (link.motor and Motor(ratio=_put(link.motor.ratio)) for link in robot.links)
     return replace(
         robot,
-        joints=tuple(row(joint) for joint in robot.joints),
-        base=tuple(tuple(put(cell) for cell in cells) for cells in robot.base),
+        joints=tuple(joints),
+        base=tuple(tuple(_put(cell) for cell in cells) for cells in robot.base),
         tool=IDENTITY,
-        gravity=None if robot.gravity is None else tuple(map(put, robot.gravity)),  # type: ignore[arg-type]
-        links=tuple(link(given) for given in robot.links),
+        gravity=robot.gravity and (_put(robot.gravity[0]), _put(robot.gravity[1]), _put(robot.gravity[2])),
+        links=tuple(Link(motor=motor) if motor else link for motor, link in zip(motors, robot.links, strict=True)),
     )

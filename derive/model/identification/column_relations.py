@@ -13,13 +13,13 @@ from derive.algebra.residues import ResidueDomain, echelon
 from derive.algebra.ring import Polynomial
 from derive.errors import DeriveError
 from derive.mechanics.chain import build_chain
-from derive.model.identification.unit_forms import UnitForms
+from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.inertial_parameters import Parameter
 
 MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})
 """Generators that joint variables enter."""
 
-Column = Mapping[Hashable, Polynomial]
+RegressorColumn = Mapping[Hashable, Polynomial]
 """By entry of B or g and monomial in the joint variables, the coefficient: a polynomial in the geometry."""
 
 
@@ -46,14 +46,22 @@ class ColumnSolver:
     def __init__(self, domain: PolynomialDomain, residues: ResidueDomain) -> None:
         self.domain = domain
         self.residues = residues
-        self.forms: UnitForms[Polynomial] = UnitForms(build_chain(domain.robot, domain), ends=False)
+        self._units: UnitDynamics[Polynomial] = UnitDynamics(build_chain(domain.robot, domain), ends=False)
         self._moving = [i for i, g in enumerate(domain.generators) if g.kind in MOVING]
 
     def solve(self, wanted: Parameter, basis: Sequence[Parameter]) -> list[Coefficient]:
-        """The coefficients of independent columns in a column that depends on them.
+        """The coefficients of independent columns in a column that depends on them, by Cramer's rule.
+
+        Args:
+            wanted: Whose column depends on the others.
+            basis: Whose columns are independent.
+
+        Returns:
+            One coefficient for each parameter of the basis, proven as identities of polynomials.
 
         Raises:
             Unproven: There are none.
+            TooManyTerms: A product is beyond the budget of the ring.
         """
         right, columns = self._column(wanted), [self._column(parameter) for parameter in basis]
         keys = sorted({*right, *(key for column in columns for key in column)}, key=repr)
@@ -62,9 +70,9 @@ class ColumnSolver:
         rows.sort(key=lambda row: sum(map(len, row)))
         chosen = self._independent_rows(rows, len(basis))
         matrix = [row[:-1] for row in chosen]
-        scale = determinant(self.domain.ring.one, matrix)
+        scale = _determinant(self.domain.ring.one, matrix)
         tops = [
-            determinant(self.domain.ring.one, [[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen])
+            _determinant(self.domain.ring.one, [[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen])
             for k in range(len(basis))
         ]
         for row in rows:
@@ -72,9 +80,9 @@ class ColumnSolver:
                 raise Unproven(f"{wanted.name} depends on other parameters only at some points")
         return [_reduced(top, scale) for top in tops]
 
-    def _column(self, parameter: Parameter) -> Column:
-        entries: dict[Hashable, Polynomial] = {pair: value for pair, value in self.forms.inertia(parameter).items()}
-        entries |= dict(enumerate(self.forms.gravity(parameter)))
+    def _column(self, parameter: Parameter) -> RegressorColumn:
+        entries: dict[Hashable, Polynomial] = {pair: value for pair, value in self._units.inertia(parameter).items()}
+        entries |= dict(enumerate(self._units.gravity(parameter)))
         ring = self.domain.ring
         return {
             (place, monomial): coefficient
@@ -93,7 +101,7 @@ class ColumnSolver:
         return [rows[k] for k in pivots]
 
 
-def determinant(one: Polynomial, matrix: Sequence[Sequence[Polynomial]]) -> Polynomial:
+def _determinant(one: Polynomial, matrix: Sequence[Sequence[Polynomial]]) -> Polynomial:
     """Along the first row; the matrices are small and mostly zero."""
     if not matrix:
         return one
@@ -101,7 +109,7 @@ def determinant(one: Polynomial, matrix: Sequence[Sequence[Polynomial]]) -> Poly
     total = one - one
     for k, entry in enumerate(first):
         if entry:
-            minor = determinant(one, [[*row[:k], *row[k + 1 :]] for row in rest])
+            minor = _determinant(one, [[*row[:k], *row[k + 1 :]] for row in rest])
             total = total + (entry * minor if k % 2 == 0 else -(entry * minor))
     return total
 

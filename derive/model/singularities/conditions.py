@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 import sympy
 
@@ -13,9 +12,9 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factors import Factor
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
+from derive.lecture.sympy_types import Expr
 from derive.lecture.to_sympy import expression_to_sympy
 
-Expr = Any
 Write = Callable[[Polynomial], Expr]
 
 
@@ -52,71 +51,74 @@ class Condition:
     joints: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class Solver:
-    """Solves the factors of one domain.
+def moving_joints(domain: PolynomialDomain, p: Polynomial) -> tuple[int, ...]:
+    """The joints whose variables change a polynomial.
 
     Args:
-        domain: The domain.
+        domain: Its domain.
+        p: The polynomial.
+
+    Returns:
+        Their numbers, from 0.
     """
+    return tuple(i for i in range(domain.robot.n) if domain.derivative(p, i))
 
-    domain: PolynomialDomain
 
-    def moving(self, p: Polynomial) -> tuple[int, ...]:
-        """The joints (from 0) whose variables change the value."""
-        return tuple(i for i in range(self.domain.robot.n) if self.domain.derivative(p, i))
+def zero_condition(
+    domain: PolynomialDomain, factor: Factor, expression: Expr, write: Write, has_wrist: bool
+) -> Condition | None:
+    """Where a factor of the determinant is zero.
 
-    def condition(self, factor: Factor, expression: Expr, write: Write, has_wrist: bool) -> Condition | None:
-        """Where the factor is zero; None if it does not move.
+    Args:
+        domain: Its domain.
+        factor: The factor.
+        expression: The same as it is printed.
+        write: Writes a polynomial.
+        has_wrist: Whether the determinant is that of an arm with a spherical wrist.
 
-        Args:
-            factor: The factor.
-            expression: The same as it is printed.
-            write: Writes a polynomial.
-            has_wrist: Whether the determinant is that of an arm with a spherical wrist.
-        """
-        joints = self.moving(factor.value)
-        if not joints:
-            return None
-        variable, values = self._solved(factor, joints, write)
-        posture = self._posture(joints, has_wrist)
-        return Condition(expression, variable, values, posture, tuple(j + 1 for j in joints))
+    Returns:
+        The condition; None if the factor does not move.
+    """
+    joints = moving_joints(domain, factor.value)
+    if not joints:
+        return None
+    variable: Expr | None = None
+    values: tuple[Expr, ...] = ()
+    if factor.kind is not None:  # a sine or cosine alone
+        variable = expression_to_sympy(domain.angle_sum(factor.joints))
+        values = (sympy.S.Zero, sympy.pi) if factor.kind is Kind.SINE else (-sympy.pi / 2, sympy.pi / 2)
+    elif len(joints) == 1:
+        joint = domain.robot.joints[joints[0]]
+        values = (_angles if joint.is_revolute else _offset)(domain, factor.value, joints[0], write)
+        variable = sympy.Symbol(joint.variable) if values else None
+    return Condition(expression, variable, values, _posture(domain, joints, has_wrist), tuple(j + 1 for j in joints))
 
-    def _solved(self, factor: Factor, joints: tuple[int, ...], write: Write) -> tuple[Expr | None, tuple[Expr, ...]]:
-        pi = sympy.pi
-        if factor.kind is not None:
-            values = (sympy.S.Zero, pi) if factor.kind is Kind.SINE else (-pi / 2, pi / 2)
-            return expression_to_sympy(self.domain.angle_sum(factor.joints)), values
-        if len(joints) != 1:
-            return None, ()
-        symbol = sympy.Symbol(self.domain.robot.joints[joints[0]].variable)
-        revolute = self.domain.robot.joints[joints[0]].is_revolute
-        values = (self._angle if revolute else self._offset)(factor.value, joints[0], write)
-        return (symbol, values) if values else (None, ())
 
-    def _offset(self, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
-        """q of k*q + rest = 0 where k is a number."""
-        by_q = self.domain.derivative(p, joint)
-        if not by_q.is_constant:
-            return ()
-        rest = p - by_q * self.domain.ring.generator(self.domain.robot.joints[joint].variable)
-        return (write(rest * (-1 / by_q.constant_term)),)
+def _offset(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
+    """q of k*q + rest = 0 where k is a number."""
+    by_q = domain.derivative(p, joint)
+    if not by_q.is_constant:
+        return ()
+    rest = p - by_q * domain.ring.generator(domain.robot.joints[joint].variable)
+    return (write(rest * (-1 / by_q.constant_term)),)
 
-    def _angle(self, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
-        """Both angles of a*c + b*s = 0, the arc tangents of -a/b."""
-        c, s = self.domain.cosine_sine_of(joint)
-        slope = self.domain.derivative(p, joint)
-        a, b = p * c - slope * s, p * s + slope * c
-        if self.moving(a) or self.moving(b):
-            return ()
-        return (sympy.atan2(write(-a), write(b)), sympy.atan2(write(a), write(-b)))
 
-    def _posture(self, joints: tuple[int, ...], has_wrist: bool) -> Posture | None:
-        robot = self.domain.robot
-        if has_wrist and joints == (4,):
-            return Posture.WRIST
-        articulated = all(joint.is_revolute for joint in robot.joints[:3]) and (has_wrist or robot.n == 3)
-        elbow = any({1, 2} <= set(group) and 0 not in group for group in self.domain.groups)
-        if not (articulated and elbow):
-            return None
-        return {(2,): Posture.ELBOW, (1, 2): Posture.SHOULDER}.get(joints)
+def _angles(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
+    """Both angles of a*c + b*s = 0, the arc tangents of -a/b."""
+    c, s = domain.cosine_sine_of(joint)
+    slope = domain.derivative(p, joint)
+    a, b = p * c - slope * s, p * s + slope * c
+    if moving_joints(domain, a) or moving_joints(domain, b):
+        return ()
+    return (sympy.atan2(write(-a), write(b)), sympy.atan2(write(a), write(-b)))
+
+
+def _posture(domain: PolynomialDomain, joints: tuple[int, ...], has_wrist: bool) -> Posture | None:
+    robot = domain.robot
+    if has_wrist and joints == (4,):
+        return Posture.WRIST
+    articulated = all(joint.is_revolute for joint in robot.joints[:3]) and (has_wrist or robot.n == 3)
+    elbow = any({1, 2} <= set(group) and 0 not in group for group in domain.groups)
+    if not (articulated and elbow):
+        return None
+    return {(2,): Posture.ELBOW, (1, 2): Posture.SHOULDER}.get(joints)

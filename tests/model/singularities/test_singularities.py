@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from derive.lecture.to_sympy import expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
 from derive.model.singularities.conditions import Posture
-from derive.model.singularities.singularities import Block, Outcome, Singularities
+from derive.model.singularities.determinant import JacobianBlock, Outcome, Singularities
 from derive.robot.catalogue import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
@@ -57,7 +57,7 @@ class Arm:
         return np.asarray(self.value(block.matrix, q))
 
 
-def at_end_effector(block: Block) -> bool:
+def at_end_effector(block: JacobianBlock) -> bool:
     return block.reference.point is None and block.reference.frame is None
 
 

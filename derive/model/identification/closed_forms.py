@@ -6,36 +6,30 @@ columns are qd_i and sign(qd_i).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
+from derive.lecture.sympy_types import Expr, Matrix
 from derive.mechanics.chain import build_chain
 from derive.mechanics.screws import with_unit_rotors
 from derive.model.dynamic_form import times_rate
 from derive.model.identification.base_parameters import BaseSet, base_set
 from derive.model.identification.column_relations import Coefficient
 from derive.model.identification.parameter_values import grouped_values, standard_values
-from derive.model.identification.unit_forms import Pairs, UnitForms
+from derive.model.identification.unit_dynamics import UnitDynamics
+from derive.model.kinematic_model import KinematicModel
 from derive.robot.inertial_parameters import Parameter, standard_parameters
-
-if TYPE_CHECKING:
-    from derive.model.kinematic_model import KinematicModel
-
-
-Expr = Any
-Matrix = Any
 
 _HALF = Fraction(1, 2)
 
 
 class ClosedIdentification:
-    """What `Model` says about identification.
+    """Standard and base parameters of a robot, and the regressors that they are multiplied by.
 
     Args:
         model: Gives the ring, the symbols and the style.
@@ -58,13 +52,13 @@ class ClosedIdentification:
 
     @cached_property
     def standard_values(self) -> Matrix:
-        """pi, px1."""
+        """The standard parameters pi, px1."""
         values = standard_values(self.model.robot, self.standard, self.model.domain)
         return sympy.ImmutableMatrix([self.model.form.dynamic(value) for value in values])
 
     @cached_property
     def base_values(self) -> Matrix:
-        """beta, bx1."""
+        """The base parameters beta, bx1."""
         values = grouped_values(self.model.robot, self.base, self.model.domain)
         moved: dict[Parameter, list[Expr]] = {parameter: [] for parameter in self.base.parameters}
         for relation in self.base.relations:
@@ -80,13 +74,13 @@ class ClosedIdentification:
 
     @cached_property
     def regressor(self) -> Matrix:
-        """Y, nxp."""
-        return self._matrix(UnitForms(self._chain, ends=True), self.standard)
+        """The regressor Y of the standard parameters, nxp."""
+        return self._matrix(UnitDynamics(self._chain, ends=True), self.standard)
 
     @cached_property
     def base_regressor(self) -> Matrix:
-        """Y of the base parameters, nxb."""
-        return self._matrix(UnitForms(self._chain, ends=False), self.base.parameters)
+        """The regressor Y of the base parameters, nxb."""
+        return self._matrix(UnitDynamics(self._chain, ends=False), self.base.parameters)
 
     def _coefficient(self, factor: Coefficient) -> Expr:
         assert self.base.domain is not None, "relations come with their ring"
@@ -95,38 +89,37 @@ class ClosedIdentification:
 
     # -- columns
 
-    def _matrix(self, forms: UnitForms[Polynomial], parameters: Sequence[Parameter]) -> Matrix:
-        columns = [self._column(forms, parameter) for parameter in parameters]
+    def _matrix(self, units: UnitDynamics[Polynomial], parameters: Sequence[Parameter]) -> Matrix:
+        columns = [self._column(units, parameter) for parameter in parameters]
         return sympy.ImmutableMatrix(self.model.n, len(columns), lambda i, j: columns[j][i])
 
-    def _column(self, forms: UnitForms[Polynomial], parameter: Parameter) -> list[Expr]:
-        n, i = self.model.n, parameter.joint - 1
+    def _column(self, units: UnitDynamics[Polynomial], parameter: Parameter) -> list[Expr]:
+        model, n, i = self.model, range(self.model.n), parameter.joint - 1
         if parameter.part in ("b", "f"):
-            own = self.model.qd[i] if parameter.part == "b" else sympy.sign(self.model.qd[i])
-            return [own if k == i else sympy.S.Zero for k in range(n)]
-        inertia, gravity = forms.inertia(parameter), forms.gravity(parameter)
-        return [sympy.Add(*self._terms(inertia, k), self._weight(gravity, k)) for k in range(n)]
+            own = model.qd[i] if parameter.part == "b" else sympy.sign(model.qd[i])
+            return [own if k == i else sympy.S.Zero for k in n]
+        gravity = [model.form.gravity(p) for p in units.gravity(parameter)]
+        gravity += [sympy.S.Zero] * (model.n - len(gravity))
+        inertia = {key: p for (a, b), p in units.inertia(parameter).items() for key in ((a, b), (b, a))}
+        return [sympy.Add(*self._inertial(inertia, k), gravity[k]) for k in n]
 
-    def _weight(self, gravity: Sequence[Polynomial], i: int) -> Expr:
-        return self.model.form.gravity(gravity[i]) if i < len(gravity) else sympy.S.Zero
-
-    def _terms(self, inertia: Pairs[Polynomial], i: int) -> Iterator[Expr]:
-        """B_ij qdd_j, and c_ijk qd_j qd_k for every pair of joints once."""
+    def _inertial(self, inertia: Mapping[tuple[int, int], Polynomial], i: int) -> Iterator[Expr]:
+        """B_ij qdd_j, and c_ijk qd_j qd_k for every pair of joints once; what is missing in B is zero."""
         model, n = self.model, range(self.model.n)
+
+        def _slope(i: int, j: int, k: int) -> Polynomial:
+            value = inertia.get((i, j))
+            return model.domain.derivative(value, k) if value else model.domain.ring.zero
+
         for j in n:
-            yield times_rate(self._expression(_entry(inertia, i, j)), model.qdd[j], model.style)
+            yield times_rate(self._expression(inertia.get((i, j))), model.qdd[j], model.style)
         for j in n:
             for k in range(j, model.n):
-                twice = self._slope(inertia, i, j, k) + self._slope(inertia, i, k, j) - self._slope(inertia, j, k, i)
+                twice = _slope(i, j, k) + _slope(i, k, j) - _slope(j, k, i)
                 if twice:
                     rates = model.qd[j] * model.qd[k]
                     value = twice * _HALF if j == k else twice
                     yield times_rate(self._expression(value), rates, model.style)
-
-    def _slope(self, inertia: Pairs[Polynomial], i: int, j: int, k: int) -> Polynomial:
-        """dB_ij/dq_k."""
-        value = _entry(inertia, i, j)
-        return self.model.domain.derivative(value, k) if value else self.model.domain.ring.zero
 
     def _expression(self, p: Polynomial | None) -> Expr:
         if not p:
@@ -135,7 +128,3 @@ class ClosedIdentification:
         if key not in self._written:
             self._written[key] = self.model.form.kinematic(p)
         return self._written[key]
-
-
-def _entry(inertia: Pairs[Polynomial], i: int, j: int) -> Polynomial | None:
-    return inertia.get((min(i, j), max(i, j)))

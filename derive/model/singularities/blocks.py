@@ -7,19 +7,19 @@ as joints; else the first rows, linear ones first, whose determinant is not zero
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 from derive.algebra.ring import Polynomial, determinant
-from derive.model.kinematics import Column, Kinematics, Reference, jacobian_columns
+from derive.model.kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
 
 ALL = (1, 2, 3, 4, 5, 6)
 
 
 @dataclass(frozen=True)
 class SquareBlock:
-    """A square block of J.
+    """A square block of J, exact.
 
     Attributes:
         name: ``J``, or ``J_11`` and ``J_22`` of a block triangular J.
@@ -45,25 +45,21 @@ class SquareBlock:
 def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
     """The diagonal blocks whose determinants multiply to the one that is looked for.
 
-    Empty if all square blocks of n rows are singular in every configuration.
+    Args:
+        kinematics: Of an arm with at most six joints.
+
+    Returns:
+        One block, or J_11 and J_22; none if all square blocks of n rows are singular in every configuration.
     """
-    if kinematics.robot.n == 6:
-        return _six(kinematics)
-    return _few(kinematics)
-
-
-# -- six joints
-
-
-def _six(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
+    if kinematics.robot.n < 6:
+        return next(((block,) for block in _candidates(kinematics) if block.determinant()), ())
     centre = _wrist_centre(kinematics)
     if centre is None:
-        references = [Reference(k, k) for k in range(7)]
-        return (_shortest(kinematics, "J", ALL, ALL, references),)
+        return (_shortest(kinematics, "J", ALL, [Reference(k, k) for k in range(7)]),)
     references = [Reference(k, centre) for k in range(7)]
     return (
-        _shortest(kinematics, "J_11", ALL[:3], ALL[:3], references),
-        _shortest(kinematics, "J_22", ALL[3:], ALL[3:], references),
+        _shortest(kinematics, "J_11", ALL[:3], references),
+        _shortest(kinematics, "J_22", ALL[3:], references),
     )
 
 
@@ -79,38 +75,24 @@ def _wrist_centre(kinematics: Kinematics) -> int | None:
 
 
 def _shortest(
-    kinematics: Kinematics,
-    name: str,
-    rows: tuple[int, ...],
-    columns: tuple[int, ...],
-    references: Sequence[Reference],
+    kinematics: Kinematics, name: str, places: tuple[int, ...], references: Sequence[Reference]
 ) -> SquareBlock:
-    """The block about the reference where its entries have the fewest terms; the axes of the world only for ties."""
-    blocks = [_block(name, rows, columns, r, jacobian_columns(kinematics, r)) for r in references]
+    """The diagonal block about the reference where its entries have the fewest terms; the first of equals."""
+    blocks = [_block(name, places, places, r, jacobian_columns(kinematics, r)) for r in references]
     return min(blocks, key=lambda block: sum(len(entry) for row in block.entries for entry in row))
 
 
-# -- fewer joints
-
-
-def _few(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
-    for candidate in _candidates(kinematics):
-        if candidate.determinant():
-            return (candidate,)
-    return ()
-
-
 def _candidates(kinematics: Kinematics) -> Iterator[SquareBlock]:
-    n = kinematics.robot.n
-    at_end = [Reference(), Reference(frame=0)]
-    yield from _nonzero_rows(kinematics, at_end)
-    world = jacobian_columns(kinematics, at_end[0])
-    make = _maker(n, at_end[0], world)
+    """Blocks of all columns of an arm with fewer than six joints, in the order in which they are preferred."""
+    n, end = kinematics.robot.n, Reference()
+    columns = tuple(range(1, n + 1))
+    yield from _nonzero_rows(kinematics, [end, Reference(frame=0)])
+    world = jacobian_columns(kinematics, end)
     if n == 3:
-        yield make((1, 2, 3))
+        yield _block("J", (1, 2, 3), columns, end, world)
     yield from _nonzero_rows(kinematics, [Reference(frame, m) for m in range(n + 1) for frame in (None, 0)])
     for rows in combinations(ALL, n):
-        yield make(rows)
+        yield _block("J", rows, columns, end, world)
 
 
 def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> Iterator[SquareBlock]:
@@ -120,15 +102,15 @@ def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> It
         columns = jacobian_columns(kinematics, reference)
         rows = tuple(r for r in ALL if any(column[r - 1] for column in columns))
         if len(rows) == n:
-            yield _maker(n, reference, columns)(rows)
-
-
-def _maker(n: int, reference: Reference, columns: Sequence[Column]) -> Callable[[tuple[int, ...]], SquareBlock]:
-    return lambda rows: _block("J", rows, tuple(range(1, n + 1)), reference, columns)
+            yield _block("J", rows, tuple(range(1, n + 1)), reference, columns)
 
 
 def _block(
-    name: str, rows: tuple[int, ...], columns: tuple[int, ...], reference: Reference, entries: Sequence[Column]
+    name: str,
+    rows: tuple[int, ...],
+    columns: tuple[int, ...],
+    reference: Reference,
+    entries: Sequence[JacobianColumn],
 ) -> SquareBlock:
     chosen = tuple(tuple(entries[c - 1][r - 1] for c in columns) for r in rows)
     others = (entries[c - 1][r - 1] for c in columns for r in ALL if r not in rows)

@@ -25,7 +25,7 @@ Pairs = Mapping[tuple[int, int], S]
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
-class UnitForms(Generic[S]):
+class UnitDynamics(Generic[S]):
     """B and g of every unit parameter.
 
     Args:
@@ -42,16 +42,40 @@ class UnitForms(Generic[S]):
         self._known_gravities: list[Vector[S]] = []
 
     def inertia(self, parameter: Parameter) -> Pairs[S]:
-        """B per unit of a parameter; of friction none."""
+        """B per unit of a parameter; of friction none.
+
+        Args:
+            parameter: The parameter.
+
+        Returns:
+            Entries (a, b), a <= b, joints from 0; what is missing is zero.
+        """
         signs = [joint.sign for joint in self.chain.joints]
         count, entry = self._inertia(parameter)
         found = {(a, b): entry(a, b) for a in range(count) for b in range(a, count)}
         return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
 
     def gravity(self, parameter: Parameter) -> list[S]:
-        """The entries 1..k of g per unit of a parameter; those further out are zero."""
-        found = self._gravity(parameter)
-        return [value if joint.sign > 0 else -value for joint, value in zip(self.chain.joints, found, strict=False)]
+        """g per unit of a parameter.
+
+        Args:
+            parameter: The parameter.
+
+        Returns:
+            Entries 1..k; those further out are zero.
+        """
+        i, part = parameter.joint - 1, parameter.part
+        along_z: list[S] = []
+        if part == "mm":
+            gamma = self._gravity_in(i - 1) if i else self.chain.gravity
+            along_z = [-dot(gamma, velocity) for velocity in self._rotor_velocities(i)]
+        elif part in ("m", "mx", "my", "mz"):
+            screws, gamma = self._link(i)
+            if part == "m":
+                along_z = [-dot(gamma, screw.linear) for screw in screws]
+            else:
+                along_z = [-cross(gamma, screw.angular)[_AXES[part[1]]] for screw in screws]
+        return [value if joint.sign > 0 else -value for joint, value in zip(self.chain.joints, along_z, strict=False)]
 
     def _inertia(self, parameter: Parameter) -> tuple[int, Callable[[int, int], S]]:
         """How many joints take part, and the entry of two of them."""
@@ -59,7 +83,9 @@ class UnitForms(Generic[S]):
         if part == "Ia":
             return i + 1, lambda a, b: self.chain.one if a == b == i else self.chain.zero
         if part == "Im":
-            spins = self._rotor_spins(i)
+            u = axis(self.chain.joints[i])
+            spins = [*(dot(screw.angular, u) for screw in (self._screws(i - 1) if i else ()))]
+            spins.append(self.chain.joints[i].coupling)
             return len(spins), lambda a, b: spins[a] * spins[b]
         if part == "mm":
             velocities = self._rotor_velocities(i)
@@ -68,26 +94,6 @@ class UnitForms(Generic[S]):
             return 0, lambda a, b: self.chain.zero
         screws, _ = self._link(i)
         return len(screws), lambda a, b: _body_entry(part, screws[a], screws[b])
-
-    def _gravity(self, parameter: Parameter) -> list[S]:
-        i, part = parameter.joint - 1, parameter.part
-        if part == "mm":
-            gamma = self._gravity_in(i - 1) if i else self.chain.gravity
-            return [-dot(gamma, velocity) for velocity in self._rotor_velocities(i)]
-        screws, gamma = self._link(i)
-        if part == "m":
-            return [-dot(gamma, screw.linear) for screw in screws]
-        if part in ("mx", "my", "mz"):
-            return [-cross(gamma, screw.angular)[_AXES[part[1]]] for screw in screws]
-        return []
-
-    # -- rotors
-
-    def _rotor_spins(self, i: int) -> list[S]:
-        """The rotor's angular velocity about its own axis per unit of every rate."""
-        joint = self.chain.joints[i]
-        u = axis(joint)
-        return [*(dot(screw.angular, u) for screw in (self._screws(i - 1) if i else ())), joint.coupling]
 
     def _rotor_velocities(self, i: int) -> list[Vector[S]]:
         return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._screws(i - 1)] if i else []
