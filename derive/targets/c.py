@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import prod
 
 from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_lines
-from derive.programs.program import Function, Program
+from derive.programs.program import Function
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.targets.escape import c_comment, c_prefix
 from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
@@ -164,7 +164,7 @@ def c_context(source: Source) -> dict[str, object]:
         Values by name.
     """
     program, prefix = source.program, c_prefix(source.robot.name)
-    functions = c_functions(program)
+    functions = [c_function(function, program.parameters) for function in program]
     return c_heading(source) | {
         "parameters": [{"name": name, "place": str(i)} for i, name in enumerate(program.parameters)],
         "parameter_count": len(program.parameters),
@@ -198,19 +198,16 @@ def c_heading(source: Source) -> dict[str, object]:
     }
 
 
-def c_functions(program: Program) -> tuple[CFunction, ...]:
-    """The functions of a program in C.
+def c_function(function: Function, parameters: Sequence[str]) -> CFunction:
+    """A function of a program in C.
 
     Args:
-        program: The functions as tapes.
+        function: The function as a tape.
+        parameters: Names of the run-time parameters.
 
     Returns:
-        Their texts, in the program's order.
+        Its texts.
     """
-    return tuple(_c_function(function, program.parameters) for function in program)
-
-
-def _c_function(function: Function, parameters: Sequence[str]) -> CFunction:
     constants, angles, body = _three_parts(function.tape, parameters)
     read = {*angles.arrays, *body.arrays}
     used = tuple(argument for argument in function.arguments if argument in read)

@@ -6,7 +6,6 @@ The export, ``model_casadi.c`` and ``.h``, is CasADi's own.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -105,18 +104,9 @@ def casadi_function(function: Function, joints: int, parameters: int) -> Any:
         "sign": casadi.sign,
     }
     results = evaluate(function.tape, entries, arithmetic)
-    output = _arranged(results, function.shape)
+    output = casadi.densify(casadi.vertcat(*results))  # an entry that is zero is an entry
+    if len(function.shape) > 1:  # a matrix, or matrices side by side; CasADi's run down the columns
+        rows, columns = function.shape[-2:]
+        blocks = casadi.vertsplit(output, rows * columns)
+        output = casadi.horzcat(*[casadi.reshape(block, columns, rows).T for block in blocks])
     return casadi.Function(function.name, inputs, [output], names, [WORDING[function.name].symbol])
-
-
-def _arranged(results: Sequence[Any], shape: Sequence[int]) -> Any:
-    """A column, a matrix, or matrices side by side, dense: an entry that is zero is an entry."""
-    import casadi
-
-    column = casadi.densify(casadi.vertcat(*results))
-    if len(shape) == 1:
-        return column
-    rows, columns = shape[-2:]
-    size = rows * columns
-    blocks = [column[start : start + size] for start in range(0, len(results), size)]
-    return casadi.horzcat(*[casadi.reshape(block, columns, rows).T for block in blocks])

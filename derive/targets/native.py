@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import prod
 
 from derive.programs.program import Function
-from derive.targets.c import CFunction, c_context, c_functions
+from derive.targets.c import CFunction, c_context, c_function
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
 from derive.targets.templating import render
@@ -71,7 +71,7 @@ def render_native(source: Source) -> dict[str, str]:
     Returns:
         Their texts by file name.
     """
-    texts = c_functions(source.program)
+    texts = [c_function(function, source.program.parameters) for function in source.program]
     loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
     counts = {text.name: text.constant_count for text in texts}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}

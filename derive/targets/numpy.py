@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_lines
-from derive.programs.program import Function, Program
+from derive.programs.program import Function
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, joint_limits
@@ -75,12 +75,30 @@ class PythonFunction:
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """A tuple at the top of the module: its name, and its entries on one line or in several."""
+    """A tuple at the top of the module.
+
+    Attributes:
+        name: Its name.
+        values: Its entries.
+    """
 
     name: str
-    short: bool
-    inside: str
-    lines: tuple[str, ...]
+    values: tuple[str, ...]
+
+    @property
+    def inside(self) -> str:
+        """What stands in the parentheses, on one line."""
+        return _tuple(self.values)
+
+    @property
+    def short(self) -> bool:
+        """Whether one line is enough."""
+        return len(self.name) + len(self.inside) <= _SHORT
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What stands in the parentheses, in several lines."""
+        return wrapped(self.values)
 
 
 def render_numpy(source: Source) -> dict[str, str]:
@@ -136,28 +154,16 @@ def python_context(source: Source) -> dict[str, object]:
         "convention": robot.convention.value,
         "joints": joint_lines(robot),
         "dof": robot.n,
-        "constants": [_constant(name, values) for name, values in constants.items()],
+        "constants": [Constant(name, tuple(values)) for name, values in constants.items()],
         "tables": tuple(tables),
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
-        "functions": python_functions(program, robot.n),
+        "functions": [_python_function(function, program.parameters, robot.n) for function in program],
     }
 
 
-def python_functions(program: Program, joints: int) -> tuple[PythonFunction, ...]:
-    """The functions of a program as Python.
-
-    Args:
-        program: The functions as tapes.
-        joints: Number of joints, the length of every argument.
-
-    Returns:
-        Their texts, in the program's order.
-    """
-    return tuple(_python_function(function, program.parameters, joints) for function in program)
-
-
 def _python_function(function: Function, parameters: Sequence[str], joints: int) -> PythonFunction:
+    """The texts of one function of a robot with so many joints."""
     kernel = write_kernel(function.tape, PYTHON, parameters)
     unpack = [_unpacking([f"{kind}{i + 1}" for i in range(joints)], kind) for kind in kernel.arguments]
     if kernel.constants:
@@ -212,11 +218,6 @@ def _documentation(function: Function) -> tuple[str, ...]:
         *function_notes(function),
     )
     return tuple(f"    {line}" if line else "" for line in lines)
-
-
-def _constant(name: str, values: Sequence[str]) -> Constant:
-    inside = _tuple(values)
-    return Constant(name, short=len(name) + len(inside) <= _SHORT, inside=inside, lines=wrapped(values))
 
 
 def _tuple(texts: Sequence[str]) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from derive.programs.interface import ARGUMENTS, WORDING, cost_text, joint_lines
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
@@ -37,19 +35,6 @@ def render(source: Source) -> dict[str, str]:
     Returns:
         Its text by file name.
     """
-    return {"README.md": templating.render("readme/README.md.jinja", **_context(source))}
-
-
-TARGET = Target(
-    name="readme",
-    summary="a page about the folder, its functions and their cost",
-    files=("README.md",),
-    render=render,
-)
-
-
-def _context(source: Source) -> dict[str, Any]:
-    """What the template asks for."""
     robot, program = source.robot, source.program
     free, numbers = free_symbols(robot), number_of(robot)
     base = program["base_parameters"].columns if "base_parameters" in program else ()
@@ -62,7 +47,7 @@ def _context(source: Source) -> dict[str, Any]:
         }
         for function in program
     ]
-    return {
+    context = {
         "title": markdown_text(robot.title),
         "name": robot.name,
         "package": package_name(robot),
@@ -86,3 +71,12 @@ def _context(source: Source) -> dict[str, Any]:
         "example": ", ".join(["0.1"] * robot.n),
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }
+    return {"README.md": templating.render("readme/README.md.jinja", **context)}
+
+
+TARGET = Target(
+    name="readme",
+    summary="a page about the folder, its functions and their cost",
+    files=("README.md",),
+    render=render,
+)

@@ -112,12 +112,14 @@ class CasadiModel:
         function: The ``casadi.Function`` of a name.
         target: ``casadi``, or ``casadi-c`` for its C export.
         file: Name of the module's file.
+        kept: What has to stay as long as the functions do.
     """
 
     constants: Mapping[str, Any]
     function: Callable[[str], Any]
     target: str = "casadi"
     file: str = "model_casadi.py"
+    kept: object = None
     ways = ("one", "batch")
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
@@ -237,7 +239,7 @@ def load_models(folder: Path) -> tuple[GeneratedModel, ...]:
     Raises:
         VerificationError: A module cannot be imported.
     """
-    return tuple(load(folder / file) for file, load in _IMPORTED.items() if (folder / file).is_file())
+    return tuple(kind(_import(folder / file)) for file, kind in _IMPORTED.items() if (folder / file).is_file())
 
 
 def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedModel, ...]:
@@ -288,11 +290,6 @@ def _import(path: Path) -> ModuleType:
     return module
 
 
-def _import_casadi(path: Path) -> CasadiModel:
-    module = _import(path)
-    return CasadiModel(vars(module), partial(getattr, module))
-
-
 def load_c_model(path: Path, compiler: Command) -> CModel:
     """Compile and load a C model.
 
@@ -332,18 +329,14 @@ def _load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
     joints = re.search(r"columns of ([0-9]+):", heading)
     names = tuple(line.removeprefix(" *").strip() for line in listed[1].splitlines()) if listed else ()
     constants = {"DOF": int(joints[1]) if joints else 0, "PARAMETERS": names}
-
-    @cache
-    def _external(name: str, _folder: object = temporary) -> Any:  # the library stays as long as this does
-        return casadi.external(name, str(library))
-
-    return CasadiModel(constants, _external, "casadi-c", path.name)
+    external = cache(lambda name: casadi.external(name, str(library)))
+    return CasadiModel(constants, external, "casadi-c", path.name, kept=temporary)
 
 
-_IMPORTED: Mapping[str, Callable[[Path], GeneratedModel]] = {
-    "model_numpy.py": lambda path: NumpyModel(_import(path)),
-    "model_casadi.py": _import_casadi,
-    "model_native.py": lambda path: NativeModel(_import(path)),
+_IMPORTED: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {
+    "model_numpy.py": NumpyModel,
+    "model_casadi.py": lambda module: CasadiModel(vars(module), partial(getattr, module)),
+    "model_native.py": NativeModel,
 }
 
 _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {

@@ -60,22 +60,21 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
     Raises:
         VerificationError: No numbers were found at which every cell has a value.
     """
-    sets = 3 if free_symbols(robot) else 1
-    count = max(SPECIAL + GENERIC, -(-samples // sets))
-    return tuple(_sample_set(robot, _draw_parameters(robot, k, rng), count, rng) for k in range(sets))
-
-
-def _sample_set(robot: Robot, parameters: dict[str, float], count: int, rng: np.random.Generator) -> SampleSet:
-    """Samples at one choice of parameters, the special ones among them."""
+    number = 3 if free_symbols(robot) else 1
+    count = max(SPECIAL + GENERIC, -(-samples // number))
     base = base_set(robot).parameters if has_regressor(robot) else None
-    oracle = Oracle.of(robot, parameters, base)
-    low, high = np.array([_range(joint, robot, parameters) for joint in robot.joints]).T
-    q = rng.uniform(low, high, (count, robot.n))
-    qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.n))
-    q[0] = np.clip(0.0, low, high)
-    qd[-1] = 0.0
-    tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
-    return SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau})
+    sets = []
+    for index in range(number):
+        parameters = _draw_parameters(robot, index, rng)
+        oracle = Oracle.of(robot, parameters, base)
+        low, high = np.array([_range(joint, robot, parameters) for joint in robot.joints]).T
+        q = rng.uniform(low, high, (count, robot.n))
+        qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.n))
+        q[0] = np.clip(0.0, low, high)
+        qd[-1] = 0.0
+        tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
+        sets.append(SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau}))
+    return tuple(sets)
 
 
 def _range(joint: Joint, robot: Robot, parameters: Mapping[str, float]) -> tuple[float, float]:

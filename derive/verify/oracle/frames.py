@@ -25,8 +25,8 @@ def row_transform(arm: Arm, i: int, q: Array) -> Array:
     moving = arm.sign[i] * q
     theta = arm.theta[i] + moving * arm.revolute[i]
     d = arm.d[i] + moving * (not arm.revolute[i])
-    about_z, along_z = _rotation_z(theta), _translation(2, d)
-    along_x, about_x = _translation(0, arm.a[i]), _rotation_x(arm.alpha[i])
+    about_z, along_z = _rotation(2, theta), _translation(2, d)
+    along_x, about_x = _translation(0, arm.a[i]), _rotation(0, arm.alpha[i])
     if arm.standard:
         return about_z @ along_z @ along_x @ about_x
     return about_x @ along_x @ about_z @ along_z
@@ -188,19 +188,13 @@ def _only_moving(arm: Arm, columns: Array, carriers: Array) -> Array:
     return np.swapaxes(signed, -1, -2)
 
 
-def _rotation_z(angle: Array) -> Array:
+def _rotation(axis: int, angle: Array) -> Array:
+    """Rot(axis, angle), axes counted from x = 0."""
     matrix = _identity(angle)
     cosine, sine = np.cos(angle), np.sin(angle)
-    matrix[..., 0, 0], matrix[..., 0, 1] = cosine, -sine
-    matrix[..., 1, 0], matrix[..., 1, 1] = sine, cosine
-    return matrix
-
-
-def _rotation_x(angle: Array) -> Array:
-    matrix = _identity(angle)
-    cosine, sine = np.cos(angle), np.sin(angle)
-    matrix[..., 1, 1], matrix[..., 1, 2] = cosine, -sine
-    matrix[..., 2, 1], matrix[..., 2, 2] = sine, cosine
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    matrix[..., j, j], matrix[..., j, k] = cosine, -sine
+    matrix[..., k, j], matrix[..., k, k] = sine, cosine
     return matrix
 
 
