@@ -7,8 +7,8 @@ import random
 
 import numpy as np
 import pytest
-from derive.handout.tables import DataPrinter
 
+from derive.handout.data_printer import DataPrinter
 from derive.handout.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
 from derive.handout.figure.drawing import Drawing, Label, Path
 from derive.handout.figure.paper import AXIS_COLORS

@@ -6,8 +6,8 @@ from pathlib import Path as File
 from xml.etree import ElementTree
 
 import pytest
-from derive.handout.tables import DataPrinter
 
+from derive.handout.data_printer import DataPrinter
 from derive.handout.figure.arm import WIDTH, arm_drawing
 from derive.handout.figure.convention import convention_drawing
 from derive.handout.figure.drawing import Drawing, Label, Path, Run, label_runs, label_width
