@@ -20,7 +20,7 @@ from derive.algebra.generators import (
     split_pi,
     square_free,
 )
-from derive.algebra.ring import Polynomial, Ring
+from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
 from derive.robot.description import Joint
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
@@ -58,7 +58,7 @@ class PolynomialDomain:
         sums: Callable[[tuple[int, ...]], bool] = lambda group: True,
         contraction: Contraction = Contraction.ALIGNED,
         rates: bool = True,
-        max_terms: int = 10**9,
+        max_terms: int = UNBOUNDED,
     ) -> None:
         self.robot = robot
         self.contraction = contraction
@@ -79,7 +79,7 @@ class PolynomialDomain:
         yield from (Generator(Kind.ROOT, _root_name(e), e) for e in reversed(atoms.roots))
         yield from (Generator(Kind.PRIME_ROOT, f"sqrt {p}", Number(Fraction(p))) for p in sorted(atoms.primes))
         moving = [
-            sine_and_cosine(self.angle_sum(members), self._key(i), i)
+            sine_and_cosine(self.angle_sum(members), "+".join(joints[m].variable for m in members), i)
             for i, members in enumerate(self.angles)
             if members
         ]
@@ -139,9 +139,6 @@ class PolynomialDomain:
         """
         return len(group) > 1 and len(self.angles[group[1]]) > 1
 
-    def _key(self, index: int) -> str:
-        return "+".join(self.robot.joints[m].variable for m in self.angles[index])
-
     # -- scalars of the mechanics
 
     def number(self, value: int | Fraction) -> Polynomial:
@@ -186,8 +183,8 @@ class PolynomialDomain:
         return turned if self.directions[index] > 0 else (turned[0], -turned[1])
 
     def _generator_pair(self, index: int) -> tuple[Polynomial, Polynomial]:
-        key = self._key(index)
-        return self.ring.generator(f"cos {key}"), self.ring.generator(f"sin {key}")
+        cosine = self.generators[self.places[Kind.COSINE, index]]
+        return self.ring.generator(cosine.name), self.ring.generator(cosine.partner)
 
     def rate(self, index: int) -> Polynomial:
         """The velocity of a joint [rad/s or m/s].

@@ -76,43 +76,36 @@ class QuotientRing:
             if generator.kind is Kind.INVERSE and not self.domain.constant(generator.argument):
                 raise _division_by_zero(generator.argument)
 
-    def quotient(self, formula: Expression) -> Quotient:
-        """The formula as a quotient of polynomials.
-
-        Args:
-            formula: One of those that the ring was made for.
-
-        Raises:
-            CheckError: A denominator is zero.
-        """
-        return self._value(_opaque(substitute(formula, self._renamed)))
-
     def difference(self, ours: Expression, theirs: Expression) -> Polynomial:
         """A polynomial that is zero exactly where two formulas are equal wherever both are defined.
 
         Args:
             ours: One of the formulas that the ring was made for.
             theirs: Another.
+
+        Raises:
+            CheckError: A denominator is zero.
         """
-        a, b = self.quotient(ours), self.quotient(theirs)
+        a, b = (self._quotient(_opaque(substitute(formula, self._renamed))) for formula in (ours, theirs))
         if a.denominator == b.denominator:
             return _settled(a.numerator - b.numerator)
         return _settled(a.numerator * b.denominator - b.numerator * a.denominator)
 
-    def _value(self, e: Expression) -> Quotient:
+    def _quotient(self, e: Expression) -> Quotient:
+        """The formula as a quotient of polynomials."""
         one = self.domain.ring.one
         match e:
             case Sum(terms):
                 # terms without a denominator first: they need no cross-multiplication
-                values = sorted((self._value(term) for term in terms), key=lambda value: len(value.denominator))
+                values = sorted((self._quotient(term) for term in terms), key=lambda value: len(value.denominator))
                 return sum(values, Quotient(self.domain.ring.zero, one))
             case Product(factors):
                 total = Quotient(one, one)
                 for factor in factors:
-                    total = total * self._value(factor)
+                    total = total * self._quotient(factor)
                 return total
             case Power(base, exponent):
-                value = self._value(base)
+                value = self._quotient(base)
                 above, below = value.numerator, value.denominator
                 if exponent < 0:
                     above, below = below, _nonzero(above, base)

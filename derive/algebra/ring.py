@@ -18,6 +18,9 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from derive.errors import DeriveError
 
+UNBOUNDED = 10**9
+"""A budget of terms that no polynomial reaches."""
+
 
 class TooManyTerms(DeriveError):
     """A closed form that would be longer than its budget.
@@ -61,7 +64,7 @@ class Ring:
         always: The relations by which every product must be reduced.
     """
 
-    def __init__(self, names: Sequence[str], max_terms: int = 10**9) -> None:
+    def __init__(self, names: Sequence[str], max_terms: int = UNBOUNDED) -> None:
         self.names = tuple(names)
         self.max_terms = max_terms
         self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)
@@ -107,46 +110,30 @@ class Ring:
     def _relate(self, relation: Relation) -> None:
         self.relations.append(relation)
         own = 1 << (len(self.relations) - 1)
-        if self.mask(relation.polynomial) & ~own:
+        if self._bits(relation.polynomial) & ~own:
             self.opening |= own
         if relation.always:
             self.always |= own
 
-    def mask(self, raw: fmpq_mpoly) -> int:
-        """Which relations a raw polynomial may be reduced by.
-
-        Args:
-            raw: A polynomial over `context`.
-
-        Returns:
-            Bit r is set when the generator of relation r occurs.
-        """
+    def _bits(self, raw: fmpq_mpoly) -> int:
+        """Which relations a raw polynomial may be reduced by: bit r is set when the generator of relation r occurs."""
         degrees = raw.degrees() if raw else ()
         return sum(1 << r for r, rel in enumerate(self.relations) if degrees and degrees[rel.generator])
 
-    def reduce(self, raw: fmpq_mpoly, bits: int) -> fmpq_mpoly:
-        """The remainder of a raw polynomial modulo some relations.
-
-        Args:
-            raw: A polynomial over `context`.
-            bits: The relations to reduce by.
-        """
+    def _reduce(self, raw: fmpq_mpoly, bits: int) -> fmpq_mpoly:
+        """The remainder of a raw polynomial modulo the relations whose bits are set."""
         for r, relation in enumerate(self.relations):
             if bits >> r & 1:
                 raw = divmod(raw, relation.polynomial)[1]
         if bits & self.always:
-            return self.reduce(raw, self.mask(raw) & ~self.always)
+            return self._reduce(raw, self._bits(raw) & ~self.always)
         return raw
 
-    def settle(self, raw: fmpq_mpoly) -> Polynomial:
-        """Reduce by every relation until nothing changes: a radicand may bring back what was reduced before.
-
-        Args:
-            raw: A polynomial over `context`.
-        """
-        while (reduced := self.reduce(raw, self.mask(raw))) != raw:
+    def _settle(self, raw: fmpq_mpoly) -> Polynomial:
+        """Reduce by every relation until nothing changes: a radicand may bring back what was reduced before."""
+        while (reduced := self._reduce(raw, self._bits(raw))) != raw:
             raw = reduced
-        return Polynomial(self, raw, self.mask(raw))
+        return Polynomial(self, raw, self._bits(raw))
 
     # -- elements
 
@@ -176,10 +163,10 @@ class Ring:
         Args:
             raw: A polynomial over `context`.
         """
-        mask = self.mask(raw)
+        mask = self._bits(raw)
         if mask & self.opening:
-            return self.settle(raw)
-        return Polynomial(self, self.reduce(raw, mask), mask)
+            return self._settle(raw)
+        return Polynomial(self, self._reduce(raw, mask), mask)
 
     def project(self, p: Polynomial) -> Polynomial:
         """A polynomial of another ring as one of this ring.
@@ -275,9 +262,9 @@ class Polynomial:
             raise TooManyTerms(ring.max_terms)
         if both:
             bits = self._mask & o._mask | both & ring.always
-            raw = ring.reduce(raw, bits)
+            raw = ring._reduce(raw, bits)
             if bits & ring.opening:
-                return ring.settle(raw)
+                return ring._settle(raw)
         return Polynomial(ring, raw, both)
 
     __rmul__ = __mul__

@@ -11,7 +11,7 @@ import sympy
 
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.check.diagnosis import Question
-from derive.check.findings import FileReport, Finding, Role, undecidable
+from derive.check.findings import FileReport, Finding, Role, undecidable, verdict_at
 from derive.check.latex_formula import read_latex
 from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
 from derive.check.solutions import solution_findings
@@ -132,11 +132,8 @@ def _entry(
         return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown, erratum, item.remark)
     derived = right[entry.row - 1, entry.column - 1]
     question = Question(model.robot, entry.formula, expression_from_sympy(derived))
-    try:
-        verdict = compare(question.robot, question.right, question.printed)
-    except DeriveError as error:
-        raise error.at(entry.location) from None
     where = entry.location
+    verdict = verdict_at(where, model.robot, question.right, question.printed)
     return Finding(
         item.quantity, row, column, role, entry.text, verdict, derived, where, erratum, question, remark=item.remark
     )
@@ -147,10 +144,7 @@ def _identity(model: Model, identity: Identity) -> Finding:
     erratum = identity.status == "erratum"
     if unknown := left.unknown or right.unknown:
         return undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum)
-    try:
-        verdict = compare(model.robot, left.formula, right.formula)
-    except DeriveError as error:
-        raise error.at(right.location) from None
+    verdict = verdict_at(right.location, model.robot, left.formula, right.formula)
     question = Question(model.robot, right.formula, left.formula)
     return Finding(left.text, 0, 0, Role.IDENTITY, right.text, verdict, left.text, right.location, erratum, question)
 

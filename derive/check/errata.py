@@ -64,8 +64,7 @@ def errata_items(printouts: Sequence[Printout]) -> tuple[Item, ...]:
     for printout in printouts:
         report = printout.report
         wrong = [f for f in report.wrong if f.role is not Role.CORRECTION]
-        # one printed item has one remark object, which all of its findings share
-        for _, group in groupby(wrong, key=lambda f: (id(f.remark), f.quantity)):
+        for _, group in groupby(wrong, key=lambda f: (f.remark, f.quantity)):
             findings = tuple(group)
             said, whole = findings[0].remark, report.document
             title, section = said.document.title or whole.title or report.source, said.document.section or whole.section
@@ -121,34 +120,28 @@ def _count(errors: Sequence[Item], printouts: Sequence[Printout]) -> str:
 
 
 def _lines(item: Item) -> Iterator[str]:
+    """The section about one printed item."""
     yield f"### {', '.join(_code(finding.entry) for finding in item.findings)}"
     yield ""
     if item.document.section:
         yield f"- place: {_plain(item.document.section)}"
-    corrections = right_corrections(item.printout.report)
+    printer, corrections = item.printout.printer, right_corrections(item.printout.report)
     several = len(item.findings) > 1
     for finding in item.findings:
-        if several:
-            yield f"- {_code(finding.entry)}"
-        for line in _entry_lines(finding, item.printout, corrections):
-            yield f"  {line}" if several else line
+        verdict, example = judge(finding), finding.verdict.counter_example
+        correction = corrections.get(finding.entry)
+        # in the document's own style where that is known: its correction, or the printed formula repaired
+        own_style = correction.text if correction else repaired_text(finding)
+        lines = [f"- printed: {_code(finding.text)}", f"- right: {_code(own_style or right_text(finding, printer))}"]
+        if verdict.repair is not None:
+            lines.append(f"- change: {_code(verdict.repair.text)}")
+        elif terms := difference_text(verdict, printer):
+            lines.append(f"- printed minus right: {_code(terms)}")
+        if example is not None and example.values:
+            lines.append(f"- numbers: {_plain(numbers(example))}")
+        yield from [f"- {_code(finding.entry)}", *(f"  {line}" for line in lines)] if several else lines
     if note := item.findings[0].remark.note:
         yield f"- why: {_plain(note)}"
-
-
-def _entry_lines(finding: Finding, printout: Printout, corrections: Mapping[str, Finding]) -> Iterator[str]:
-    verdict, example = judge(finding), finding.verdict.counter_example
-    correction = corrections.get(finding.entry)
-    # in the document's own style where that is known: its correction, or the printed formula repaired
-    own_style = correction.text if correction else repaired_text(finding)
-    yield f"- printed: {_code(finding.text)}"
-    yield f"- right: {_code(own_style or right_text(finding, printout.printer))}"
-    if verdict.repair is not None:
-        yield f"- change: {_code(verdict.repair.text)}"
-    elif terms := difference_text(verdict, printout.printer):
-        yield f"- printed minus right: {_code(terms)}"
-    if example is not None and example.values:
-        yield f"- numbers: {_plain(numbers(example))}"
 
 
 def _code(text: str) -> str:

@@ -133,7 +133,7 @@ def _quantity(node: Node, robot: Robot) -> PrintedQuantity:
         abbreviated=_abbreviated(item, robot),
         corrections=corrections,
         rest_zero=reading.word(item, "rest", ("zero",), "") == "zero",
-        status=reading.word(item, "status", ("ok", "erratum"), "ok"),
+        status=reading.status(item),
         remark=reading.remark(item),
         implied=reading.flag(item, "implied"),
     )
@@ -196,7 +196,7 @@ def _abbreviated(item: YamlMapping, robot: Robot) -> tuple[Printed, ...]:
 def _identity(node: Node, robot: Robot) -> Identity:
     item = reading.mapping(node, "an identity", ("left", "right"), ("status", *_REMARKS))
     left, right = (read_printed(required_text(item, side), robot) for side in ("left", "right"))
-    return Identity(left, right, reading.word(item, "status", ("ok", "erratum"), "ok"))
+    return Identity(left, right, reading.status(item))
 
 
 def _factorisation(node: Node) -> Factorisation:

@@ -8,8 +8,10 @@ from typing import Any
 
 from derive.check.diagnosis import Question, Repair
 from derive.check.printed import NO_CITATION, NO_REMARK, Citation, Remark
-from derive.errors import Location, UnknownNameError
-from derive.model.equality import Verdict
+from derive.errors import DeriveError, Location, UnknownNameError
+from derive.model.equality import Verdict, compare
+from derive.robot.expression import Expression
+from derive.robot.robot import Robot
 
 Expr = Any
 
@@ -71,6 +73,24 @@ class Finding:
         indices = ",".join(str(i) for i in (self.row, self.column) if i)
         bracket = "[]" if self.quantity == "T" else ""
         return f"{self.quantity}{bracket}[{indices}]" if indices else self.quantity
+
+
+def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expression) -> Verdict:
+    """Whether a printed formula is right.
+
+    Args:
+        where: Where it stands.
+        robot: Whose formula it is.
+        right: The derived formula.
+        printed: The printed one.
+
+    Raises:
+        CheckError: It has no value; placed where it stands.
+    """
+    try:
+        return compare(robot, right, printed)
+    except DeriveError as error:
+        raise error.at(where) from None
 
 
 def undecidable(

@@ -21,11 +21,10 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.check import reading
 from derive.check.diagnosis import Question
-from derive.check.findings import FileReport, Finding, Role
+from derive.check.findings import FileReport, Finding, Role, verdict_at
 from derive.errors import CheckError, DeriveError, ExpressionError, Location, quoted
 from derive.lecture.form import LectureForm
 from derive.lecture.to_sympy import expression_to_sympy
-from derive.model.equality import compare
 from derive.robot.description import Convention
 from derive.robot.document import Node, YamlMapping, YamlScalar
 from derive.robot.expression import Expression
@@ -164,7 +163,10 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
     except DeriveError as error:
         raise error.at(item.location) from None
     known[name] = product
-    at = {sympy.Symbol(key.text): _value(text) for key, text in reading.pairs(item, "at", "a value")}
+    at = {
+        sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner))
+        for key, text in reading.pairs(item, "at", "a value")
+    }
     right, corrections = product.subs(at) if at else product, _corrections(item)
     yield from _compared(item, name, reading.child(item, "matrix"), right, corrections)
     for form in reading.items(reading.child(item, "forms"), "forms"):
@@ -239,16 +241,9 @@ def _compared(
             texts += [(correction, Role.CORRECTION, False)] if correction is not None else []
             for text, role, erratum in texts:
                 question = Question(NO_ROBOT, _formula(text.text, text.inner), expression_from_sympy(derived))
-                try:
-                    verdict = compare(NO_ROBOT, question.right, question.printed)
-                except DeriveError as error:
-                    raise error.at(text.location) from None
+                verdict = verdict_at(text.location, NO_ROBOT, question.right, question.printed)
                 where = text.inner
                 yield Finding(name, i, j, role, text.text, verdict, derived, where, erratum, question, remark=said)
-
-
-def _value(text: YamlScalar) -> Any:
-    return expression_to_sympy(_formula(text.text, text.inner))
 
 
 def _formula(text: str, where: Location) -> Expression:

@@ -19,7 +19,7 @@ from derive.check.diagnosis import Repair
 from derive.check.edits import SlipKind
 from derive.check.findings import FileReport, Finding, Role
 from derive.check.reading import required_text
-from derive.check.vector_formula import Vector, diagnose_vector, nodes, read_vector, value_of
+from derive.check.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
 from derive.errors import CheckError, listed, near_miss, quoted
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, newton_euler_base, newton_euler_link
@@ -95,7 +95,7 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
     item = reading.mapping(node, "an equation", ("id", "joint", "result", "printed", "status"), _EQUATION)
     joint = reading.word(item, "joint", ("any", "revolute", "prismatic"), "any")
     result = reading.word(item, "result", RESULTS, "")
-    erratum, said = reading.is_erratum(item), reading.remark(item)
+    erratum, said = reading.status(item) == "erratum", reading.remark(item)
     known = [case for case in cases(name) if joint in ("any", case.joint)]
     shown = f"{_SHOWN[name]}: {required_text(item, 'id').text} ({joint} joint)"
     correction = reading.child(item, "correct")
@@ -104,7 +104,14 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
         if not isinstance(text, YamlScalar):
             continue
         printed = read_vector(text.text, text.inner)
-        _require_names(printed, known[0], text)
+        for named in names_in(printed):
+            if named not in known[0].values:
+                raise CheckError(
+                    f"unknown name {quoted(named)}",
+                    allowed=f"allowed: {listed(known[0].values)}",
+                    remedy=near_miss(named, known[0].values),
+                    location=text.location,
+                )
         holds = partial(_holds_for_all, cases=known, result=result)
         equal = holds(printed)
         repair = None if equal else diagnose_vector(printed, [n for n in known[0].values if n != result], holds)
@@ -113,17 +120,6 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
             right = str(repair.formula)
         wrong, where, verdict = erratum and role is Role.EQUATION, text.inner, Verdict(equal, False)
         yield Finding(shown, 0, 0, role, text.text, verdict, right, where, wrong, repair=repair, remark=said)
-
-
-def _require_names(e: Vector, case: LinkCase, text: YamlScalar) -> None:
-    for node, _ in nodes(e):
-        if node.operation == "name" and node.text not in case.values:
-            raise CheckError(
-                f"unknown name {quoted(node.text)}",
-                allowed=f"allowed: {listed(case.values)}",
-                remedy=near_miss(node.text, case.values),
-                location=text.location,
-            )
 
 
 def _holds_for_all(e: Vector, cases: Sequence[LinkCase], result: str) -> bool:

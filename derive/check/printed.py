@@ -25,9 +25,9 @@ class Citation:
 NO_CITATION = Citation()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Remark:
-    """What a file says about one printed item.
+    """What a file says about one printed item; remarks on two items are never the same, though they say the same.
 
     Attributes:
         note: Why it is an erratum, how it was verified.

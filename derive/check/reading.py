@@ -183,16 +183,16 @@ def text_of(node: YamlMapping, key: str) -> str:
     return " ".join(value.text.split()) if isinstance(value, YamlScalar) else ""
 
 
-def is_erratum(item: YamlMapping) -> bool:
-    """Whether an item is marked as wrong by ``status: erratum``.
+def status(item: YamlMapping) -> str:
+    """``ok``, or ``erratum`` where an item is marked as wrong.
 
     Args:
         item: The item.
 
     Raises:
-        CheckError: Another status than ``ok`` or ``erratum``.
+        CheckError: Another word.
     """
-    return word(item, "status", ("ok", "erratum"), "ok") == "erratum"
+    return word(item, "status", ("ok", "erratum"), "ok")
 
 
 def remark(item: YamlMapping) -> Remark:

@@ -13,12 +13,11 @@ from functools import partial
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.check import reading
 from derive.check.diagnosis import Question
-from derive.check.findings import Finding, Role, undecidable
+from derive.check.findings import Finding, Role, undecidable, verdict_at
 from derive.check.printed import Printed, Solution
 from derive.check.reading import Abbreviations, read_printed, required_text
-from derive.errors import DeriveError
 from derive.lecture.to_sympy import expression_to_sympy
-from derive.model.equality import compare, evaluate
+from derive.model.equality import evaluate
 from derive.model.model import Model
 from derive.robot.document import Node
 from derive.robot.expression import ZERO, Call, Expression, Name, add, multiply, names, negate, number, substitute
@@ -60,7 +59,7 @@ def read_solutions(node: Node | None, robot: Robot) -> tuple[Solution, ...]:
                 printed=_lacking(printed, value),
                 is_angle=reading.flag(item, "angle"),
                 correction=_lacking(correct, value) if correct else None,
-                status=reading.word(item, "status", ("ok", "erratum"), "ok"),
+                status=reading.status(item),
                 remark=reading.remark(item),
             )
         )
@@ -100,10 +99,7 @@ def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> 
     if solution.is_angle:
         question = replace(question, right=ZERO, compared=partial(_half_turn, solution.value))
     whole = substitute(question.compared(question.printed), definitions)
-    try:
-        verdict = compare(model.robot, question.right, whole)
-    except DeriveError as error:
-        raise error.at(printed.location) from None
+    verdict = verdict_at(printed.location, model.robot, question.right, whole)
     example = verdict.counter_example
     if example is not None and solution.is_angle:  # it shows the angles, not the sine of half their difference
         point: dict[str, Fraction] = dict(example.values)

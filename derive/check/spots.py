@@ -67,16 +67,11 @@ class Spot:
         Args:
             here: What stands at this place.
         """
-        spot = self
-        while (above := spot.above) is not None:
-            spot, here = above, _with_child(above.node, spot.index, here)
-        return here
-
-
-def _with_child(e: Expression, index: int, part: Expression) -> Expression:
-    parts = children(e)
-    changed = iter((*parts[:index], part, *parts[index + 1 :]))
-    return rebuilt(e, lambda _: next(changed))
+        if self.above is None:
+            return here
+        parts = children(self.above.node)
+        changed = iter((*parts[: self.index], here, *parts[self.index + 1 :]))
+        return self.above.formula(rebuilt(self.above.node, lambda _: next(changed)))
 
 
 class Evaluator:

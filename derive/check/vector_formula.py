@@ -160,20 +160,16 @@ def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def nodes(e: Vector) -> Iterator[tuple[Vector, Callable[[Vector], Vector]]]:
-    """Every node with the function that puts another in its place.
+def names_in(e: Vector) -> Iterator[str]:
+    """Every name in an equation, in order of appearance.
 
     Args:
         e: The equation.
     """
-    yield e, lambda new: new
-    for i, part in enumerate(e.parts):
-        for node, put in nodes(part):
-            yield node, partial(_with_part, e, i, put)
-
-
-def _with_part(e: Vector, i: int, put: Callable[[Vector], Vector], new: Vector) -> Vector:
-    return replace(e, parts=(*e.parts[:i], put(new), *e.parts[i + 1 :]))
+    if e.operation == "name":
+        yield e.text
+    for part in e.parts:
+        yield from names_in(part)
 
 
 Change = tuple[SlipKind, str, Vector]
@@ -193,15 +189,15 @@ def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vect
     Returns:
         The change, or None if no such change does.
     """
-    kinds = (_signs(printed), _renamed(printed, names, True), _operations(printed), _renamed(printed, names, False))
-    for changes in kinds:
-        for kind, text, changed in islice(changes, MAX_TRIES):
+    relatives, others = partial(_other_names, names, True), partial(_other_names, names, False)
+    for change in (_other_signs, relatives, _other_operation, others):
+        for kind, text, changed in islice(_everywhere(printed, change), MAX_TRIES):
             if holds(changed):
                 return Repair((kind,), text, Name(str(changed)))
     pairs = (
         (kind, f"2 changes: {first}; {second}", twice)
-        for kind, first, changed in _renamed(printed, names, True)
-        for _, second, twice in _renamed(changed, names, True)
+        for kind, first, changed in _everywhere(printed, relatives)
+        for _, second, twice in _everywhere(changed, relatives)
     )
     for kind, text, twice in islice(pairs, MAX_TRIES):
         if holds(twice):
@@ -209,28 +205,30 @@ def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vect
     return None
 
 
-def _signs(e: Vector) -> Iterator[Change]:
-    for node, put in nodes(e):
-        if node.operation == "+":
-            for i, term in enumerate(node.parts):
-                other = term.parts[0] if term.operation == "-" else Vector("-", parts=(term,))
-                parts = (*node.parts[:i], other, *node.parts[i + 1 :])
-                yield SlipKind.SIGN, f"sign of {term}", put(Vector("+", parts=parts))
+def _everywhere(e: Vector, change: Callable[[Vector], Iterator[Change]]) -> Iterator[Change]:
+    """The equation with one of its nodes changed, for every node from the root down."""
+    yield from change(e)
+    for i, part in enumerate(e.parts):
+        for kind, text, changed in _everywhere(part, change):
+            yield kind, text, replace(e, parts=(*e.parts[:i], changed, *e.parts[i + 1 :]))
 
 
-def _renamed(e: Vector, names: Sequence[str], relatives: bool) -> Iterator[Change]:
-    """Another name: one with the same first letter (another dot, another index), or one with another letter."""
+def _other_signs(node: Vector) -> Iterator[Change]:
+    for i, term in enumerate(node.parts if node.operation == "+" else ()):
+        other = term.parts[0] if term.operation == "-" else Vector("-", parts=(term,))
+        yield SlipKind.SIGN, f"sign of {term}", Vector("+", parts=(*node.parts[:i], other, *node.parts[i + 1 :]))
+
+
+def _other_names(names: Sequence[str], relatives: bool, node: Vector) -> Iterator[Change]:
+    """Names with the same first letter (another dot, another index), or all others."""
     kind = SlipKind.INDEX if relatives else SlipKind.SYMBOL
-    for node, put in nodes(e):
-        if node.operation == "name":
-            for name in names:
-                if name != node.text and (name[0] == node.text[0]) is relatives:
-                    yield kind, f"{kind.value}: {name} instead of {node.text}", put(Vector("name", name))
+    for name in names if node.operation == "name" else ():
+        if name != node.text and (name[0] == node.text[0]) is relatives:
+            yield kind, f"{kind.value}: {name} instead of {node.text}", Vector("name", name)
 
 
-def _operations(e: Vector) -> Iterator[Change]:
+def _other_operation(node: Vector) -> Iterator[Change]:
     """A cross product where a sum is meant, and the other way round."""
-    for node, put in nodes(e):
-        if node.operation == "cross" or (node.operation == "+" and len(node.parts) == 2):
-            other = Vector("+" if node.operation == "cross" else "cross", parts=node.parts)
-            yield SlipKind.SYMBOL, f"operation: {other} instead of {node}", put(other)
+    if node.operation == "cross" or (node.operation == "+" and len(node.parts) == 2):
+        other = Vector("+" if node.operation == "cross" else "cross", parts=node.parts)
+        yield SlipKind.SYMBOL, f"operation: {other} instead of {node}", other
