@@ -26,8 +26,7 @@ import casadi
 import numpy as np
 import numpy.typing as npt
 
-from derive.publish.build import build_robot
-from derive.robot.robot import Robot
+import derive
 
 ROBOT = Path(__file__).with_name("swing-up.yaml")
 LIMITS = np.array([9.0, 6.0])
@@ -76,9 +75,16 @@ def main() -> int:
 
 @contextmanager
 def generated_model(robot: Path) -> Iterator[ModuleType]:
-    """The CasADi model of a robot file, built for the occasion."""
+    """The CasADi model of a robot file, built for the occasion.
+
+    Args:
+        robot: Path of the robot file.
+
+    Yields:
+        The generated module, importable until the end of the block.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        package = build_robot(Robot.load(str(robot)), Path(folder), ["casadi"]).folder.name
+        package = derive.build(robot, folder, targets=["casadi"]).folder.name
         sys.path.insert(0, folder)
         try:
             yield importlib.import_module(f"{package}.model_casadi")
@@ -87,7 +93,14 @@ def generated_model(robot: Path) -> Iterator[ModuleType]:
 
 
 def swing_up(model: ModuleType) -> Run:
-    """Drive until the arm stands still, or for `STEPS` steps."""
+    """Drive until the arm stands still, or for `STEPS` steps.
+
+    Args:
+        model: The generated module.
+
+    Returns:
+        What happened.
+    """
     started = time.perf_counter()
     step, plan = step_function(model), Planner(model)
     states, torques = [HANGING], []
@@ -100,7 +113,14 @@ def swing_up(model: ModuleType) -> Run:
 
 
 def step_function(model: ModuleType) -> casadi.Function:
-    """The state one step later under constant torques (Runge-Kutta, fourth order)."""
+    """The state one step later under constant torques (Runge-Kutta, fourth order).
+
+    Args:
+        model: The generated module.
+
+    Returns:
+        A CasADi function of state (4) and torques (2).
+    """
     state, torque = casadi.SX.sym("x", 4), casadi.SX.sym("tau", 2)
 
     def rate(x: Any) -> Any:
