@@ -7,6 +7,7 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load, load_all
 from derive.errors import OutputError
+from derive.programs.policy import Effort, effort_named
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, folder_of
 from derive.publish.many import build_many, check_many
 from derive.verify.verify import Report
@@ -15,9 +16,6 @@ from derive.verify.verify import verify as verify_folder
 FOLDER = Path("generated")
 """The parent folder of all robots unless another one is named."""
 
-EFFORT = "full"
-"""How long programs are optimised unless asked otherwise; ``quick`` leaves up to a third more operations."""
-
 
 def build(
     robot: RobotLike,
@@ -25,7 +23,7 @@ def build(
     *,
     targets: Iterable[str] | None = None,
     force: bool = False,
-    effort: str = EFFORT,
+    effort: str = Effort.FULL,
 ) -> BuildResult:
     """Derive, generate and verify the models of a robot, as ``derive build`` does.
 
@@ -47,7 +45,7 @@ def build(
         OutputError: The folder cannot or may not be written.
         VerificationError: A generated function is wrong; the old folder stays.
     """
-    return build_robot(load(robot), Path(out), targets, force=force, effort=effort)
+    return build_robot(load(robot), Path(out), targets, force=force, effort=effort_named(effort))
 
 
 def build_all(
@@ -56,7 +54,7 @@ def build_all(
     *,
     targets: Iterable[str] | None = None,
     force: bool = False,
-    effort: str = EFFORT,
+    effort: str = Effort.FULL,
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> list[BuildResult | BuildFailure]:
@@ -78,7 +76,9 @@ def build_all(
         RobotFileError: A file does not describe a robot.
         OutputError: Two different robots would share a folder.
     """
-    return build_many(load_all(robots), Path(out), targets, jobs=jobs, force=force, effort=effort, progress=progress)
+    return build_many(
+        load_all(robots), Path(out), targets, jobs=jobs, force=force, effort=effort_named(effort), progress=progress
+    )
 
 
 def stale(
@@ -86,7 +86,7 @@ def stale(
     out: str | Path = FOLDER,
     *,
     targets: Iterable[str] | None = None,
-    effort: str = EFFORT,
+    effort: str = Effort.FULL,
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> list[CheckResult | BuildFailure]:
@@ -106,7 +106,7 @@ def stale(
     Raises:
         RobotFileError: A file does not describe a robot.
     """
-    return check_many(load_all(robots), Path(out), targets, jobs=jobs, effort=effort, progress=progress)
+    return check_many(load_all(robots), Path(out), targets, jobs=jobs, effort=effort_named(effort), progress=progress)
 
 
 def verify(robot: RobotLike, out: str | Path = FOLDER, *, samples: int = 24, seed: int = 0) -> Report:

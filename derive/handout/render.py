@@ -11,8 +11,8 @@ from derive.handout.context import Context
 from derive.handout.document import Document
 from derive.handout.latex_writer import latex
 from derive.handout.pdf import compile_latex
-from derive.programs.effort import Effort
-from derive.programs.functions.functions import build_program
+from derive.programs.functions import build_program
+from derive.programs.policy import Effort
 from derive.robot.robot import Robot
 from derive.robot.style import HandoutOptions
 
@@ -81,14 +81,13 @@ def handout_files(
 
 def _page(sheet: Document, context: Context) -> str:
     """The web page of a sheet, with the arm to move where it can be drawn."""
-    from derive.handout.page.viewer import viewer
+    from derive.handout.page.viewer import FUNCTIONS, viewer
     from derive.handout.page.writer import page
 
     figure = None
     if context.poses is not None:
         assumed = {name: value for name, value, _ in context.poses.assumed}
-        figure = viewer(
-            context.robot, build_program(context.robot, Effort.QUICK), assumed, context.text, notation=context.notation
-        )
+        program = build_program(context.robot, Effort.QUICK, names=FUNCTIONS)
+        figure = viewer(context.robot, program, assumed, context.text, notation=context.notation)
     mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
     return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)

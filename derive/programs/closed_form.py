@@ -2,15 +2,11 @@
 
 For small arms, or where most inertial parameters vanish, the expanded polynomial costs less than a recursion once
 common parts are found. For others it grows out of bounds, so only short ones are offered.
-
-Exact polynomials as tape values: sums of products of sines, cosines, variables and rates.
-
-What stands beside such a product, parameters and numbers, is gathered first, so that it is hoisted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 
@@ -22,8 +18,9 @@ from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
+from derive.programs.policy import POLICY
+from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, QDD, Q, TapeDomain
-from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction
 
@@ -33,8 +30,77 @@ Monomial = tuple[tuple[int, int], ...]
 """Generator indices with their exponents, ascending."""
 
 
+class ClosedForm:
+    """The dynamics of one robot as polynomials in one choice of angles.
+
+    Args:
+        robot: The robot.
+        tape: Where the values go.
+        sums: Whether sums of parallel joints' angles are the generators, else each angle by itself.
+
+    Attributes:
+        words: In which angles.
+    """
+
+    def __init__(self, robot: Robot, tape: TapeDomain, *, sums: bool) -> None:
+        self.words = "closed form in sums of angles" if sums else "closed form"
+        self._robot = robot
+        self._tape = tape
+        self._sums = sums
+
+    @cached_property
+    def _domain(self) -> PolynomialDomain:
+        terms = POLICY.closed_form_terms
+        sums = self._sums
+        return PolynomialDomain(self._robot, sums=lambda group: sums, contraction=Contraction.OPPOSED, max_terms=terms)
+
+    @cached_property
+    def _chain(self) -> Chain[Polynomial]:
+        return build_chain(self._robot, self._domain)
+
+    def values(self, function: str) -> list[Value] | None:
+        """The closed form of a generated function.
+
+        Args:
+            function: Its name, one of `CLOSED_FORMS`.
+
+        Returns:
+            Its outputs, row by row, torques without friction; None where they are long.
+        """
+        try:
+            found = CLOSED_FORMS[function](self._domain, self._chain)
+        except (TooManyTerms, ExpressionError):
+            return None
+        if sum(len(entry) for entry in found) > POLICY.closed_form_terms:
+            return None
+        writer = PolynomialTape(self._domain, self._tape)
+        return [writer.value(entry) for entry in found]
+
+
+def _coriolis(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Polynomial]:
+    rates = [domain.rate(i) for i in range(chain.n)]
+    return [entry for row in coriolis_matrix(chain, rates, domain.number(Fraction(1, 2))) for entry in row]
+
+
+def _torques(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Polynomial]:
+    rates = [domain.rate(i) for i in range(chain.n)]
+    return inverse_dynamics(chain, rates, [domain.acceleration(i) for i in range(chain.n)])
+
+
+CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial]], Sequence[Polynomial]]] = {
+    "inertia_matrix": lambda domain, chain: [entry for row in inertia_matrix(chain) for entry in row],
+    "coriolis_matrix": _coriolis,
+    "gravity_vector": lambda domain, chain: gravity_vector(chain),
+    "inverse_dynamics": _torques,
+}
+"""The functions that have one."""
+
+
 class PolynomialTape:
     """Writes the polynomials of one domain on the graph of a tape domain of the same robot.
+
+    They become sums of products of sines, cosines, variables and rates. What stands beside such a product, parameters
+    and numbers, is gathered first, so that it is hoisted.
 
     Args:
         polynomials: Where the polynomials live.
@@ -44,9 +110,22 @@ class PolynomialTape:
     def __init__(self, polynomials: PolynomialDomain, tape: TapeDomain) -> None:
         self._polynomials = polynomials
         self._tape = tape
+        arguments = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)
+        self._late = [generator.kind in arguments for generator in polynomials.generators]
+
+    @cached_property
+    def _values(self) -> list[Value]:
+        return [self._generator(generator) for generator in self._polynomials.generators]
 
     def value(self, p: Polynomial) -> Value:
-        """A polynomial, expanded."""
+        """A polynomial, expanded.
+
+        Args:
+            p: The polynomial.
+
+        Returns:
+            Its value on the tape's graph.
+        """
         zero, one = self._tape.number(0), self._tape.number(1)
         groups: dict[Monomial, Value] = {}
         for exponents, coefficient in p.terms():
@@ -60,16 +139,6 @@ class PolynomialTape:
         for i, exponent in monomial:
             start = start * self._values[i] ** exponent
         return start
-
-    @cached_property
-    def _late(self) -> list[bool]:
-        """Whether a generator depends on the arguments."""
-        late = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)
-        return [generator.kind in late for generator in self._polynomials.generators]
-
-    @cached_property
-    def _values(self) -> list[Value]:
-        return [self._generator(generator) for generator in self._polynomials.generators]
 
     def _generator(self, generator: Generator) -> Value:
         tape, kind = self._tape, generator.kind
@@ -98,81 +167,3 @@ class PolynomialTape:
         first = polynomials.directions[members[0]]
         turns = (first * polynomials.directions[m] * self._tape.argument(Q, m) for m in members)
         return sum(turns, self._tape.number(0))
-
-
-_MOST_TERMS = 300
-"""Of all entries of a function."""
-
-
-class ClosedForm:
-    """The dynamics of one robot as polynomials in one choice of angles.
-
-    Args:
-        robot: The robot.
-        tape: Where the values go.
-        sums: Whether sums of parallel joints' angles are the generators, else each angle by itself.
-    """
-
-    def __init__(self, robot: Robot, tape: TapeDomain, *, sums: bool) -> None:
-        self._robot = robot
-        self._tape = tape
-        self._sums = sums
-
-    @cached_property
-    def _domain(self) -> PolynomialDomain:
-        sums = self._sums
-        return PolynomialDomain(
-            self._robot, sums=lambda group: sums, contraction=Contraction.OPPOSED, max_terms=_MOST_TERMS
-        )
-
-    @cached_property
-    def _chain(self) -> Chain[Polynomial]:
-        return build_chain(self._robot, self._domain)
-
-    @cached_property
-    def _rates(self) -> list[Polynomial]:
-        return [self._domain.rate(i) for i in range(self._robot.n)]
-
-    @property
-    def words(self) -> str:
-        """In which angles."""
-        return "closed form in sums of angles" if self._sums else "closed form"
-
-    def inertia(self) -> list[Value] | None:
-        """B, row by row, or None where it is long."""
-        return self._values(lambda: _flat(inertia_matrix(self._chain)))
-
-    def coriolis(self) -> list[Value] | None:
-        """C in Christoffel form."""
-
-        def entries() -> list[Polynomial]:
-            return _flat(coriolis_matrix(self._chain, self._rates, self._domain.number(Fraction(1, 2))))
-
-        return self._values(entries)
-
-    def gravity(self) -> list[Value] | None:
-        """The gravity vector."""
-        return self._values(lambda: gravity_vector(self._chain))
-
-    def torques(self) -> list[Value] | None:
-        """B qdd + C qd + g."""
-
-        def entries() -> list[Polynomial]:
-            gains = [self._domain.acceleration(i) for i in range(self._robot.n)]
-            return inverse_dynamics(self._chain, self._rates, gains)
-
-        return self._values(entries)
-
-    def _values(self, entries: Callable[[], Sequence[Polynomial]]) -> list[Value] | None:
-        try:
-            found = entries()
-        except (TooManyTerms, ExpressionError):
-            return None
-        if sum(len(entry) for entry in found) > _MOST_TERMS:
-            return None
-        writer = PolynomialTape(self._domain, self._tape)
-        return [writer.value(entry) for entry in found]
-
-
-def _flat(rows: Sequence[Sequence[Polynomial]]) -> list[Polynomial]:
-    return [entry for row in rows for entry in row]

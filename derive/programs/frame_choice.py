@@ -1,12 +1,7 @@
-"""The cheapest forms of the joints for one function of one robot, by a short search.
+"""The free choices of a recursion: where frames stand and turn, and which inertial parameters are left.
 
-Every combination of forms gives the same values, so the search may stop anywhere: from two starts it changes one
-choice of one joint after another to what makes the traced graph cheapest, until nothing gets cheaper or the effort is
-spent. Effort is counted in nodes, not in seconds, so that the result depends on the robot alone.
-
-The arm rearranged for a recursion: where frames stand and turn, and which inertial parameters are left.
-
-Three choices of a `FrameChoice` change the chain itself, none of them what any recursion computes:
+Every combination of choices gives the same values. Three choices of a joint change the chain itself (`arrange`), none
+of them what any recursion computes:
 
 - *place*: a joint turns about its axis wherever on it the origin stands, so its constant offset d may come before or
   after it, or join the offset of a parallel axis; links then share origins, and levers vanish.
@@ -14,6 +9,9 @@ Three choices of a `FrameChoice` change the chain itself, none of them what any 
   motion and force; instead the body's constants are turned, which pays where no further joint follows, or where the
   next axis is parallel and its link is turned by the sum of the angles at once.
 - *second_moments*: see `derive.mechanics.regrouping`.
+
+The others are made inside recursions (`derive.mechanics.link_motion`). The cheapest choices for one function of one
+robot are found by a short search (`FrameChoiceSearch`).
 """
 
 from __future__ import annotations
@@ -27,62 +25,83 @@ from derive.mechanics.link_motion import FrameChoice, Place
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
 from derive.programs.parallel_axes import SumOfTurns, Turn, about_z
-from derive.programs.tape.graph import Ref
-from derive.programs.tape.value import Value
+from derive.programs.policy import POLICY
+from derive.programs.tape.cost import Cost
+from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref, Value
+
+FrameChoices = tuple[FrameChoice, ...]
+"""What is chosen at each joint."""
+
+CHAIN_CHOICES = ("place", "held", "second_moments")
+ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
 
 
 def arrange(
-    chain: Chain[Value], forms: Sequence[FrameChoice], total: SumOfTurns, half: Value, *, axial: bool = False
+    chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns, half: Value, *, axial: bool = False
 ) -> Chain[Value]:
-    """The chain as the forms ask, in base parameters; for dynamics alone, its tool and ends are those of the old one.
+    """The chain as the frame choices ask, in base parameters.
 
     Args:
         chain: The arm as built.
-        forms: One for each joint; only such as `places` and `holdable` allow.
+        choices: One for each joint; only such as `places` and `holdable` allow.
         total: Makes the cosine and sine of a sum of joint angles.
         half: The scalar 1/2.
         axial: Whether the recursion knows axial masses.
+
+    Returns:
+        A chain for dynamics alone: its tool and ends are those of the old one.
     """
-    rules = [Rule(form.second_moments, axial and _slides_along_all(chain, i)) for i, form in enumerate(forms)]
-    return _held(regroup(_placed(chain, forms), rules, half), forms, total)
+    rules = [Rule(choice.second_moments, axial and _slides_along_all(chain, i)) for i, choice in enumerate(choices)]
+    return _held(regroup(_placed(chain, choices), rules, half), choices, total)
 
 
 def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
-    """Where the origin of joint frame i may stand, as far as this makes a difference."""
+    """Where the origin of a joint frame may stand, as far as this makes a difference.
+
+    Args:
+        chain: The arm as built.
+        i: Index of the joint, from 0.
+
+    Returns:
+        The usual place first.
+    """
     joint = chain.joints[i]
     found = [Place.AFTER]
-    if joint.revolute and not _is(joint.offset, chain.zero):
+    if joint.revolute and joint.offset.ref != ZERO:
         found.append(Place.BEFORE)
     if joint.revolute and i + 1 < chain.n:
         after = chain.joints[i + 1]
-        if after.revolute and _direction(chain, after) and not _is(after.offset, chain.zero):
+        if after.revolute and _direction(after) and after.offset.ref != ZERO:
             found.append(Place.BEYOND)
     return tuple(found)
 
 
 def holdable(chain: Chain[Value], i: int) -> bool:
-    """Whether the axes of link i may stay behind its joint: nothing but a parallel axis may follow."""
+    """Whether the axes of a link may stay behind its joint: nothing but a parallel axis may follow.
+
+    Args:
+        chain: The arm as built.
+        i: Index of the joint, from 0.
+
+    Returns:
+        True where they may.
+    """
     joint = chain.joints[i]
-    if not (joint.revolute or _unturned(chain, joint)):
+    if not (joint.revolute or _is_unturned(joint)):
         return False
     if i + 1 == chain.n:
         return True
     after = chain.joints[i + 1]
-    return _direction(chain, after) != 0 and (after.revolute or _unturned(chain, after))
+    return _direction(after) != 0 and (after.revolute or _is_unturned(after))
 
 
-def _is(value: Value, other: Value) -> bool:
-    return value.ref == other.ref
+def _is_unturned(joint: ChainJoint[Value]) -> bool:
+    return joint.cosine.ref == ONE and joint.sine.ref == ZERO
 
 
-def _unturned(chain: Chain[Value], joint: ChainJoint[Value]) -> bool:
-    return _is(joint.cosine, chain.one) and _is(joint.sine, chain.zero)
-
-
-def _direction(chain: Chain[Value], joint: ChainJoint[Value]) -> int:
+def _direction(joint: ChainJoint[Value]) -> int:
     """+1 where the axis continues z of the link before, -1 where it is opposed, else 0; exact."""
-    cosine = joint.fixed.rotation[2][2]
-    return 1 if _is(cosine, chain.one) else -1 if _is(cosine, -chain.one) else 0
+    return {ONE: 1, MINUS_ONE: -1}.get(joint.fixed.rotation[2][2].ref, 0)
 
 
 def _slides_along_all(chain: Chain[Value], i: int) -> bool:
@@ -90,34 +109,27 @@ def _slides_along_all(chain: Chain[Value], i: int) -> bool:
     joints = chain.joints[: i + 1]
     if i == 0 or joints[i].revolute:
         return False
-    parallel = all(_direction(chain, joint) for joint in joints[1:])
-    return parallel and all(joint.revolute or _unturned(chain, joint) for joint in joints)
+    return all(map(_direction, joints[1:])) and all(joint.revolute or _is_unturned(joint) for joint in joints)
 
 
-def _placed(chain: Chain[Value], forms: Sequence[FrameChoice]) -> Chain[Value]:
+def _placed(chain: Chain[Value], choices: Sequence[FrameChoice]) -> Chain[Value]:
     """Origins moved along their axes."""
     joints, bodies = list(chain.joints), list(chain.bodies)
-    for i, form in enumerate(forms):
-        if form.place is Place.AFTER:
+    for i, choice in enumerate(choices):
+        if choice.place is Place.AFTER:
             continue
-        back = joints[i].offset if form.place is Place.BEFORE else _offset_beyond(chain, joints[i + 1])
+        if choice.place is Place.BEFORE:
+            back = joints[i].offset
+        else:
+            back = -joints[i + 1].offset if _direction(joints[i + 1]) > 0 else joints[i + 1].offset
         joints[i] = replace(joints[i], offset=joints[i].offset - back)
-        lever = (chain.zero, chain.zero, back)
-        bodies[i] = _seen_from(bodies[i], lever)
+        lever, body = (chain.zero, chain.zero, back), bodies[i]
+        moment = add(body.first_moment, scale(body.mass, lever))
+        bodies[i] = Body(body.mass, moment, shift(body.mass, body.first_moment, body.inertia, lever))
         if i + 1 < chain.n:
             fixed = joints[i + 1].fixed
             joints[i + 1] = replace(joints[i + 1], fixed=Frame(fixed.rotation, add(fixed.position, lever)))
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
-
-
-def _offset_beyond(chain: Chain[Value], after: ChainJoint[Value]) -> Value:
-    return -after.offset if _direction(chain, after) > 0 else after.offset
-
-
-def _seen_from(body: Body[Value], lever: Vector[Value]) -> Body[Value]:
-    """The body about a point from which the old origin is seen at ``lever``."""
-    moment = add(body.first_moment, scale(body.mass, lever))
-    return Body(body.mass, moment, shift(body.mass, body.first_moment, body.inertia, lever))
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,61 +141,54 @@ class _Lag:
     sine: Value
 
     def turned(self, v: Vector[Value]) -> Vector[Value]:
+        """A vector of the link in those axes.
+
+        Args:
+            v: Its coordinates in the link's own axes.
+
+        Returns:
+            Those in the axes that stay behind.
+        """
         return about_z(self.cosine, self.sine, v)
 
 
-def _held(chain: Chain[Value], forms: Sequence[FrameChoice], total: SumOfTurns) -> Chain[Value]:
+def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns) -> Chain[Value]:
     """Links held in the axes before their joints; K lets their turn through, as it leaves z where it is."""
     joints: list[ChainJoint[Value]] = []
     bodies: list[Body[Value]] = []
     before: _Lag | None = None
-    for i, (joint, body, form) in enumerate(zip(chain.joints, chain.bodies, forms, strict=True)):
-        lag = _lag(chain, i, before, total)
+    for i, (joint, body, choice) in enumerate(zip(chain.joints, chain.bodies, choices, strict=True)):
+        turns = (Turn(i, 1),) if joint.revolute else ()
+        if before is None:
+            lag = _Lag(turns, joint.cosine, joint.sine)
+        else:
+            direction = _direction(joint)
+            turns = (*(Turn(k, sign * direction) for k, sign in before.turns), *turns)
+            lag = _Lag(turns, *total(turns))
         fixed = Frame(joint.fixed.rotation, before.turned(joint.fixed.position)) if before else joint.fixed
-        c, s = (chain.one, chain.zero) if form.held else (lag.cosine, lag.sine)
+        c, s = (chain.one, chain.zero) if choice.held else (lag.cosine, lag.sine)
         joints.append(replace(joint, fixed=fixed, cosine=c, sine=s))
-        bodies.append(_turned(body, lag) if form.held else body)
-        before = lag if form.held else None
+        if choice.held:
+            moment = lag.turned(body.first_moment)
+            body = Body(body.mass, moment, turn_about_z(lag.cosine, lag.sine, body.inertia))
+        bodies.append(body)
+        before = lag if choice.held else None
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
 
 
-def _lag(chain: Chain[Value], i: int, before: _Lag | None, total: SumOfTurns) -> _Lag:
-    """The turn of joint i from axes in which the link before may be held."""
-    joint = chain.joints[i]
-    own = (Turn(i, 1),) if joint.revolute else ()
-    if before is None:
-        return _Lag(own, joint.cosine, joint.sine)
-    direction = _direction(chain, joint)
-    turns = (*(Turn(k, sign * direction) for k, sign in before.turns), *own)
-    return _Lag(turns, *total(turns))
-
-
-def _turned(body: Body[Value], lag: _Lag) -> Body[Value]:
-    return Body(body.mass, lag.turned(body.first_moment), turn_about_z(lag.cosine, lag.sine, body.inertia))
-
-
-Forms = tuple[FrameChoice, ...]
 Outputs = tuple[Ref, ...]
-Trial = Callable[[Forms], Outputs]
-"""Traces a function with some forms."""
+Trial = Callable[[FrameChoices], Outputs]
+"""Traces a function with some choices."""
 
-Price = Callable[[Outputs], tuple[int, int]]
-"""What some outputs cost, and the nodes looked at to find that."""
-
-_EFFORT = 45_000
-
-_MANY_JOINTS = 24
-"""Above this the first start is taken as it is."""
-
-_CLOSE = 1.01
-"""Costs that improvement may bring below the best one, in terms of it."""
-
-CHAIN_CHOICES = ("place", "held", "second_moments")
-ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
+Price = Callable[[Outputs], Cost]
+"""What some outputs cost."""
 
 
-class FormSearch:
-    """Searches forms for one chain.
+class FrameChoiceSearch:
+    """Searches the cheapest frame choices for one function of one chain.
+
+    It may stop anywhere: from the best of some starts it changes one choice of one joint after another to what makes
+    the traced graph cheapest, until nothing gets cheaper or the work is spent. Work is counted in nodes.
 
     Args:
         chain: The arm as built.
@@ -197,74 +202,86 @@ class FormSearch:
         self._choices = choices
         self._trial = trial
         self._price = price
-        self._traced: dict[Forms, Outputs] = {}
+        self._traced: dict[FrameChoices, Outputs] = {}
         self._costs: dict[Outputs, int] = {}
-        self._effort = _EFFORT
+        self._work_left = POLICY.frame_choice_work
 
-    def best(self, starts: Sequence[Forms], count: int = 1) -> tuple[Forms, ...]:
-        """The cheapest forms found and up to ``count - 1`` that come close, each with another graph."""
-        if self._chain.n > _MANY_JOINTS:
+    def best(self, starts: Sequence[FrameChoices], count: int = 1) -> tuple[FrameChoices, ...]:
+        """The cheapest choices found, and others that come close.
+
+        Args:
+            starts: Where the search starts.
+            count: How many at most.
+
+        Returns:
+            The cheapest first, the first found of equals; each has another graph.
+        """
+        if self._chain.n > POLICY.frame_choice_joints:
             return (starts[0],)
-        forms = starts[0]
-        self._cost(forms)
+        best = starts[0]
+        self._cost(best)
         for start in starts[1:]:
-            forms = min(forms, start, key=self._cost) if self._effort > 0 else forms
-        while self._effort > 0:
-            better = self._swept(forms)
-            if better == forms:
+            best = min(best, start, key=self._cost) if self._work_left > 0 else best
+        while self._work_left > 0:
+            better = self._swept(best)
+            if better == best:
                 break
-            forms = better
-        return self._ranked(count)
-
-    def _ranked(self, count: int) -> tuple[Forms, ...]:
-        """One for each graph, cheapest first, the first found of equals."""
-        first: dict[Outputs, Forms] = {}
-        for forms, outputs in self._traced.items():
-            first.setdefault(outputs, forms)
+            best = better
+        first: dict[Outputs, FrameChoices] = {}
+        for choices, outputs in self._traced.items():
+            first.setdefault(outputs, choices)
         ranked = sorted(first, key=self._costs.__getitem__)[:count]
-        limit = _CLOSE * self._costs[ranked[0]]
+        limit = POLICY.frame_choice_margin * self._costs[ranked[0]]
         return tuple(first[outputs] for outputs in ranked if self._costs[outputs] <= limit)
 
-    def _swept(self, forms: Forms) -> Forms:
+    def _swept(self, best: FrameChoices) -> FrameChoices:
         """Every choice of every joint once."""
-        for i in range(len(forms)):
-            for choice in self._choices:
-                for change in self._changes(i, forms[i], choice):
-                    if self._effort <= 0:
-                        return forms
-                    forms = min(forms, (*forms[:i], change, *forms[i + 1 :]), key=self._cost)
-        return forms
+        for i in range(len(best)):
+            for name in self._choices:
+                for change in self._changes(i, best[i], name):
+                    if self._work_left <= 0:
+                        return best
+                    best = min(best, (*best[:i], change, *best[i + 1 :]), key=self._cost)
+        return best
 
-    def _changes(self, i: int, form: FrameChoice, choice: str) -> Sequence[FrameChoice]:
-        """The form with one choice made otherwise, if that matters at this joint."""
+    def _changes(self, i: int, choice: FrameChoice, name: str) -> Sequence[FrameChoice]:
+        """What is chosen at a joint with one thing chosen otherwise, if that matters there."""
         turns = self._chain.joints[i].revolute
-        match choice:
+        match name:
             case "place":
-                return [replace(form, place=place) for place in places(self._chain, i) if place is not form.place]
+                return [replace(choice, place=place) for place in places(self._chain, i) if place is not choice.place]
             case "held" if holdable(self._chain, i):
-                return [replace(form, held=not form.held)]
+                return [replace(choice, held=not choice.held)]
             case "second_moments" if turns:
-                return [replace(form, second_moments=not form.second_moments)]
+                return [replace(choice, second_moments=not choice.second_moments)]
             case "column":
-                return [replace(form, column=not form.column)]
-            case "squares" if turns and form.column:
-                return [replace(form, squares=not form.squares)]
-            case "grown" if turns and form.held and form.column and form.squares:
-                return [replace(form, grown=not form.grown)]
+                return [replace(choice, column=not choice.column)]
+            case "squares" if turns and choice.column:
+                return [replace(choice, squares=not choice.squares)]
+            case "grown" if turns and choice.held and choice.column and choice.squares:
+                return [replace(choice, grown=not choice.grown)]
         return []
 
-    def _cost(self, forms: Forms) -> int:
-        outputs = self._traced.get(forms)
+    def _cost(self, choices: FrameChoices) -> int:
+        outputs = self._traced.get(choices)
         if outputs is None:
-            outputs = self._traced[forms] = self._trial(forms)
+            outputs = self._traced[choices] = self._trial(choices)
         if outputs not in self._costs:
-            self._costs[outputs], nodes = self._price(outputs)
-            self._effort -= nodes
+            cost = self._price(outputs)
+            self._costs[outputs] = cost.body
+            self._work_left -= cost.nodes
         return self._costs[outputs]
 
 
-def starting_forms(chain: Chain[Value]) -> tuple[Forms, ...]:
-    """All held that can be, the last alone, none."""
+def starting_choices(chain: Chain[Value]) -> tuple[FrameChoices, ...]:
+    """Where the search for frame choices starts.
+
+    Args:
+        chain: The arm as built.
+
+    Returns:
+        All links held that can be, the last alone, none.
+    """
     n = chain.n
     can = [holdable(chain, i) for i in range(n)]
     held = (can, [can[i] and i == n - 1 for i in range(n)], [False] * n)

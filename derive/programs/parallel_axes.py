@@ -9,13 +9,13 @@ phi each: a_1 c_1 + a_2 c_12.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from derive.mechanics.chain import Chain, ChainJoint
+from derive.mechanics.chain import Chain
 from derive.mechanics.vectors import Frame, Matrix, Vector, add, column, identity, matmul, multiply, scale
-from derive.programs.tape.value import Value
+from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Value
 
 
 class Turn(NamedTuple):
@@ -50,7 +50,14 @@ class Placement:
     direction: int
 
     def turned(self, v: Vector[Value]) -> Vector[Value]:
-        """A vector of joint frame i in the axes of the run."""
+        """A vector of joint frame i in the axes of the run.
+
+        Args:
+            v: Its coordinates in joint frame i.
+
+        Returns:
+            Those in the axes of the run.
+        """
         return about_z(self.cosine, self.sine, multiply(self.constant, v))
 
     def axis(self) -> Vector[Value]:
@@ -79,74 +86,69 @@ class Run:
 
 
 def about_z(c: Value, s: Value, v: Vector[Value]) -> Vector[Value]:
-    """Rot(z) v."""
+    """A vector turned about z.
+
+    Args:
+        c: Cosine of the angle.
+        s: Its sine.
+        v: The vector.
+
+    Returns:
+        Rot(z) v.
+    """
     x, y, z = v
     return (c * x - s * y, s * x + c * y, z)
 
 
 def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[Run, ...]:
-    """The runs of an arm, as long as they can be, from the base outwards.
+    """The runs of an arm, as long as they can be.
 
     Args:
         chain: The arm.
         total: Makes the cosine and sine of a sum of joint angles.
+
+    Returns:
+        From the base outwards.
     """
-    return tuple(_runs(chain, total))
-
-
-def _runs(chain: Chain[Value], total: SumOfTurns) -> Iterator[Run]:
-    still = Frame(identity(chain.zero, chain.one), (chain.zero, chain.zero, chain.zero))
+    runs: list[Run] = []
     first = 0
     while first < chain.n:
-        here = _Here(still.rotation, still.position, still.position, chain.one, chain.zero, ())
-        step: _Here | None = here.after(first, chain.joints[first], still, chain, total)
-        placements: list[Placement] = []
-        i = first
-        while step is not None:
-            here = step
-            placements.append(here.placement(chain))
-            i += 1
-            step = here.after(i, chain.joints[i], chain.joints[i].fixed, chain, total) if i < chain.n else None
-        yield Run(first, chain.joints[first].fixed, tuple(placements))
-        first = i
+        placements = _placements(chain, first, total)
+        runs.append(Run(first, chain.joints[first].fixed, placements))
+        first += len(placements)
+    return tuple(runs)
 
 
-@dataclass(frozen=True, slots=True)
-class _Here:
-    """A joint frame in the axes of its run, and the turns that lead there."""
-
-    constant: Matrix[Value]
-    origin: Vector[Value]
-    step: Vector[Value]
-    cosine: Value
-    sine: Value
-    turns: tuple[Turn, ...]
-
-    def after(
-        self, index: int, joint: ChainJoint[Value], fixed: Frame[Value], chain: Chain[Value], total: SumOfTurns
-    ) -> _Here | None:
-        """The next joint frame; None where its joint turns about another direction."""
-        constant = matmul(self.constant, fixed.rotation)
+def _placements(chain: Chain[Value], first: int, total: SumOfTurns) -> tuple[Placement, ...]:
+    """The joints of the run that begins with some joint, up to that which turns about another direction."""
+    zero, one = chain.zero, chain.one
+    constant, origin = identity(zero, one), (zero, zero, zero)
+    fixed = Frame(constant, origin)
+    cosine, sine = one, zero
+    turns: tuple[Turn, ...] = ()
+    found: list[Placement] = []
+    for i in range(first, chain.n):
+        joint = chain.joints[i]
+        if i > first:
+            fixed = joint.fixed
+        before, constant = constant, matmul(constant, fixed.rotation)
         z = column(constant, 2)
-        shift = add(multiply(self.constant, fixed.position), scale(joint.offset, z))
-        step = about_z(self.cosine, self.sine, shift)
-        origin = add(self.origin, step)
-        if not joint.revolute:
-            constant = matmul(constant, joint.motion(chain.zero, chain.one).rotation)
-            return _Here(constant, origin, step, self.cosine, self.sine, self.turns)
-        direction = _direction(z, chain)
-        if direction == 0:
-            return None
-        turns = (*self.turns, Turn(index, direction))
-        return _Here(constant, origin, step, *total(turns), turns)
-
-    def placement(self, chain: Chain[Value]) -> Placement:
-        direction = _direction(column(self.constant, 2), chain)
-        return Placement(self.cosine, self.sine, self.constant, self.origin, self.step, direction)
+        step = about_z(cosine, sine, add(multiply(before, fixed.position), scale(joint.offset, z)))
+        origin = add(origin, step)
+        if joint.revolute:
+            direction = _direction(z)
+            if direction == 0:
+                break
+            turns = (*turns, Turn(i, direction))
+            cosine, sine = total(turns)
+        else:
+            constant = matmul(constant, joint.motion(zero, one).rotation)
+        found.append(Placement(cosine, sine, constant, origin, step, _direction(column(constant, 2))))
+    return tuple(found)
 
 
-def _direction(z: Vector[Value], chain: Chain[Value]) -> int:
+def _direction(z: Vector[Value]) -> int:
     """+1 for z itself, -1 for its opposite, else 0; exact."""
-    if z[0].ref != chain.zero.ref or z[1].ref != chain.zero.ref:
+    if z[0].ref != ZERO or z[1].ref != ZERO:
         return 0
-    return {chain.one.ref: 1, (-chain.one).ref: -1}.get(z[2].ref, 0)
+    return {ONE: 1, MINUS_ONE: -1}.get(z[2].ref, 0)

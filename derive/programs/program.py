@@ -1,12 +1,62 @@
-"""What is generated for one robot: its functions, each with a tape."""
+"""What is generated for one robot: its functions, each with its interface and a tape."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from enum import Enum, auto
 from math import prod
 
 from derive.programs.tape.tape import Operations, Output, Tape
+from derive.robot.robot import Robot
+
+ARGUMENTS: Mapping[str, str] = {
+    "q": "joint variables [rad, m]",
+    "qd": "joint velocities [rad/s, m/s]",
+    "qdd": "joint accelerations [rad/s^2, m/s^2]",
+    "tau": "joint torques and forces [N m, N]",
+}
+"""The arguments that a function may take, in words; each has one entry per joint."""
+
+
+class Magnitude(Enum):
+    """What bounds the entries of a result, so that errors can be measured against it (`derive.verify.scales`)."""
+
+    POSE = auto()
+    JACOBIAN = auto()
+    JACOBIAN_RATE = auto()
+    INERTIA = auto()
+    CORIOLIS = auto()
+    GRAVITY = auto()
+    TORQUE = auto()
+    VELOCITY_TORQUE = auto()
+    TORQUE_BY_POSITION = auto()
+    TORQUE_BY_VELOCITY = auto()
+    OTHER = auto()
+    """It is verified in a way of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """What a generated function is, whatever the robot.
+
+    Attributes:
+        name: For instance ``inverse_dynamics``.
+        arguments: Its arguments, in order, of `ARGUMENTS`; empty for what depends on parameters alone.
+        shape: Of the result for one configuration; ``n`` is the number of joints, ``p`` that of the columns.
+        symbol: How the notes write the result.
+        summary: One line.
+        result: What the entries of the result are, with their units.
+        magnitude: What bounds them.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    shape: tuple[int | str, ...]
+    symbol: str
+    summary: str
+    result: str
+    magnitude: Magnitude = Magnitude.OTHER
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,20 +74,17 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """One generated function.
+    """One generated function of one robot.
 
     Attributes:
-        name: For instance ``inverse_dynamics``.
-        arguments: Its arguments, each with one entry per joint, in order: ``q``, ``qd``, ``qdd`` or ``tau``;
-            empty for what depends on parameters alone.
+        interface: What it takes and gives.
         shape: Shape of the result for one configuration.
         tape: The program; outputs in row-major order of ``shape``.
         formulation: What the tape was traced through, in words.
         columns: What the entries along the last axis of the result belong to, where that has names.
     """
 
-    name: str
-    arguments: tuple[str, ...]
+    interface: Interface
     shape: tuple[int, ...]
     tape: Tape
     formulation: str
@@ -46,6 +93,16 @@ class Function:
     def __post_init__(self) -> None:
         """Check that the tape fills the shape."""
         assert prod(self.shape) == len(self.tape.outputs), (self.name, self.shape, len(self.tape.outputs))
+
+    @property
+    def name(self) -> str:
+        """For instance ``inverse_dynamics``."""
+        return self.interface.name
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Its arguments, each with one entry per joint, in order."""
+        return self.interface.arguments
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -61,6 +118,14 @@ class Function:
     def hoisted_operations(self) -> Operations:
         """Operations on run-time parameters alone, done once per call."""
         return self.tape.hoisted_operations
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Formulation and cost, for a docstring."""
+        lines = [f"{self.formulation[0].upper()}{self.formulation[1:]}: {cost_text(self.operations)}."]
+        if self.hoisted_operations.total:
+            lines.append(f"Once per set of parameters: {cost_text(self.hoisted_operations)}.")
+        return tuple(lines)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,3 +154,41 @@ class Program:
     def __iter__(self) -> Iterator[Function]:
         """The functions in order."""
         return iter(self.functions)
+
+    @property
+    def operations(self) -> dict[str, dict[str, int]]:
+        """Counts for the manifest, by function."""
+        return {function.name: function.operations.as_dict() for function in self.functions}
+
+    @property
+    def hoisted_operations(self) -> dict[str, dict[str, int]]:
+        """Counts of the work on run-time parameters alone, by function."""
+        return {function.name: function.hoisted_operations.as_dict() for function in self.functions}
+
+
+def cost_text(operations: Operations) -> str:
+    """Operation counts as they are printed.
+
+    Args:
+        operations: The counts.
+
+    Returns:
+        ``301 mul, 240 add, 5 sin, 5 cos``; what does not occur is left out.
+    """
+    parts = [f"{count} {name}" for name, count in operations.as_dict().items() if count]
+    return ", ".join(parts) or "no operations"
+
+
+def joint_lines(robot: Robot) -> tuple[str, ...]:
+    """The joints of a robot, for the documentation of its functions.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        One line per joint: place, name, type and unit.
+    """
+    return tuple(
+        f"{i + 1}: {joint.variable}, {joint.type.value} [{'rad' if joint.is_revolute else 'm'}]"
+        for i, joint in enumerate(robot.joints)
+    )

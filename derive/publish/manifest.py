@@ -8,8 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from derive.programs.effort import Effort
-from derive.programs.interface import hoisted_operations_of, operations_of
+from derive.programs.policy import Effort
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of
 from derive.targets.target import Source, Target
@@ -48,8 +47,8 @@ def manifest_text(
             "free": list(free_symbols(robot)),
             "numbers": {name: to_text(value) for name, value in number_of(robot).items()},
         },
-        "operations": operations_of(source.program),
-        "operations_on_parameters": hoisted_operations_of(source.program),
+        "operations": source.program.operations,
+        "operations_on_parameters": source.program.hoisted_operations,
         "targets": [target.name for target in targets],
         "compiled": sorted(name for target in targets for name in target.compiled),
         "files": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
+from derive.programs.policy import Effort
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, check_robot
 from derive.robot.robot import Robot
 from derive.targets.target import package_name
@@ -29,7 +30,7 @@ def build_many(
     jobs: int = 1,
     verified: bool = True,
     force: bool = False,
-    effort: str | None = None,
+    effort: Effort = Effort.FULL,
     progress: Progress | None = None,
 ) -> list[BuildResult | BuildFailure]:
     """Builds robots as `build_robot` does.
@@ -69,7 +70,7 @@ def check_many(
     targets: Iterable[str] | None = None,
     *,
     jobs: int = 1,
-    effort: str | None = None,
+    effort: Effort = Effort.FULL,
     progress: Progress | None = None,
 ) -> list[CheckResult | BuildFailure]:
     """Checks robots as `check_robot` does.

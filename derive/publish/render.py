@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from derive.errors import OutputError, TargetError
-from derive.programs.effort import Effort
-from derive.programs.functions.functions import build_program
-from derive.programs.interface import operations_of
+from derive.programs.functions import build_program
+from derive.programs.policy import Effort
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
 from derive.robot.robot import Robot
@@ -61,7 +60,7 @@ def render_robot(robot: Robot, targets: Sequence[Target], effort: Effort = Effor
     for target in targets:
         files |= {name: text.encode() for name, text in target.render(source).items()}
     files[MANIFEST] = manifest_text(source, targets, files, effort).encode()
-    return Rendered(files, operations_of(source.program))
+    return Rendered(files, source.program.operations)
 
 
 def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Source:

@@ -10,8 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
 
-from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_lines
-from derive.programs.program import Function
+from derive.programs.program import ARGUMENTS, Function, joint_lines
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.targets.escape import c_comment, c_prefix
 from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
@@ -273,7 +272,7 @@ def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) 
 
 def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
     """The lines of a function's comment in the header."""
-    wording = WORDING[function.name]
+    wording = function.interface
     layout = ", row by row" if len(function.shape) > 1 else ""
     constants = f"@param[in]  k       {constant_count} constants from {function.name}_constants()."
     return (
@@ -283,7 +282,7 @@ def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
         *([constants] if constant_count else []),
         f"@param[out] result  {wording.symbol}, {shape_text(function.shape)}{layout}: {wording.result}.",
         "",
-        *function_notes(function),
+        *function.notes,
     )
 
 

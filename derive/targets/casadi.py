@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from derive.algebra.constants import to_float
-from derive.programs.interface import WORDING
 from derive.programs.program import Function
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.targets.c import c_heading
@@ -109,4 +108,4 @@ def casadi_function(function: Function, joints: int, parameters: int) -> Any:
         rows, columns = function.shape[-2:]
         blocks = casadi.vertsplit(output, rows * columns)
         output = casadi.horzcat(*[casadi.reshape(block, columns, rows).T for block in blocks])
-    return casadi.Function(function.name, inputs, [output], names, [WORDING[function.name].symbol])
+    return casadi.Function(function.name, inputs, [output], names, [function.interface.symbol])

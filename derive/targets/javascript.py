@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_lines
-from derive.programs.program import Function, Program
+from derive.programs.program import ARGUMENTS, Function, Program, joint_lines
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, rows_of, wrapped, write_kernel
@@ -169,7 +168,7 @@ def _nested(results: Sequence[str], shape: Sequence[int]) -> tuple[str, ...]:
 
 def _documentation(function: Function) -> tuple[str, ...]:
     """The lines of a function's comment."""
-    wording = WORDING[function.name]
+    wording = function.interface
     lines = (
         wording.summary,
         "",
@@ -177,6 +176,6 @@ def _documentation(function: Function) -> tuple[str, ...]:
         "@param {Object|number[]} [params] Numbers of the free parameters.",
         f"@returns {{Array}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
         "",
-        *function_notes(function),
+        *function.notes,
     )
     return tuple(f" * {line}".rstrip() for line in lines)

@@ -9,8 +9,7 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.programs.interface import ARGUMENTS, WORDING, function_notes, joint_lines
-from derive.programs.program import Function
+from derive.programs.program import ARGUMENTS, Function, joint_lines
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, joint_limits
@@ -175,7 +174,7 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
         kernel_arguments=", ".join(("functions", "k", *function.arguments)),
         arguments_tuple=_tuple(function.arguments),
         argument_names=_tuple([f'"{name}"' for name in function.arguments]),
-        symbol=WORDING[function.name].symbol,
+        symbol=function.interface.symbol,
         shape=str(function.shape),
         parameter_places=wrapped([str(index) for index in kernel.parameters]),
         hoists=bool(kernel.parameters),
@@ -187,7 +186,7 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
         body=kernel.body,
         results=tuple(row for columns in rows_of(kernel.results, function.shape[-1]) for row in wrapped(columns)),
         calls=kernel.calls,
-        summary=WORDING[function.name].summary,
+        summary=function.interface.summary,
         documentation=_documentation(function),
         operations=str(function.operations.as_dict()).replace("'", '"'),
     )
@@ -203,7 +202,7 @@ def _unpacking(names: Sequence[str], source: str) -> str:
 
 def _documentation(function: Function) -> tuple[str, ...]:
     """The lines of a docstring after its first."""
-    wording = WORDING[function.name]
+    wording = function.interface
     shape = ", ".join(str(k) for k in function.shape)
     lines = (
         "Args:",
@@ -215,7 +214,7 @@ def _documentation(function: Function) -> tuple[str, ...]:
         f"    {wording.symbol}, (..., {shape}):",
         f"    {wording.result}.",
         "",
-        *function_notes(function),
+        *function.notes,
     )
     return tuple(f"    {line}" if line else "" for line in lines)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.programs.interface import ARGUMENTS, WORDING, cost_text, joint_lines
+from derive.programs.program import ARGUMENTS, cost_text, joint_lines
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.targets import templating
@@ -42,7 +42,7 @@ def render(source: Source) -> dict[str, str]:
         {
             "call": f"{function.name}({', '.join(function.arguments)})",
             "shape": shape_text(function.shape),
-            "summary": WORDING[function.name].summary,
+            "summary": function.interface.summary,
             "cost": cost_text(function.operations),
         }
         for function in program

@@ -9,9 +9,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from derive.programs.tape.graph import Graph
+from derive.programs.tape.graph import Graph, Value
 from derive.programs.tape.tape import PARAMETER
-from derive.programs.tape.value import Value
 
 INPUTS = 3
 PARAMETERS = 2

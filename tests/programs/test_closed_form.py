@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ import pytest
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.programs.closed_form import ClosedForm
-from derive.programs.functions.functions import build_program
+from derive.programs.closed_form import CLOSED_FORMS, ClosedForm
+from derive.programs.functions import build_program
+from derive.programs.policy import POLICY
+from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, QDD
-from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, flat
 from derive.robot.robot import Robot
 from tests.programs.parallel_arms import numbers
@@ -44,11 +46,11 @@ def recursions(trace: Trace) -> list[list[Value]]:
 @pytest.mark.parametrize("sums", [False, True], ids=["angles", "sums"])
 @pytest.mark.parametrize("seed", range(8))
 def test_closed_forms_are_the_recursions(seed: int, sums: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("derive.programs.closed_form._MOST_TERMS", 4000)
+    monkeypatch.setattr("derive.programs.closed_form.POLICY", replace(POLICY, closed_form_terms=4000))
     robot = random_robot(random.Random(seed), 1 + seed % 2)
     trace = Trace(Robot.from_text(robot.text))
     form = ClosedForm(trace.robot, trace.domain, sums=sums)
-    found = [form.inertia(), form.coriolis(), form.gravity(), form.torques()]
+    found = [form.values(name) for name in CLOSED_FORMS]
     for values, wanted in zip(found, recursions(trace), strict=True):
         if values is not None:
             expected = numbers(trace, wanted)
@@ -67,4 +69,4 @@ def test_a_textbook_arm_is_written_as_in_the_textbook() -> None:
 def test_long_closed_forms_are_not_offered() -> None:
     robot = Robot.from_text(random_robot(random.Random(4), 6).text)
     trace = Trace(robot)
-    assert [form.torques() for form in trace.closed_forms] == [None] * len(trace.closed_forms)
+    assert [form.values("inverse_dynamics") for form in trace.closed_forms] == [None] * len(trace.closed_forms)

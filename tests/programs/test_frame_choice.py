@@ -1,4 +1,4 @@
-"""Whatever forms the joints take, the recursions compute the same; the search finds cheap ones and stops."""
+"""Whatever choices the joints take, the recursions compute the same; the search finds cheap ones and stops."""
 
 from __future__ import annotations
 
@@ -13,11 +13,17 @@ from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.link_motion import PLAIN, FrameChoice
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.programs.frame_choice import ALL_CHOICES, Forms, FormSearch, holdable, places, starting_forms
+from derive.programs.frame_choice import (
+    ALL_CHOICES,
+    FrameChoices,
+    FrameChoiceSearch,
+    holdable,
+    places,
+    starting_choices,
+)
 from derive.programs.tape.build import bake, cut
-from derive.programs.tape.finish import Finisher
+from derive.programs.tape.graph import Value
 from derive.programs.tape.tape import PARAMETER, evaluate
-from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, flat
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
@@ -44,8 +50,8 @@ def scara() -> Robot:
     return Robot.from_text(SCARA + 5 * LINK)
 
 
-def random_forms(trace: Trace, rng: random.Random) -> Forms:
-    """Any forms that are allowed."""
+def random_choices(trace: Trace, rng: random.Random) -> FrameChoices:
+    """Any choices that are allowed."""
     return tuple(
         FrameChoice(
             place=rng.choice(places(trace.chain, i)),
@@ -59,10 +65,10 @@ def random_forms(trace: Trace, rng: random.Random) -> Forms:
     )
 
 
-def outputs(trace: Trace, forms: Forms) -> list[Value]:
-    """Torques, B, C and g with some forms."""
-    chain, rates, gains = trace.arranged(forms), trace.arguments("qd"), trace.arguments("qdd")
-    torques = inverse_dynamics(trace.arranged(forms, axial=True), rates, gains, forms)
+def outputs(trace: Trace, choices: FrameChoices) -> list[Value]:
+    """Torques, B, C and g with some choices."""
+    chain, rates, gains = trace.arranged(choices), trace.arguments("qd"), trace.arguments("qdd")
+    torques = inverse_dynamics(trace.arranged(choices, axial=True), rates, gains, choices)
     matrices = [*flat(inertia_matrix(chain)), *flat(coriolis_matrix(chain, rates, trace.half))]
     return [*torques, *matrices, *gravity_vector(chain)]
 
@@ -72,8 +78,7 @@ def numbers(robot: Robot, trace: Trace, values: Sequence[Value], known: dict[str
     rng = random.Random(5)
     inputs = {kind: [rng.uniform(-1.5, 1.5) for _ in range(trace.n)] for kind in ("q", "qd", "qdd")}
     inputs[PARAMETER] = [known.get(name, 0.7) for name in free_symbols(robot)]
-    replacements = Finisher(robot, trace.graph)._replacements
-    tape = cut(*bake(trace.graph, [value.ref for value in values], replacements))
+    tape = cut(*bake(trace.graph, [value.ref for value in values], trace.choice.numbers))
     return np.array(evaluate(tape, inputs, ARITHMETIC)).real
 
 
@@ -85,7 +90,7 @@ def test_every_form_gives_the_same_values(seed: int) -> None:
     trace = Trace(robot)
     expected = numbers(robot, trace, outputs(trace, (PLAIN,) * robot.n), case.values)
     for _ in range(3):
-        found = numbers(robot, trace, outputs(trace, random_forms(trace, rng)), case.values)
+        found = numbers(robot, trace, outputs(trace, random_choices(trace, rng)), case.values)
         assert np.abs(found - expected).max() <= 1e-12 * max(1.0, np.abs(expected).max())
 
 
@@ -95,7 +100,7 @@ def test_parallel_axes_may_be_held_whichever_way_they_point() -> None:
     assert [holdable(trace.chain, i) for i in range(5)] == [True, True, True, True, True]
     expected = numbers(robot, trace, outputs(trace, (PLAIN,) * 5), {})
     for seed in range(12):
-        found = numbers(robot, trace, outputs(trace, random_forms(trace, random.Random(seed))), {})
+        found = numbers(robot, trace, outputs(trace, random_choices(trace, random.Random(seed))), {})
         assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
@@ -108,12 +113,12 @@ def test_the_search_never_ends_above_its_starts() -> None:
     robot = scara()
     trace = Trace(robot)
 
-    def trial(forms: Forms) -> tuple[int, ...]:
-        return tuple(value.ref for value in outputs(trace, forms))
+    def trial(choices: FrameChoices) -> tuple[int, ...]:
+        return tuple(value.ref for value in outputs(trace, choices))
 
-    price = Finisher(robot, trace.graph).price
-    starts = starting_forms(trace.chain)
-    best, *close = FormSearch(trace.chain, ALL_CHOICES, trial, price).best(starts, 3)
-    costs = [price(trial(forms))[0] for forms in (best, *close)]
+    price = trace.choice.price
+    starts = starting_choices(trace.chain)
+    best, *close = FrameChoiceSearch(trace.chain, ALL_CHOICES, trial, price).best(starts, 3)
+    costs = [price(trial(choices)).body for choices in (best, *close)]
     assert costs == sorted(costs)
-    assert costs[0] < min(price(trial(forms))[0] for forms in starts)
+    assert costs[0] < min(price(trial(choices)).body for choices in starts)

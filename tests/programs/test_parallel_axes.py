@@ -9,9 +9,9 @@ import pytest
 
 from derive.mechanics.forward_kinematics import joint_poses
 from derive.mechanics.vectors import Frame, Vector, add, column, identity, multiply
-from derive.programs.tape.finish import Finisher
+from derive.programs.tape.build import bake, cut
+from derive.programs.tape.graph import Value
 from derive.programs.tape.tape import Operations
-from derive.programs.tape.value import Value
 from derive.programs.trace import Trace
 from derive.robot.robot import Robot
 from tests.programs.parallel_arms import numbers, parallel_arm
@@ -78,5 +78,5 @@ def test_a_sum_of_angles_costs_its_additions() -> None:
     rows = "  - {type: revolute}\n" * 3
     trace = Trace(Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}"))
     place = trace.runs[0].placements[2]
-    tape = Finisher(trace.robot, trace.graph).tape([place.cosine.ref, place.sine.ref])
+    tape = cut(*bake(trace.graph, [place.cosine.ref, place.sine.ref], trace.choice.numbers))
     assert tape.operations == Operations(add=2, sin=1, cos=1)

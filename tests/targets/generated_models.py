@@ -8,12 +8,11 @@ from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-from derive.programs.effort import Effort
-from derive.programs.functions.functions import build_program
+from derive.programs.functions import INTERFACES, build_program
+from derive.programs.policy import Effort
 from derive.programs.program import Function, Program
 from derive.programs.tape.build import cut
-from derive.programs.tape.graph import Graph
-from derive.programs.tape.value import Value
+from derive.programs.tape.graph import Graph, Value
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy
@@ -84,7 +83,7 @@ def planar() -> Robot:
 def small_program(graph: Graph, values: list[Value]) -> Program:
     """A program that returns some values as a gravity vector."""
     tape = cut(graph, [value.ref for value in values])
-    return Program((Function("gravity_vector", ("q",), (len(values),), tape, "by hand"),), ())
+    return Program((Function(INTERFACES["gravity_vector"], (len(values),), tape, "by hand"),), ())
 
 
 def call(module: ModuleType, name: str, arguments: Mapping[str, object], **options: object) -> object:

@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.programs.tape.graph import Graph
-from derive.programs.tape.value import Value
+from derive.programs.tape.graph import Graph, Value
 from derive.robot.robot import Robot
 from derive.targets.c import render_c
 from derive.targets.compiler import compile_shared, find_compiler

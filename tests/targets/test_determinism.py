@@ -14,7 +14,7 @@ import hashlib
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
-from derive.programs.functions.functions import build_program
+from derive.programs.functions import build_program
 from derive.robot.robot import Robot
 from tests.random_robots import random_robot
 import random

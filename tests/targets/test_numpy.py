@@ -7,17 +7,18 @@ import math
 import random
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 
 import numpy as np
 import pytest
 
+from derive.programs.functions import INTERFACES
 from derive.programs.program import Function, Program
 from derive.programs.tape.build import cut
-from derive.programs.tape.graph import Graph
+from derive.programs.tape.graph import Graph, Value
 from derive.programs.tape.tape import PARAMETER
-from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.numpy import render_numpy
 from tests.random_robots import random_robot
@@ -51,6 +52,9 @@ SHAPES = {
     "inverse_dynamics_dqd": (2, 2),
     "base_regressor": (2, 7),
 }
+
+CONSTANT = replace(INTERFACES["gravity_vector"], arguments=())
+"""A function of the parameters alone."""
 
 
 def arguments(*batch: int, seed: int = 0) -> dict[str, np.ndarray]:
@@ -305,7 +309,7 @@ def test_functions_of_parameters_alone_have_the_batch_of_the_parameters() -> Non
     graph = Graph()
     a, b = (Value(graph, graph.input(PARAMETER, i)) for i in range(2))
     tape = cut(graph, [value.ref for value in (a * b, a + b, a)])
-    program = Program((Function("gravity_vector", (), (3,), tape, "by hand"),), ("a", "b"))
+    program = Program((Function(CONSTANT, (3,), tape, "by hand"),), ("a", "b"))
     model = numpy_model(planar(), program)
     assert model.gravity_vector({"a": 2.0, "b": 3.0}).tolist() == [6.0, 5.0, 2.0]
     table = model.gravity_vector(params={"a": np.full((4, 30), 2.0), "b": 3.0}, out=np.empty((4, 30, 3)))
@@ -319,9 +323,15 @@ def test_functions_of_parameters_alone_have_the_batch_of_the_parameters() -> Non
 def test_functions_of_nothing_are_constants() -> None:
     graph = Graph()
     tape = cut(graph, [graph.number(Fraction(k)) for k in (1, 2)])
-    model = numpy_model(planar(), Program((Function("gravity_vector", (), (2,), tape, "by hand"),), ()))
+    model = numpy_model(planar(), Program((Function(CONSTANT, (2,), tape, "by hand"),), ()))
     assert model.gravity_vector().tolist() == [1.0, 2.0]
-    assert casadi_model(planar(), Program((Function("gravity_vector", (), (2,), tape, "by hand"),), ())) is not None
+    assert (
+        casadi_model(
+            planar(),
+            Program((Function(CONSTANT, (2,), tape, "by hand"),), ()),
+        )
+        is not None
+    )
 
 
 @pytest.mark.parametrize(

@@ -7,23 +7,78 @@ and products in another order are recognised without being expanded.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 from derive.algebra import constants
-from derive.programs.tape.graph import ONE, ZERO, Graph, Ref
-from derive.programs.tape.tape import Op, Source
+from derive.programs.tape.graph import (
+    MINUS_ONE,
+    ONE,
+    UNITS,
+    ZERO,
+    Graph,
+    Ref,
+    is_negative,
+    negated,
+    node_of,
+    ref_to,
+    signed,
+)
+from derive.programs.tape.tape import Op
 
 PRIME = 2**61 - 1
 
 
 def scatter(*key: object) -> int:
-    """A fixed pseudo-random residue for a key of strings and whole numbers."""
-    text = repr(key).encode()
+    """A fixed pseudo-random residue.
+
+    Args:
+        key: Strings and whole numbers that tell it from others.
+
+    Returns:
+        The same on every machine.
+    """
     value = 0x9E3779B97F4A7C15
-    for byte in text:
+    for byte in repr(key).encode():
         value = (value ^ byte) * 0x100000001B3 % PRIME
         value ^= value >> 29
     return value % PRIME
+
+
+def residue_of(op: Op, operands: Sequence[int]) -> int:
+    """The residue of an operation.
+
+    Args:
+        op: No leaf.
+        operands: Residues.
+
+    Returns:
+        The value of a rational operation; that of a function is random, but knows its symmetry: sine and cosine are a
+        random rational point of the unit circle for each angle, mirrored for the opposite angle.
+    """
+    first = operands[0]
+    low = min(first, PRIME - first)
+    match op:
+        case Op.ADD:
+            return (first + operands[1]) % PRIME
+        case Op.SUBTRACT:
+            return (first - operands[1]) % PRIME
+        case Op.MULTIPLY:
+            return first * operands[1] % PRIME
+        case Op.DIVIDE if operands[1]:
+            return first * pow(operands[1], -1, PRIME) % PRIME
+        case Op.NEGATE:
+            return -first % PRIME
+        case Op.SINE | Op.COSINE:
+            tangent = scatter("tangent", low)
+            scale = pow(1 + tangent * tangent, -1, PRIME)
+            if op is Op.COSINE:
+                return (1 - tangent * tangent) * scale % PRIME
+            return (2 * tangent if low == first else -2 * tangent) * scale % PRIME
+        case Op.SIGN:
+            value = scatter(int(op), low)
+            return value if low == first else PRIME - value
+    return scatter(int(op), *operands)
 
 
 class Coefficients:
@@ -35,7 +90,7 @@ class Coefficients:
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self._residue: dict[int, int] = {}
+        self._residues: dict[int, int] = {}
         self._known: dict[int, Ref] = {0: ZERO}
         self._sums: dict[tuple[Ref, Ref], Ref] = {}
         self._products: dict[tuple[Ref, Ref], Ref] = {}
@@ -46,15 +101,29 @@ class Coefficients:
         return list(self._known)
 
     def find(self, residue: int) -> Ref | None:
-        """The coefficient of this value, if there is one."""
+        """The coefficient of some value.
+
+        Args:
+            residue: The value at the random point.
+
+        Returns:
+            Its reference, or the opposite of that of minus the value; None where neither is known.
+        """
         found = self._known.get(residue)
         if found is not None:
             return found
         other = self._known.get(PRIME - residue)
-        return None if other is None else other ^ 1
+        return None if other is None else negated(other)
 
     def same(self, ref: Ref) -> Ref:
-        """The reference by which this value is known."""
+        """The reference by which a value is known.
+
+        Args:
+            ref: Any reference to it; from now on that by which it is known, if there is no other.
+
+        Returns:
+            The one that stands for all of the same value.
+        """
         residue = self.residue(ref)
         found = self.find(residue)
         if found is None:
@@ -62,94 +131,81 @@ class Coefficients:
         return found
 
     def add(self, a: Ref, b: Ref) -> Ref:
-        """A + b."""
+        """A sum.
+
+        Args:
+            a: First summand.
+            b: Second summand.
+
+        Returns:
+            The reference by which a + b is known.
+        """
         found = self._sums.get((a, b))
         if found is None:
             found = self._sums[a, b] = self.same(self.graph.add(a, b))
         return found
 
     def multiply(self, a: Ref, b: Ref) -> Ref:
-        """A times b."""
+        """A product.
+
+        Args:
+            a: First factor.
+            b: Second factor.
+
+        Returns:
+            The reference by which a b is known.
+        """
         if a == ZERO or b == ZERO:
             return ZERO
-        if b >> 1 == 1:
-            return a ^ (b & 1)
-        if a >> 1 == 1:
-            return b ^ (a & 1)
+        if b in UNITS:
+            return signed(a, b == MINUS_ONE)
+        if a in UNITS:
+            return signed(b, a == MINUS_ONE)
         found = self._products.get((a, b))
         if found is None:
             found = self._products[a, b] = self.same(self.graph.multiply(a, b))
         return found
 
     def ratio(self, a: Ref, b: Ref) -> Ref | None:
-        """A over b where that is a number; None otherwise."""
-        if a >> 1 == b >> 1:
-            return ONE ^ ((a ^ b) & 1)
-        if self.graph.op[a >> 1] is not Op.CONSTANT or self.graph.op[b >> 1] is not Op.CONSTANT:
-            return None
+        """A quotient that is a number.
+
+        Args:
+            a: The dividend.
+            b: The divisor.
+
+        Returns:
+            a / b; None where that is no number.
+        """
+        if node_of(a) == node_of(b):
+            return signed(ONE, a != b)
         if (a, b) not in self._ratios:
-            self._ratios[a, b] = self._divide(a, b)
+            x, y = self.graph.constant_of(a), self.graph.constant_of(b)
+            is_number = x is not None and y is not None
+            found = self.graph.number(constants.multiply(x, constants.reciprocal(y))) if is_number else None
+            self._ratios[a, b] = found
         return self._ratios[a, b]
 
-    def _divide(self, a: Ref, b: Ref) -> Ref:
-        x, y = self.graph.constant_of(a), self.graph.constant_of(b)
-        return self.graph.number(constants.multiply(x, constants.reciprocal(y)))
-
     def residue(self, ref: Ref) -> int:
-        """The value at the random point."""
-        value = self._residue_of(ref >> 1)
-        return (PRIME - value) % PRIME if ref & 1 else value
+        """The value at the random point.
 
-    def _residue_of(self, index: int) -> int:
-        found = self._residue.get(index)
-        if found is None:
-            found = self._residue[index] = self._evaluate(index)
-        return found
+        Args:
+            ref: A coefficient.
 
-    def _evaluate(self, index: int) -> int:
-        graph = self.graph
-        payload = graph.payload.get(index)
-        if isinstance(payload, Source):
-            return scatter(payload.kind, payload.index)
-        if payload is not None:
-            return residue_of_constant(payload)
-        return combine(graph.op[index], [self._residue_of(k) for k in graph.operands[index]])
+        Returns:
+            Modulo `PRIME`.
+        """
+        node = node_of(ref)
+        value = self._residues.get(node)
+        if value is None:
+            value = self._residues[node] = self._evaluate(node)
+        return (PRIME - value) % PRIME if is_negative(ref) else value
 
-
-def residue_of_constant(value: constants.Constant) -> int:
-    """A rational as it is; any other number at random."""
-    if isinstance(value, Fraction):
-        return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
-    return scatter("constant", *constants.key_of(value))
-
-
-def combine(op: Op, operands: list[int]) -> int:
-    """The residue of an operation; functions are random, but know their symmetry."""
-    match op:
-        case Op.ADD:
-            return (operands[0] + operands[1]) % PRIME
-        case Op.SUBTRACT:
-            return (operands[0] - operands[1]) % PRIME
-        case Op.MULTIPLY:
-            return operands[0] * operands[1] % PRIME
-        case Op.DIVIDE if operands[1]:
-            return operands[0] * pow(operands[1], -1, PRIME) % PRIME
-        case Op.NEGATE:
-            return -operands[0] % PRIME
-        case Op.SINE | Op.COSINE:
-            return _on_circle(op, operands[0])
-        case Op.SIGN:
-            low = min(operands[0], PRIME - operands[0])
-            value = scatter(int(op), low)
-            return value if low == operands[0] else PRIME - value
-    return scatter(int(op), *operands)
-
-
-def _on_circle(op: Op, angle: int) -> int:
-    """Sine or cosine: a random rational point of the unit circle for each angle, mirrored for its negative."""
-    low = min(angle, PRIME - angle)
-    half = scatter("tangent", low)
-    scale = pow(1 + half * half, -1, PRIME)
-    if op is Op.COSINE:
-        return (1 - half * half) * scale % PRIME
-    return (2 * half if low == angle else -2 * half) * scale % PRIME
+    def _evaluate(self, node: int) -> int:
+        source, value = self.graph.sources.get(node), self.graph.constants.get(node)
+        if source is not None:
+            return scatter(source.kind, source.index)
+        if isinstance(value, Fraction):
+            return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
+        if value is not None:
+            return scatter("constant", *constants.key_of(value))
+        return residue_of(self.graph.op[node], [self.residue(ref_to(k)) for k in self.graph.operands[node]])

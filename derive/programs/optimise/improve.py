@@ -1,6 +1,6 @@
 """Cheaper programs for the same values: as networks of polynomials in which shared parts are searched for.
 
-The hoisted part of a program improved like a body, with the parameters for arguments.
+The hoisted part of a program is improved like a body, with the parameters for arguments.
 """
 
 from __future__ import annotations
@@ -8,74 +8,44 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.programs.optimise.convert import graph_of, network_of
-from derive.programs.optimise.network import Opaque
 from derive.programs.optimise.search import Search
-from derive.programs.tape.build import copy_leaf, cost, reachable
-from derive.programs.tape.graph import Graph, Ref
-from derive.programs.tape.tape import FUNCTION_COST, LEAVES, Layer, Op
+from derive.programs.policy import POLICY
+from derive.programs.tape.build import copy, reachable
+from derive.programs.tape.cost import program_cost
+from derive.programs.tape.graph import Graph, Ref, Value, node_of, ref_to
+from derive.programs.tape.tape import LEAVES, Layer
 
 
-def improve_hoisted(graph: Graph, outputs: Sequence[Ref], effort: int) -> tuple[Graph, tuple[Ref, ...]]:
-    """The same program with cheaper hoisted work, where a search finds any.
-
-    Args:
-        graph: A graph.
-        outputs: References into it.
-        effort: Divisors that trials may look at.
-    """
-    order = reachable(graph, outputs)
-    results = _results(graph, order, outputs)
-    if not results:
-        return graph, tuple(outputs)
-    network = network_of(graph, [2 * i for i in results], Layer.HOISTED)
-    Search(network).run(effort)
-    fresh, moved = graph_of(network, graph)
-    found = _grafted(graph, order, outputs, fresh, dict(zip(results, moved, strict=True)))
-    return found if cost(*found) < cost(graph, outputs) else (graph, tuple(outputs))
-
-
-def _results(graph: Graph, order: Sequence[int], outputs: Sequence[Ref]) -> list[int]:
-    """Hoisted values that the body or an output uses."""
-    used = {ref >> 1 for ref in outputs}
-    used.update(k for i in order if graph.layer[i] == Layer.BODY for k in graph.operands[i])
-    return sorted(i for i in used if graph.layer[i] == Layer.HOISTED and graph.op[i] not in LEAVES)
-
-
-def _grafted(
-    graph: Graph, order: Sequence[int], outputs: Sequence[Ref], fresh: Graph, moved: dict[int, Ref]
-) -> tuple[Graph, tuple[Ref, ...]]:
-    """The body of the old graph on the hoisted values of the new one."""
-    for i in order:
-        if i in moved or (graph.layer[i] == Layer.HOISTED and graph.op[i] not in LEAVES):
-            continue
-        if graph.op[i] in LEAVES:
-            moved[i] = copy_leaf(graph, i, fresh)
-        else:
-            moved[i] = fresh.apply(graph.op[i], *(moved[k] for k in graph.operands[i]))
-    return fresh, tuple(fresh.negate(moved[ref >> 1]) if ref & 1 else moved[ref >> 1] for ref in outputs)
-
-
-EFFORT = 16_000
-"""Divisors looked at by trials before the search ends: about a tenth of a second."""
-
-_COSTS = {Op.DIVIDE: 1, Op.ROOT: 1, Op.SINE: FUNCTION_COST, Op.COSINE: FUNCTION_COST}
-
-_HOISTED = EFFORT // 4
-
-_DRAFT = EFFORT // 4
-
-
-def improve(graph: Graph, outputs: Sequence[Ref], effort: int = EFFORT) -> tuple[Graph, tuple[Ref, ...]]:
+def improve(graph: Graph, outputs: Sequence[Ref], work: int = POLICY.search_work) -> tuple[Graph, tuple[Ref, ...]]:
     """The same values for fewer operations.
 
     Args:
         graph: A graph.
         outputs: References into it.
-        effort: How long to search.
+        work: How long to search, in divisors that are looked at.
+
+    Returns:
+        A graph and the outputs in it.
     """
     improvement = Improvement(graph, outputs)
-    improvement.search(effort)
+    improvement.search(work)
     return improvement.result()
+
+
+def improved_values(values: Sequence[Value]) -> list[Value]:
+    """The same values from fewer operations, in the same graph.
+
+    Args:
+        values: Of one graph.
+
+    Returns:
+        Values that are equal, one by one.
+    """
+    if not values:
+        return []
+    graph = values[0].graph
+    fresh, refs = improve(graph, [value.ref for value in values])
+    return [Value(graph, ref) for ref in copy(fresh, refs, graph, {})]
 
 
 class Improvement:
@@ -92,27 +62,48 @@ class Improvement:
         self._network = network_of(graph, outputs)
         self._search = Search(self._network)
 
+    @property
+    def cost(self) -> int:
+        """Cost of the body of the program found so far."""
+        return self._network.cost
+
     def draft(self) -> None:
         """Search for a short time."""
-        self._search.run(_DRAFT)
+        self._search.run(POLICY.draft_work)
 
-    def cost(self) -> int:
-        """`Operations.cost` of the program found so far."""
-        functions = [d.op for d in self._network.definition.values() if isinstance(d, Opaque) and d.op is not None]
-        return self._network.cost + sum(_COSTS.get(op, 0) for op in functions)
+    def search(self, work: int = POLICY.search_work) -> None:
+        """Search for long.
 
-    def search(self, effort: int) -> None:
-        """Search for long."""
-        self._search.run(effort // 2)
-        self._search.resubstitute(effort)
-        self._search.run(effort // 2)
+        Args:
+            work: Divisors that are looked at.
+        """
+        self._search.run(work // 2)
+        self._search.resubstitute(work)
+        self._search.run(work // 2)
 
     def result(self) -> tuple[Graph, tuple[Ref, ...]]:
         """The cheapest program found so far, its hoisted work improved too."""
-        found = graph_of(self._network, self._graph)
-        best = found if cost(*found) < cost(self._graph, self._outputs) else (self._graph, self._outputs)
-        return improve_hoisted(*best, _HOISTED)
+        return _hoisted_improved(*_cheaper((self._graph, self._outputs), graph_of(self._network, self._graph)))
 
     def close(self) -> None:
-        """Let go of what refers to itself, so that its memory is free at once."""
+        """Cut the network's reference to what watches it: without this circle its memory is free at once."""
         self._network.watcher = None
+
+
+def _cheaper(old: tuple[Graph, tuple[Ref, ...]], new: tuple[Graph, tuple[Ref, ...]]) -> tuple[Graph, tuple[Ref, ...]]:
+    return new if program_cost(*new) < program_cost(*old) else old
+
+
+def _hoisted_improved(graph: Graph, outputs: tuple[Ref, ...]) -> tuple[Graph, tuple[Ref, ...]]:
+    """The same program with cheaper hoisted work, where a search finds any."""
+    order = reachable(graph, outputs)
+    used = {node_of(ref) for ref in outputs}
+    used.update(k for i in order if graph.layer[i] is Layer.BODY for k in graph.operands[i])
+    results = sorted(i for i in used if graph.layer[i] is Layer.HOISTED and graph.op[i] not in LEAVES)
+    if not results:
+        return graph, outputs
+    network = network_of(graph, [ref_to(i) for i in results], Layer.HOISTED)
+    Search(network).run(POLICY.hoisted_work)
+    fresh, moved = graph_of(network, graph)
+    found = copy(graph, outputs, fresh, dict(zip(results, moved, strict=True)))
+    return _cheaper((graph, outputs), (fresh, found))

@@ -11,15 +11,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from derive.programs.optimise.coefficients import PRIME, Coefficients, combine, scatter
-from derive.programs.tape.graph import ONE, ZERO, Ref
-from derive.programs.tape.tape import Op
+from derive.programs.optimise.coefficients import PRIME, Coefficients, residue_of, scatter
+from derive.programs.tape.cost import polynomial_cost
+from derive.programs.tape.graph import ONE, UNITS, ZERO, Ref, is_negative, signed
+from derive.programs.tape.tape import OPERATION_COST, Op
 
 Monomial = tuple[int, ...]
 """A product of variables, ascending; the empty one stands for 1."""
 
 Polynomial = dict[Monomial, Ref]
-"""Coefficients by monomial, none of them zero."""
+"""Coefficients by monomial, none of them zero. Once it defines a variable it is not changed any more."""
 
 ROOT = -1
 """The variable whose definition is the outputs."""
@@ -35,7 +36,13 @@ class Operand:
 
 @dataclass(frozen=True, slots=True)
 class Opaque:
-    """A function of other values; for an input the operation is None and there are no operands."""
+    """A function of other values; for an input the operation is None and there are no operands.
+
+    Attributes:
+        op: The function.
+        operands: Its arguments.
+        source: The node of an input in the graph that was read.
+    """
 
     op: Op | None
     operands: tuple[Operand, ...]
@@ -46,13 +53,23 @@ Definition = Polynomial | Opaque
 
 
 class Watcher(Protocol):
-    """What is told of every change."""
+    """What is told of every change of a network."""
 
     def learn(self, variable: int, definition: Definition) -> None:
-        """A variable has got a definition."""
+        """A variable has got a definition.
+
+        Args:
+            variable: The variable.
+            definition: Its new definition.
+        """
 
     def forget(self, variable: int, definition: Definition) -> None:
-        """A variable loses its definition."""
+        """A variable loses its definition.
+
+        Args:
+            variable: The variable.
+            definition: Its former definition.
+        """
 
 
 class Network:
@@ -60,6 +77,14 @@ class Network:
 
     Args:
         coefficients: Arithmetic of the coefficients.
+
+    Attributes:
+        definition: By variable.
+        users: For each variable the variables that use it, with how often.
+        cost: Of all definitions, each operation at its `OPERATION_COST`.
+        residue: The value of each variable at the random point at which coefficients are compared.
+        work: Divisors looked at so far, by which effort is measured.
+        watcher: Told of every change.
     """
 
     def __init__(self, coefficients: Coefficients) -> None:
@@ -67,25 +92,39 @@ class Network:
         self.definition: dict[int, Definition] = {}
         self.users: dict[int, dict[int, int]] = {}
         self.cost = 0
-        self._costs: dict[int, int] = {}
         self.residue: list[int] = []
-        self._by_residue: dict[int, list[int]] = {}
-        self.log: list[tuple[int, Definition | None]] = []
         self.work = 0
         self.watcher: Watcher | None = None
-        self.changed: list[int] = []
+        self._costs: dict[int, int] = {}
+        self._by_residue: dict[int, list[int]] = {}
+        self._log: list[tuple[int, Definition | None]] = []
+        self._changed: list[int] = []
 
     def polynomials(self) -> Iterator[tuple[int, Polynomial]]:
-        """Variables that are sums or products."""
+        """Variables that are sums or products, with their definitions."""
         return ((v, d) for v, d in self.definition.items() if isinstance(d, dict))
 
     def polynomial(self, variable: int) -> Polynomial | None:
-        """Its definition, if that is a sum or product."""
+        """The definition of a variable that is a sum or product.
+
+        Args:
+            variable: Any.
+
+        Returns:
+            Its definition; None where that is a function, or where it has none.
+        """
         found = self.definition.get(variable)
         return found if isinstance(found, dict) else None
 
     def create(self, definition: Definition) -> int:
-        """A new variable; one of the same value that has been dropped lends its number."""
+        """Make a variable; one of the same value that has been dropped lends its number.
+
+        Args:
+            definition: Of the variable.
+
+        Returns:
+            The variable.
+        """
         residue = self.evaluate(definition)
         row = self._by_residue.setdefault(min(residue, PRIME - residue), [])
         for variable in row:
@@ -99,35 +138,58 @@ class Network:
         return variable
 
     def evaluate(self, definition: Definition) -> int:
-        """The value of a definition at the random point at which coefficients are compared."""
+        """The value of a definition at the random point at which coefficients are compared.
+
+        Args:
+            definition: Of variables that have a value.
+
+        Returns:
+            Its residue.
+        """
+        residue, residue_of_coefficient = self.residue, self.coefficients.residue
         if isinstance(definition, Opaque):
             if definition.op is None:
                 return scatter("input", definition.source)
-            return combine(definition.op, [self._operand(operand) for operand in definition.operands])
+            values = []
+            for operand in definition.operands:
+                value = residue_of_coefficient(operand.coefficient)
+                values.append(value if operand.variable is None else value * residue[operand.variable] % PRIME)
+            return residue_of(definition.op, values)
         total = 0
         for monomial, coefficient in definition.items():
-            product = self.coefficients.residue(coefficient)
+            product = residue_of_coefficient(coefficient)
             for variable in monomial:
-                product = product * self.residue[variable] % PRIME
+                product = product * residue[variable] % PRIME
             total += product
         return total % PRIME
 
-    def _operand(self, operand: Operand) -> int:
-        value = self.coefficients.residue(operand.coefficient)
-        return value if operand.variable is None else value * self.residue[operand.variable] % PRIME
-
     def find(self, residue: int) -> Operand | None:
-        """A coefficient or the oldest variable that is known to have this value, or minus it."""
+        """What is known to have some value, or minus it.
+
+        Args:
+            residue: The value at the random point.
+
+        Returns:
+            A coefficient, or the oldest variable in use; None where nothing has this value.
+        """
         coefficient = self.coefficients.find(residue)
         if coefficient is not None:
             return Operand(None, coefficient)
         for variable in self._by_residue.get(min(residue, PRIME - residue), ()):
             if variable in self.definition:
-                return Operand(variable, ONE ^ (self.residue[variable] != residue))
+                return Operand(variable, signed(ONE, self.residue[variable] != residue))
         return None
 
     def needs(self, variable: int, other: int) -> bool:
-        """Whether a variable is another, or its definition or that of any in it uses that."""
+        """Whether a variable is another, or is computed from it.
+
+        Args:
+            variable: The one.
+            other: The other.
+
+        Returns:
+            True also where they are the same.
+        """
         if variable == other:
             return True
         seen = {variable}
@@ -142,44 +204,45 @@ class Network:
         return False
 
     def define(self, variable: int, definition: Definition | None) -> None:
-        """Give a variable its definition, or take it away."""
-        self.log.append((variable, self._replace(variable, definition)))
+        """Give a variable its definition, or take it away.
+
+        Args:
+            variable: Any.
+            definition: The new one, or None.
+        """
+        self._log.append((variable, self._replace(variable, definition)))
 
     def _replace(self, variable: int, definition: Definition | None) -> Definition | None:
+        """Exchange a definition for another, with what is known of users and costs; the old one."""
+        users, watcher = self.users, self.watcher
         old = self.definition.pop(variable, None)
         if old is not None:
-            self._forget(variable, old)
+            self.cost -= self._costs[variable]
+            used = occurrences(old)
+            for other in used:
+                row = users[other]
+                if row[variable] > 1:
+                    row[variable] -= 1
+                else:
+                    del row[variable]
+            self._changed += used
+            if watcher is not None:
+                watcher.forget(variable, old)
         if definition is not None:
             self.definition[variable] = definition
-            self._learn(variable, definition)
-        return old
-
-    def _learn(self, variable: int, definition: Definition) -> None:
-        cost = self._costs[variable] = self.cost_of(definition)
-        self.cost += cost
-        users = self.users
-        for used in occurrences(definition):
-            row = users.get(used)
-            if row is None:
-                users[used] = {variable: 1}
+            if isinstance(definition, dict):
+                cost = polynomial_cost(definition)
             else:
+                cost = 0 if definition.op is None else OPERATION_COST[definition.op]
+            self._costs[variable] = cost
+            self.cost += cost
+            for other in occurrences(definition):
+                row = users.setdefault(other, {})
                 row[variable] = row.get(variable, 0) + 1
-        self.changed.append(variable)
-        if self.watcher is not None:
-            self.watcher.learn(variable, definition)
-
-    def _forget(self, variable: int, definition: Definition) -> None:
-        self.cost -= self._costs[variable]
-        used = occurrences(definition)
-        for other in used:
-            row = self.users[other]
-            if row[variable] > 1:
-                row[variable] -= 1
-            else:
-                del row[variable]
-        self.changed += used
-        if self.watcher is not None:
-            self.watcher.forget(variable, definition)
+            self._changed.append(variable)
+            if watcher is not None:
+                watcher.learn(variable, definition)
+        return old
 
     def order(self) -> list[int]:
         """Variables after those they need, depth first from the outputs."""
@@ -200,19 +263,22 @@ class Network:
 
     def mark(self) -> int:
         """Where the network stands, for `undo`."""
-        return len(self.log)
+        return len(self._log)
 
     def undo(self, mark: int) -> None:
-        """Take back all changes since ``mark``."""
-        while len(self.log) > mark:
-            variable, old = self.log.pop()
-            self._replace(variable, old)
-        self.changed.clear()
+        """Take back all changes since some point.
+
+        Args:
+            mark: What `mark` said there.
+        """
+        while len(self._log) > mark:
+            self._replace(*self._log.pop())
+        self._changed.clear()
 
     def settle(self) -> None:
         """Drop what nobody uses, and write out what is not worth a variable."""
-        while self.changed:
-            variable = self.changed.pop()
+        while self._changed:
+            variable = self._changed.pop()
             definition = self.definition.get(variable)
             if definition is None or variable == ROOT:
                 continue
@@ -220,52 +286,50 @@ class Network:
             if not users:
                 self.define(variable, None)
             elif isinstance(definition, dict) and (len(definition) < 2 or len(users) == 1):
-                self._settle_polynomial(variable, definition, users)
+                alias = single(definition)
+                if alias is not None:
+                    for user in list(users):
+                        self._substitute(user, variable, definition, alias)
+                elif len(users) == 1:
+                    self._merge(next(iter(users)), variable, definition)
 
-    def _settle_polynomial(self, variable: int, polynomial: Polynomial, users: dict[int, int]) -> None:
-        alias = single(polynomial)
-        if alias is not None:
-            for user in list(users):
-                self.substitute(user, variable, polynomial, alias)
-        elif len(users) == 1:
-            ((user, times),) = users.items()
-            outer = self.polynomial(user)
-            if times == 1 and outer is not None:
-                self._merge(user, outer, variable, polynomial)
-
-    def _merge(self, user: int, outer: Polynomial, variable: int, polynomial: Polynomial) -> None:
-        """Write out a variable that is used once, if that costs nothing."""
+    def _merge(self, user: int, variable: int, polynomial: Polynomial) -> None:
+        """Write out a variable in its only user, if it stands there once and that costs nothing."""
+        outer = self.polynomial(user)
+        if outer is None or self.users[variable][user] > 1:
+            return
         if len(polynomial) > 1:
             monomial, coefficient = next((m, k) for m, k in outer.items() if variable in m)
             if len(monomial) > 1 or (
-                coefficient >> 1 != 1 and sum(k >> 1 == 1 for m, k in polynomial.items() if m) > 1
+                coefficient not in UNITS and sum([k in UNITS for m, k in polynomial.items() if m]) > 1
             ):
                 return
         merged = self.expanded(outer, variable, polynomial)
-        if self.cost_of(merged) <= self.cost_of(outer) + self.cost_of(polynomial):
+        if polynomial_cost(merged) <= self._costs[user] + self._costs[variable]:
             self.define(user, merged)
 
-    def substitute(self, user: int, variable: int, polynomial: Polynomial, alias: Operand) -> None:
+    def _substitute(self, user: int, variable: int, polynomial: Polynomial, alias: Operand) -> None:
         """Put what a variable stands for in its place in the definition of a user."""
         definition = self.definition[user]
         if isinstance(definition, dict):
             self.define(user, self.expanded(definition, variable, polynomial))
             return
-        operands = tuple(_renamed(operand, variable, alias) for operand in definition.operands)
+        operands = tuple(
+            operand
+            if operand.variable != variable
+            else Operand(alias.variable, signed(alias.coefficient, is_negative(operand.coefficient)))
+            for operand in definition.operands
+        )
         self.define(user, Opaque(definition.op, operands, definition.source))
 
-    def cost_of(self, definition: Definition) -> int:
-        """Multiplications and additions of one definition."""
-        if isinstance(definition, Opaque):
-            return 0
-        cost = len(definition) - 1
-        for monomial, coefficient in definition.items():
-            if monomial:
-                cost += len(monomial) if coefficient >> 1 != 1 else len(monomial) - 1
-        return cost if cost > 0 else 0
-
     def plus(self, into: Polynomial, monomial: Monomial, coefficient: Ref) -> None:
-        """Add a term to a polynomial that is being made."""
+        """Add a term to a polynomial that is being made.
+
+        Args:
+            into: The polynomial.
+            monomial: Of the term.
+            coefficient: Of the term.
+        """
         old = into.get(monomial)
         total = coefficient if old is None else self.coefficients.add(old, coefficient)
         if total == ZERO:
@@ -274,7 +338,16 @@ class Network:
             into[monomial] = total
 
     def expanded(self, polynomial: Polynomial, variable: int, inner: Polynomial) -> Polynomial:
-        """The polynomial with one variable written out."""
+        """A polynomial with one variable written out.
+
+        Args:
+            polynomial: Which may hold the variable, also in a power.
+            variable: The variable.
+            inner: What stands for it.
+
+        Returns:
+            A new polynomial without the variable.
+        """
         result: Polynomial = {}
         for monomial, coefficient in polynomial.items():
             if variable not in monomial:
@@ -290,27 +363,35 @@ class Network:
 
 
 def occurrences(definition: Definition) -> list[int]:
-    """The variables of a definition, each as often as it stands there."""
+    """The variables of a definition.
+
+    Args:
+        definition: Any.
+
+    Returns:
+        Each as often as it stands there.
+    """
     if isinstance(definition, Opaque):
         return [operand.variable for operand in definition.operands if operand.variable is not None]
     return [variable for monomial in definition for variable in monomial]
 
 
 def single(polynomial: Polynomial) -> Operand | None:
-    """The polynomial as a signed variable or a coefficient, if it is one."""
+    """A polynomial as an operand.
+
+    Args:
+        polynomial: Any.
+
+    Returns:
+        The signed variable or the coefficient that it is; None where it is more.
+    """
     if not polynomial:
         return Operand(None, ZERO)
     if len(polynomial) > 1:
         return None
-    (monomial, coefficient) = next(iter(polynomial.items()))
+    monomial, coefficient = next(iter(polynomial.items()))
     if not monomial:
         return Operand(None, coefficient)
-    if len(monomial) == 1 and coefficient >> 1 == ONE >> 1:
+    if len(monomial) == 1 and coefficient in UNITS:
         return Operand(monomial[0], coefficient)
     return None
-
-
-def _renamed(operand: Operand, variable: int, alias: Operand) -> Operand:
-    if operand.variable != variable:
-        return operand
-    return Operand(alias.variable, alias.coefficient ^ (operand.coefficient & 1) if alias.coefficient else ZERO)

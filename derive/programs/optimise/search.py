@@ -4,7 +4,8 @@ What was shared first may stand in the way of more. So a variable is put back in
 them, or one), which are then searched for shared parts anew; the change is taken back if it costs operations. Changes
 that cost nothing stay: they lead to others. The order of the trials is random with a fixed seed.
 
-The squares of sine and cosine of one angle add up to one: polynomials with either square written out.
+Sums are also rewritten by s^2 + c^2 = 1, the squares of a sine and a cosine of one angle, with either square written
+out (`Circle`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,15 @@ from itertools import pairwise
 from derive.programs.optimise.network import Network, Opaque, Polynomial
 from derive.programs.optimise.resubstitute import Resubstitution
 from derive.programs.optimise.sharing import Extractor
+from derive.programs.policy import POLICY
+from derive.programs.tape.cost import polynomial_cost
+from derive.programs.tape.graph import negated
 from derive.programs.tape.tape import Op
+
+_OTHER = {Op.SINE: Op.COSINE, Op.COSINE: Op.SINE}
+
+Trial = tuple[int, int | None]
+"""A variable, and the one place where it is written out, or None for all."""
 
 
 class Circle:
@@ -23,14 +32,34 @@ class Circle:
 
     Args:
         network: The network; functions that it gets later are not known here.
+
+    Attributes:
+        partner: The cosine of each sine and the sine of each cosine.
     """
 
     def __init__(self, network: Network) -> None:
         self._network = network
-        self.partner = _partners(network)
+        functions = {
+            (d.operands[0].variable, d.op): v
+            for v, d in network.definition.items()
+            if isinstance(d, Opaque) and d.op in _OTHER
+        }
+        self.partner = {
+            variable: functions[angle, _OTHER[op]]
+            for (angle, op), variable in functions.items()
+            if (angle, _OTHER[op]) in functions
+        }
 
     def without(self, polynomial: Polynomial, variable: int) -> Polynomial:
-        """Every square of a sine or cosine replaced by one less the other square."""
+        """A polynomial with every square of a sine or cosine replaced by one less the other square.
+
+        Args:
+            polynomial: Any.
+            variable: The sine or cosine, one that has a partner.
+
+        Returns:
+            A new polynomial of the same value.
+        """
         network, other = self._network, self.partner[variable]
         result: Polynomial = {}
         stack = list(reversed(polynomial.items()))
@@ -42,11 +71,18 @@ class Circle:
             place = monomial.index(variable)
             rest = monomial[:place] + monomial[place + 2 :]
             stack.append((rest, coefficient))
-            stack.append((tuple(sorted((*rest, other, other))), coefficient ^ 1))
+            stack.append((tuple(sorted((*rest, other, other))), negated(coefficient)))
         return result
 
     def squares(self, polynomial: Polynomial) -> list[int]:
-        """Sines and cosines whose squares it holds, where the other of the pair is in use too."""
+        """Which squares of sines and cosines a polynomial holds.
+
+        Args:
+            polynomial: Any.
+
+        Returns:
+            The sines and cosines, where the other of the pair is in use too.
+        """
         found: dict[int, None] = {}
         for monomial in polynomial:
             for first, second in pairwise(monomial):
@@ -55,34 +91,18 @@ class Circle:
         return list(found)
 
     def shortest(self, polynomial: Polynomial) -> Polynomial:
-        """The polynomial with one kind of squares written out, if that is cheaper."""
+        """A polynomial with one kind of squares written out, if that is cheaper.
+
+        Args:
+            polynomial: Any.
+
+        Returns:
+            The cheapest of the same value, itself among equals.
+        """
         squares = self.squares(polynomial)
         if not squares:
             return polynomial
-        forms = [polynomial, *(self.without(polynomial, variable) for variable in squares)]
-        return min(forms, key=self._network.cost_of)
-
-
-def _partners(network: Network) -> dict[int, int]:
-    """The cosine of each sine, and the sine of each cosine."""
-    found: dict[tuple[int | None, Op], int] = {}
-    for variable, definition in network.definition.items():
-        if isinstance(definition, Opaque) and definition.op in (Op.SINE, Op.COSINE):
-            found[definition.operands[0].variable, definition.op] = variable
-    partners: dict[int, int] = {}
-    for (angle, op), variable in found.items():
-        other = found.get((angle, Op.COSINE if op is Op.SINE else Op.SINE))
-        if other is not None:
-            partners[variable] = other
-    return partners
-
-
-_ROUNDS = 6
-_MAX_TERMS = 24
-"""Sums that would get longer than this are not written out."""
-
-Trial = tuple[int, int | None]
-"""A variable, and the one place where it is written out, or None for all."""
+        return min([polynomial, *(self.without(polynomial, variable) for variable in squares)], key=polynomial_cost)
 
 
 class Search:
@@ -99,134 +119,124 @@ class Search:
         self._random = random.Random(seed)
         self._circle = Circle(network)
         self._limit = 0
-        self._turned = network.cost + 1
+        self._rewritten_at = network.cost + 1
 
-    def run(self, effort: int) -> None:
+    def run(self, work: int) -> None:
         """Share what can be shared at once, then try changes.
 
         Args:
-            effort: Divisors that trials may look at.
-        """
-        self._extractor.run()
-        self._limit = self._network.work + effort
-        for _ in range(_ROUNDS):
-            cost = self._network.cost
-            self._round(self._used_once())
-            if cost < self._turned:
-                self._turn()
-                self._turned = self._network.cost
-            self._round(self._used_often())
-            if self._network.cost == cost or self._network.work > self._limit:
-                return
-
-    def resubstitute(self, effort: int) -> None:
-        """Try other definitions of variables in terms of two others.
-
-        Args:
-            effort: Divisors that trials may look at.
+            work: Divisors that trials may look at.
         """
         network = self._network
-        self._limit = network.work + effort
+        self._extractor.run()
+        self._limit = network.work + work
+        for _ in range(POLICY.search_rounds):
+            cost = network.cost
+            self._try_all(self._used_once())
+            if cost < self._rewritten_at:
+                self._rewrite_squares()
+                self._rewritten_at = network.cost
+            self._try_all(self._used_often())
+            if network.cost == cost or network.work > self._limit:
+                return
+
+    def resubstitute(self, work: int) -> None:
+        """Try other definitions of variables in terms of two others; what saves nothing is taken back.
+
+        Args:
+            work: Divisors that trials may look at.
+        """
+        network = self._network
+        self._limit = network.work + work
         others = Resubstitution(network)
         for variable in others.candidates():
             if network.work > self._limit:
                 return
-            if variable in network.definition:
-                self._redefine(variable, others)
-
-    def _redefine(self, variable: int, others: Resubstitution) -> None:
-        network = self._network
-        for definition in list(others.alternatives(variable)):
-            if not others.fits(variable, definition):
-                continue
-            cost, mark = network.cost, network.mark()
-            network.define(variable, definition)
-            self._settle(cost - 1, mark)
-            if network.cost < cost:
-                return
+            for definition in list(others.alternatives(variable)) if variable in network.definition else ():
+                if others.fits(variable, definition):
+                    cost, mark = network.cost, network.mark()
+                    network.define(variable, definition)
+                    self._settle(cost - 1, mark)
+                    if network.cost < cost:
+                        break
 
     def _settle(self, limit: int, mark: int) -> None:
         """Share anew after a change; take it back if the cost exceeds a limit."""
         self._network.settle()
         self._extractor.run()
         if self._network.cost > limit:
-            self._network.undo(mark)
-            self._extractor.drain()
+            self._undo(mark)
 
-    def _turn(self) -> None:
+    def _undo(self, mark: int) -> None:
+        self._network.undo(mark)
+        self._extractor.drain()
+
+    def _rewrite_squares(self) -> None:
         """Squares of sines in terms of cosines or the other way round, in all definitions at once."""
-        network = self._network
-        for variable in self._circle.partner:
+        network, circle = self._network, self._circle
+        for variable in circle.partner:
             if network.work > self._limit:
                 return
             cost, mark = network.cost, network.mark()
-            self._write_out_squares(variable)
-            holders = [(v, p) for v, p in network.polynomials() if variable in self._circle.squares(p)]
+            users = [(v, p) for v, p in network.polynomials() if any(variable in m for m in p)]
+            hidden = [v for v, _ in users if len(network.users[v]) == 1] + [v for v, p in users if len(p) == 1]
+            for inner in dict.fromkeys(hidden):  # products and single-use sums in which a square may hide
+                self._write_out(inner, None)
+            holders = [(v, p) for v, p in network.polynomials() if variable in circle.squares(p)]
             for holder, polynomial in holders:
-                network.define(holder, self._circle.without(polynomial, variable))
+                network.define(holder, circle.without(polynomial, variable))
             if holders:
                 self._settle(cost - 1, mark)
             else:
-                network.undo(mark)
-                self._extractor.drain()
-
-    def _write_out_squares(self, variable: int) -> None:
-        """Write out products and single-use sums in which a square may hide."""
-        network = self._network
-        hidden = [v for v, p in network.polynomials() if any(variable in m for m in p) and len(network.users[v]) == 1]
-        hidden += [v for v, p in network.polynomials() if len(p) == 1 and any(variable in m for m in p)]
-        for inner in dict.fromkeys(hidden):
-            self._write_out(inner, None)
+                self._undo(mark)
 
     def _used_once(self) -> list[Trial]:
         """Sums to be multiplied out: the trials that succeed most often, and the cheapest."""
-        network = self._network
-        return [(v, None) for v, p in network.polynomials() if len(p) > 1 and len(network.users[v]) == 1]
+        users = self._network.users
+        return [(v, None) for v, p in self._network.polynomials() if len(p) > 1 and len(users[v]) == 1]
 
     def _used_often(self) -> list[Trial]:
         """Sums in sums, and products that serve two."""
-        users = self._network.users
+        network = self._network
         trials: list[Trial] = []
-        for variable, polynomial in self._network.polynomials():
-            row = users[variable]
-            if len(row) > 1 and (self._is_term(variable) if len(polynomial) > 1 else len(row) == 2):
-                trials += [(variable, None), *((variable, user) for user in row)]
+        for variable, polynomial in network.polynomials():
+            users = network.users[variable]
+            if len(users) < 2:
+                continue
+            if len(polynomial) > 1:
+                pays = any((variable,) in (network.polynomial(user) or ()) for user in users)
+            else:
+                pays = len(users) == 2
+            if pays:
+                trials += [(variable, None), *((variable, user) for user in users)]
         return trials
 
-    def _is_term(self, variable: int) -> bool:
-        """Whether it stands alone as a term of a sum."""
-        polynomials = map(self._network.polynomial, self._network.users[variable])
-        return any((variable,) in polynomial for polynomial in polynomials if polynomial is not None)
-
-    def _round(self, trials: list[Trial]) -> None:
+    def _try_all(self, trials: list[Trial]) -> None:
+        """Write variables out in one definition or in all, each by itself, and share anew."""
+        network = self._network
         self._random.shuffle(trials)
         for variable, user in trials:
-            if self._network.work > self._limit:
+            if network.work > self._limit:
                 return
-            self._try(variable, user)
-
-    def _try(self, variable: int, user: int | None) -> None:
-        """Write a variable out in one definition or in all, and share anew."""
-        network = self._network
-        cost, mark = network.cost, network.mark()
-        if not self._write_out(variable, user):
-            network.undo(mark)
-            return
-        self._settle(cost, mark)
+            cost, mark = network.cost, network.mark()
+            if self._write_out(variable, user):
+                self._settle(cost, mark)
+            else:
+                network.undo(mark)
 
     def _write_out(self, variable: int, user: int | None) -> bool:
+        """Write a variable out; False where it stands nowhere, or where a sum would get too long."""
         network = self._network
         inner = network.polynomial(variable)
         if inner is None:
             return False
-        places = [u for u in network.users[variable] if user in (None, u)]
         changed = False
-        for place in places:
+        for place in [u for u in network.users[variable] if user in (None, u)]:
             outer = network.polynomial(place)
             if outer is None:
                 continue
             longer = self._circle.shortest(network.expanded(outer, variable, inner))
-            if len(longer) > _MAX_TERMS:
+            if len(longer) > POLICY.longest_expansion:
                 return False
             network.define(place, longer)
             changed = True

@@ -1,51 +1,29 @@
-"""From a traced graph to tapes: numbers put in, folded again, improved, put in order.
-
-Changes of sign taken into differences: -(a - b) is b - a, so that outputs need none.
-"""
+"""From a traced graph to a tape: numbers put in and folded, unneeded nodes left out, the rest put in order."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from derive.programs.tape.graph import Graph, Ref
+from derive.algebra.constants import Constant
+from derive.programs.tape.graph import Graph, Ref, is_negative, node_of, signed
 from derive.programs.tape.schedule import schedule
 from derive.programs.tape.tape import LEAVES, PARAMETER, Node, Op, Output, Source, Tape
 
-
-def absorb_signs(tape: Tape) -> Tape:
-    """The same tape with fewer negative outputs; operations and their results do not change but for signs."""
-    nodes = list(tape.nodes)
-    outputs = tuple(
-        Output(output.node, False) if output.negative and _turn(nodes, tape.use_counts, output.node) else output
-        for output in tape.outputs
-    )
-    return Tape(tuple(nodes), outputs)
-
-
-def _turn(nodes: list[Node], uses: Sequence[int], index: int) -> bool:
-    """Change the sign of a value that serves nothing else, if a difference in it can take it."""
-    stack = [index]
-    while stack:
-        i = stack.pop()
-        node = nodes[i]
-        if uses[i] != 1:
-            continue
-        if node.op is Op.SUBTRACT:
-            nodes[i] = replace(node, operands=node.operands[::-1])
-            return True
-        if node.op in (Op.MULTIPLY, Op.DIVIDE):
-            stack.extend(reversed(node.operands))
-    return False
+Replacements = Mapping[int, Source | Constant]
+"""For each run-time parameter of a graph what stands in its place: another input, or a number."""
 
 
 def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) -> list[int]:
-    """Indices of the nodes that the outputs need, ascending: operands come first.
+    """The nodes that some outputs need.
 
     Args:
         graph: A graph.
         outputs: References into it.
         known: Nodes that are left out, with what they alone need.
+
+    Returns:
+        Their indices, ascending: operands come first.
     """
     operands = graph.operands
     seen = {ref >> 1 for ref in outputs if ref >> 1 not in known}
@@ -58,77 +36,102 @@ def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) 
     return sorted(seen)
 
 
-def copy_leaf(graph: Graph, index: int, fresh: Graph) -> Ref:
-    """The leaf as it is."""
-    payload = graph.payload[index]
-    if isinstance(payload, Source):
-        return fresh.input(payload.kind, payload.index)
-    return fresh.number(payload)
-
-
-Replacements = Mapping[int, Callable[[Graph], Ref]]
-"""For each parameter index, what makes its replacement in a new graph."""
-
-
-class Baker:
-    """Replaces parameters of a graph and folds again, in one new graph for all that is asked of it.
+def copy_leaf(graph: Graph, index: int, fresh: Graph, parameters: Replacements | None = None) -> Ref:
+    """Make an input or a constant again in another graph.
 
     Args:
-        graph: A graph traced with symbols; it may grow.
-        parameters: What to put in their places.
+        graph: The old graph.
+        index: Of the leaf.
+        fresh: The other graph.
+        parameters: What is put in the place of run-time parameters; without it they stay.
+
+    Returns:
+        The leaf there.
     """
+    source = graph.sources.get(index)
+    if source is None:
+        return fresh.number(graph.constants[index])
+    if parameters is not None and source.kind == PARAMETER:
+        value = parameters[source.index]
+        return fresh.input(value.kind, value.index) if isinstance(value, Source) else fresh.number(value)
+    return fresh.input(source.kind, source.index)
 
-    def __init__(self, graph: Graph, parameters: Replacements) -> None:
-        self._old = graph
-        self._parameters = parameters
-        self._new = Graph()
-        self._moved: dict[int, Ref] = {}
 
-    def bake(self, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
-        """The new graph and some outputs in it."""
-        old, new, moved = self._old, self._new, self._moved
-        for i in reachable(old, outputs, moved):
-            op = old.op[i]
-            moved[i] = self._leaf(i) if op in LEAVES else new.apply(op, *[moved[k] for k in old.operands[i]])
-        return new, tuple(new.negate(moved[r >> 1]) if r & 1 else moved[r >> 1] for r in outputs)
+def copy(
+    graph: Graph,
+    outputs: Sequence[Ref],
+    fresh: Graph,
+    known: dict[int, Ref],
+    parameters: Replacements | None = None,
+) -> tuple[Ref, ...]:
+    """Make values again in another graph, folded there as if they were written anew.
 
-    def _leaf(self, index: int) -> Ref:
-        payload = self._old.payload[index]
-        if isinstance(payload, Source) and payload.kind == PARAMETER:
-            return self._parameters[payload.index](self._new)
-        return copy_leaf(self._old, index, self._new)
+    Args:
+        graph: The old graph.
+        outputs: References into it.
+        fresh: The other graph.
+        known: Nodes of the old graph that stand in the other already; those that are made are added.
+        parameters: What is put in the place of run-time parameters; without it they stay.
+
+    Returns:
+        The outputs in the other graph.
+    """
+    for i in reachable(graph, outputs, known):
+        op = graph.op[i]
+        if op in LEAVES:
+            known[i] = copy_leaf(graph, i, fresh, parameters)
+        else:
+            known[i] = fresh.apply(op, [known[k] for k in graph.operands[i]])
+    return tuple(signed(known[node_of(ref)], is_negative(ref)) for ref in outputs)
 
 
 def bake(graph: Graph, outputs: Sequence[Ref], parameters: Replacements) -> tuple[Graph, tuple[Ref, ...]]:
-    """Replace parameters by what ``parameters`` makes of them, and fold again.
+    """Put numbers in the place of a graph's parameters, and fold again.
 
     Args:
         graph: A graph traced with symbols.
         outputs: References into it.
-        parameters: What to put in their places.
+        parameters: What stands in their places.
 
     Returns:
-        The new graph and the outputs in it.
+        A new graph and the outputs in it.
     """
-    return Baker(graph, parameters).bake(outputs)
+    fresh = Graph()
+    return fresh, copy(graph, outputs, fresh, {}, parameters)
 
 
 def cut(graph: Graph, outputs: Sequence[Ref]) -> Tape:
-    """The tape of ``outputs``: what they need, in an order in which few values are alive at a time."""
+    """The tape of some outputs: what they need, in an order in which few values are alive at a time.
+
+    Args:
+        graph: A graph.
+        outputs: References into it.
+
+    Returns:
+        The tape; differences are turned where that spares an output its sign.
+    """
     order = schedule(graph, outputs)
     number = {old: new for new, old in enumerate(order)}
-    nodes = tuple(_renumbered(graph.node(i), number) for i in order)
-    return absorb_signs(Tape(nodes, tuple(Output(number[r >> 1], bool(r & 1)) for r in outputs)))
+    nodes = [replace(graph.node(i), operands=tuple([number[k] for k in graph.operands[i]])) for i in order]
+    tape = Tape(tuple(nodes), tuple(Output(number[node_of(ref)], is_negative(ref)) for ref in outputs))
+    results = tuple(
+        Output(output.node, False) if output.negative and _turn(nodes, tape.use_counts, output.node) else output
+        for output in tape.outputs
+    )
+    return Tape(tuple(nodes), results)
 
 
-def _renumbered(node: Node, number: Mapping[int, int]) -> Node:
-    return Node(node.op, tuple(number[k] for k in node.operands), node.layer, node.value, node.source)
-
-
-def cost(graph: Graph, outputs: Sequence[Ref]) -> tuple[int, int]:
-    """Operations of the body and of the hoisted work, by which candidates are compared."""
-    counts = [0, 0, 0]
-    for i in reachable(graph, outputs):
-        if graph.op[i] not in LEAVES and graph.op[i] not in (Op.NEGATE, Op.SIGN):
-            counts[graph.layer[i]] += 1
-    return counts[2], counts[1]
+def _turn(nodes: list[Node], uses: Sequence[int], index: int) -> bool:
+    """Change the sign of a value that serves nothing else, if a difference in it can take it: -(a - b) is b - a."""
+    stack = [index]
+    while stack:
+        i = stack.pop()
+        node = nodes[i]
+        if uses[i] != 1:
+            continue
+        if node.op is Op.SUBTRACT:
+            nodes[i] = replace(node, operands=node.operands[::-1])
+            return True
+        if node.op in (Op.MULTIPLY, Op.DIVIDE):
+            stack.extend(reversed(node.operands))
+    return False

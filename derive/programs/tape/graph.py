@@ -1,38 +1,120 @@
-"""The interned graph from which tapes are cut: building a value that exists already returns it.
+"""The interned graph from which tapes are cut, and its values with Python's operators, the scalars of recursions.
 
-A value is referred to by ``2*index + negative``: the sign is part of the reference, so -x and x are one node, products
-and quotients pass signs on, and a sum of two negatives is a negative sum. Commutative operands are in the order of
-their creation; numbering depends on nothing else.
+Building a value that exists already returns it. A value is referred to by a node and a sign (`Ref`): -x and x are one
+node, products and quotients pass signs on, and a sum of two negatives is a negative sum. Commutative operands are in
+the order of their creation; numbering depends on nothing else.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from fractions import Fraction
+from typing import NewType
 
 from derive.algebra import constants
-from derive.algebra.constants import Constant
-from derive.errors import QuantityError
-from derive.programs.tape.tape import FUNCTION_NAMES, PARAMETER, Layer, Node, Op, Source
+from derive.algebra.constants import Constant, Key
+from derive.programs.tape.tape import PARAMETER, Layer, Node, Op, Source
 
-Ref = int
-ZERO: Ref = 0
-ONE: Ref = 2
-MINUS_ONE: Ref = 3
+Ref = NewType("Ref", int)
+"""A node of a graph with a sign: twice the node's index, one more for its negative. Zero has no negative.
 
-_ONE = ONE >> 1
-_CONSTANT = Layer.CONSTANT
-_ADD, _SUBTRACT, _MULTIPLY = Op.ADD, Op.SUBTRACT, Op.MULTIPLY
+A whole number, because millions are made and compared. What the bits mean is known to this module alone: elsewhere a
+reference is taken apart by `node_of` and `is_negative`, and made by `ref_to`, `negated` and `signed`.
+"""
+
+ZERO = Ref(0)
+ONE = Ref(2)
+MINUS_ONE = Ref(3)
+UNITS = (ONE, MINUS_ONE)
+"""Factors that cost no multiplication."""
+
+
+def ref_to(node: int) -> Ref:
+    """The reference to a node.
+
+    Args:
+        node: Its index.
+
+    Returns:
+        The positive reference.
+    """
+    return Ref(node << 1)
+
+
+def node_of(ref: Ref) -> int:
+    """The node behind a reference.
+
+    Args:
+        ref: A reference.
+
+    Returns:
+        The node's index.
+    """
+    return ref >> 1
+
+
+def is_negative(ref: Ref) -> bool:
+    """Whether a reference is to minus its node.
+
+    Args:
+        ref: A reference.
+
+    Returns:
+        True for -x, False for x and for zero.
+    """
+    return ref & 1 == 1
+
+
+def negated(ref: Ref) -> Ref:
+    """Minus a value.
+
+    Args:
+        ref: A reference to x.
+
+    Returns:
+        The reference to -x; for zero, zero.
+    """
+    return Ref(ref ^ 1) if ref else ref
+
+
+def signed(ref: Ref, negative: bool) -> Ref:
+    """A value or minus it.
+
+    Args:
+        ref: A reference to x.
+        negative: Whether -x is wanted.
+
+    Returns:
+        The reference to x or -x.
+    """
+    return negated(ref) if negative else ref
 
 
 class Graph:
-    """Nodes by index; all methods return references."""
+    """Nodes in the order of their creation; constants are folded, equal operations are made once.
+
+    Attributes:
+        op: What makes each node.
+        operands: Indices of earlier nodes.
+        layer: On what each node depends.
+        constants: The numbers of constant nodes.
+        sources: Where input nodes come from.
+        sums: Values added before, by their references; `differences` and `products` likewise. A recursion that is
+            traced many times with small changes finds most of its operations here.
+    """
 
     def __init__(self) -> None:
         self.op: list[Op] = []
         self.operands: list[tuple[int, ...]] = []
-        self.layer: list[int] = []
-        self.payload: dict[int, Constant | Source] = {}
-        self._index: dict[tuple[object, ...], int] = {}
+        self.layer: list[Layer] = []
+        self.constants: dict[int, Constant] = {}
+        self.sources: dict[int, Source] = {}
+        self.sums: dict[tuple[Ref, Ref], Value] = {}
+        self.differences: dict[tuple[Ref, Ref], Value] = {}
+        self.products: dict[tuple[Ref, Ref], Value] = {}
+        self._nodes: dict[tuple[Op, tuple[int, ...]], Ref] = {}
+        self._numbers: dict[Key, Ref] = {}
+        self._inputs: dict[Source, Ref] = {}
         self.number(Fraction(0))
         self.number(Fraction(1))
 
@@ -40,42 +122,74 @@ class Graph:
         return len(self.op)
 
     def node(self, index: int) -> Node:
-        """One node, as it stands in a tape (operands in the numbering of this graph)."""
-        payload = self.payload.get(index)
-        source = payload if isinstance(payload, Source) else None
-        value = None if source is not None else payload
-        return Node(self.op[index], self.operands[index], Layer(self.layer[index]), value, source)
+        """One node, as it stands in a tape.
+
+        Args:
+            index: Of the node.
+
+        Returns:
+            The node, its operands in the numbering of this graph.
+        """
+        value, source = self.constants.get(index), self.sources.get(index)
+        return Node(self.op[index], self.operands[index], self.layer[index], value, source)
 
     def number(self, value: Constant) -> Ref:
-        """A constant."""
-        negative = value < 0
-        if negative:
-            value = -value
-        key = (Op.CONSTANT, *constants.key_of(value))
-        index = self._index.get(key)
-        if index is None:
-            index = self._append(key, Op.CONSTANT, (), Layer.CONSTANT)
-            self.payload[index] = value
-        return 2 * index + negative
+        """A constant.
+
+        Args:
+            value: Exact, or to 256 bits.
+
+        Returns:
+            Its reference.
+        """
+        magnitude = -value if value < 0 else value
+        key = constants.key_of(magnitude)
+        ref = self._numbers.get(key)
+        if ref is None:
+            ref = self._numbers[key] = self._append(Op.CONSTANT, (), Layer.CONSTANT)
+            self.constants[node_of(ref)] = magnitude
+        return ref if magnitude is value else negated(ref)
 
     def input(self, kind: str, index: int) -> Ref:
-        """An argument or a run-time parameter."""
-        key = (Op.INPUT, kind, index)
-        found = self._index.get(key)
-        if found is None:
-            found = self._append(key, Op.INPUT, (), Layer.HOISTED if kind == PARAMETER else Layer.BODY)
-            self.payload[found] = Source(kind, index)
-        return 2 * found
+        """An argument or a run-time parameter.
+
+        Args:
+            kind: `PARAMETER`, or the name of an argument.
+            index: Place in it, from 0.
+
+        Returns:
+            Its reference.
+        """
+        source = Source(kind, index)
+        ref = self._inputs.get(source)
+        if ref is None:
+            layer = Layer.HOISTED if kind == PARAMETER else Layer.BODY
+            ref = self._inputs[source] = self._append(Op.INPUT, (), layer)
+            self.sources[node_of(ref)] = source
+        return ref
 
     def constant_of(self, ref: Ref) -> Constant | None:
-        """The number behind a reference, or None."""
-        if self.op[ref >> 1] is not Op.CONSTANT:
-            return None
-        value = self.payload[ref >> 1]
-        return -value if ref & 1 else value  # type: ignore[operator]
+        """The number behind a reference.
+
+        Args:
+            ref: Any reference.
+
+        Returns:
+            The number with its sign; None where the node is no constant.
+        """
+        value = self.constants.get(ref >> 1)
+        return value if value is None or not ref & 1 else -value
 
     def add(self, a: Ref, b: Ref) -> Ref:
-        """A + b."""
+        """A sum.
+
+        Args:
+            a: First summand.
+            b: Second summand.
+
+        Returns:
+            a + b.
+        """
         if a == ZERO:
             return b
         if b == ZERO:
@@ -83,77 +197,115 @@ class Graph:
         first, second = a >> 1, b >> 1
         if first == second:
             return self.multiply(self.number(Fraction(2)), a) if a == b else ZERO
-        if self.layer[first] == self.layer[second] == _CONSTANT:
+        if self.layer[first] == self.layer[second] == Layer.CONSTANT:
             return self.number(constants.add(self.constant_of(a), self.constant_of(b)))
-        sign = a & 1 if first < second else b & 1
-        return self._commutative(_SUBTRACT if (a ^ b) & 1 else _ADD, first, second) | sign
+        if first > second:
+            a, b, first, second = b, a, second, first
+        return signed(self._intern(Op.SUBTRACT if (a ^ b) & 1 else Op.ADD, first, second), is_negative(a))
 
     def subtract(self, a: Ref, b: Ref) -> Ref:
-        """A - b."""
-        return self.add(a, b ^ 1 if b else b)
+        """A difference.
 
-    def negate(self, a: Ref) -> Ref:
-        """-a."""
-        return a ^ 1 if a else a
+        Args:
+            a: From what is subtracted.
+            b: What is subtracted.
+
+        Returns:
+            a - b.
+        """
+        return self.add(a, negated(b))
 
     def multiply(self, a: Ref, b: Ref) -> Ref:
-        """A times b."""
+        """A product; of constant factors in a row one is left.
+
+        Args:
+            a: First factor.
+            b: Second factor.
+
+        Returns:
+            a times b.
+        """
         if a == ZERO or b == ZERO:
             return ZERO
-        sign = (a ^ b) & 1
-        first, second = a >> 1, b >> 1
-        if first == _ONE or second == _ONE:
-            return 2 * (second if first == _ONE else first) | sign
-        if self.layer[first] == _CONSTANT:
-            return self._scale(first, second) ^ sign
-        if self.layer[second] == _CONSTANT:
-            return self._scale(second, first) ^ sign
-        return self._commutative(_MULTIPLY, first, second) | sign
-
-    def _scale(self, factor: int, index: int) -> Ref:
-        """Constant times value; two constants in a row become one."""
-        if self.layer[index] == _CONSTANT:
-            return self.number(constants.multiply(self.payload[factor], self.payload[index]))
-        if self.op[index] is _MULTIPLY:
-            inner = self.constant_of(2 * self.operands[index][0])
-            if inner is not None:
-                number = self.number(constants.multiply(self.constant_of(2 * factor), inner))
-                return self.multiply(number, 2 * self.operands[index][1])
-        return self._intern(_MULTIPLY, factor, index)
+        if a in UNITS:
+            return signed(b, a == MINUS_ONE)
+        if b in UNITS:
+            return signed(a, b == MINUS_ONE)
+        negative = (a ^ b) & 1 == 1
+        factor, index = a >> 1, b >> 1
+        if self.layer[factor] != Layer.CONSTANT:
+            factor, index = index, factor
+        if self.layer[factor] != Layer.CONSTANT:
+            return signed(self._intern(Op.MULTIPLY, min(factor, index), max(factor, index)), negative)
+        if index in self.constants:
+            return signed(self.number(constants.multiply(self.constants[factor], self.constants[index])), negative)
+        if self.op[index] is Op.MULTIPLY and self.operands[index][0] in self.constants:
+            inner, rest = self.operands[index]
+            number = self.number(constants.multiply(self.constants[factor], self.constants[inner]))
+            return signed(self.multiply(number, ref_to(rest)), negative)
+        return signed(self._intern(Op.MULTIPLY, factor, index), negative)
 
     def divide(self, a: Ref, b: Ref) -> Ref:
-        """A over b; what depends on the arguments may be divided by zero, as floats may.
+        """A quotient; what depends on the arguments may be divided by zero, as floats may.
+
+        Args:
+            a: The dividend.
+            b: The divisor.
+
+        Returns:
+            a over b.
 
         Raises:
             QuantityError: b is the constant zero and a does not depend on the arguments, as in a cell.
         """
         divisor = self.constant_of(b)
         if divisor == 0 and self.layer[a >> 1] == Layer.BODY:
-            return self._intern(Op.DIVIDE, a >> 1, b >> 1) | (a & 1)
+            return signed(self._intern(Op.DIVIDE, a >> 1, b >> 1), is_negative(a))
         if divisor is not None:
             return self.multiply(a, self.number(constants.reciprocal(divisor)))
         if a == ZERO:
             return ZERO
+        negative = (a ^ b) & 1 == 1
         if a >> 1 == b >> 1:
-            return ONE | ((a ^ b) & 1)
-        return self._intern(Op.DIVIDE, a >> 1, b >> 1) | ((a ^ b) & 1)
+            return signed(ONE, negative)
+        return signed(self._intern(Op.DIVIDE, a >> 1, b >> 1), negative)
 
     def sine(self, a: Ref) -> Ref:
-        """sin(a)."""
+        """The sine.
+
+        Args:
+            a: An angle [rad].
+
+        Returns:
+            sin(a).
+        """
         value = self.constant_of(a)
         if value is not None:
             return self.number(constants.sine(value))
-        return self._intern(Op.SINE, a >> 1) | (a & 1)
+        return signed(self._intern(Op.SINE, a >> 1), is_negative(a))
 
     def cosine(self, a: Ref) -> Ref:
-        """cos(a)."""
+        """The cosine.
+
+        Args:
+            a: An angle [rad].
+
+        Returns:
+            cos(a).
+        """
         value = self.constant_of(a)
         if value is not None:
             return self.number(constants.cosine(value))
         return self._intern(Op.COSINE, a >> 1)
 
     def root(self, a: Ref) -> Ref:
-        """Square root.
+        """The square root; the only operation that needs a change of sign of its own.
+
+        Args:
+            a: What it is taken of.
+
+        Returns:
+            sqrt(a).
 
         Raises:
             QuantityError: a is a negative constant.
@@ -162,60 +314,145 @@ class Graph:
         if value is not None:
             return self.number(constants.square_root(value))
         index = a >> 1
-        if a & 1:
-            index = self._intern(Op.NEGATE, index) >> 1
-        return self._intern(Op.ROOT, index)
+        return self._intern(Op.ROOT, node_of(self._intern(Op.NEGATE, index)) if is_negative(a) else index)
 
     def sign(self, a: Ref) -> Ref:
-        """-1, 0 or 1."""
+        """The sign.
+
+        Args:
+            a: A value.
+
+        Returns:
+            -1, 0 or 1.
+        """
         value = self.constant_of(a)
         if value is not None:
             return self.number(Fraction((value > 0) - (value < 0)))
-        return self._intern(Op.SIGN, a >> 1) | (a & 1)
+        return signed(self._intern(Op.SIGN, a >> 1), is_negative(a))
 
-    def apply(self, op: Op, *operands: Ref) -> Ref:
-        """The operation by its kind, folded as if written."""
-        match op:
-            case Op.ADD:
-                return self.add(*operands)
-            case Op.SUBTRACT:
-                return self.subtract(*operands)
-            case Op.MULTIPLY:
-                return self.multiply(*operands)
-            case Op.DIVIDE:
-                return self.divide(*operands)
-            case Op.NEGATE:
-                return self.negate(*operands)
-            case Op.SINE:
-                return self.sine(*operands)
-            case Op.COSINE:
-                return self.cosine(*operands)
-            case Op.ROOT:
-                return self.root(*operands)
-            case Op.SIGN:
-                return self.sign(*operands)
-        raise QuantityError(f"no operation {op!r} on {len(operands)} values", allowed=f"{list(FUNCTION_NAMES)}")
+    def apply(self, op: Op, operands: Sequence[Ref]) -> Ref:
+        """The operation by its kind, folded as if written.
 
-    def _commutative(self, op: Op, first: int, second: int) -> Ref:
-        """An operation (of opposite sign, for a difference) on two nodes, the older first."""
-        operands = (first, second) if first < second else (second, first)
-        key = (op, operands)
-        index = self._index.get(key)
-        if index is None:
-            index = self._append(key, op, operands, max(self.layer[first], self.layer[second]))
-        return 2 * index
+        Args:
+            op: What is done, no leaf.
+            operands: To what.
+
+        Returns:
+            The result.
+        """
+        return _METHODS[op](self, *operands)
 
     def _intern(self, op: Op, *operands: int) -> Ref:
+        """An operation on nodes; it is known with its operands in this order."""
         key = (op, operands)
-        index = self._index.get(key)
-        if index is None:
-            index = self._append(key, op, operands, max(self.layer[i] for i in operands))
-        return 2 * index
+        ref = self._nodes.get(key)
+        if ref is None:
+            ref = self._nodes[key] = self._append(op, operands, max([self.layer[i] for i in operands]))
+        return ref
 
-    def _append(self, key: tuple[object, ...], op: Op, operands: tuple[int, ...], layer: int) -> int:
-        index = len(self.op)
-        self._index[key] = index
+    def _append(self, op: Op, operands: tuple[int, ...], layer: Layer) -> Ref:
         self.op.append(op)
         self.operands.append(operands)
         self.layer.append(layer)
-        return index
+        return ref_to(len(self.op) - 1)
+
+
+_METHODS: dict[Op, Callable[..., Ref]] = {
+    Op.ADD: Graph.add,
+    Op.SUBTRACT: Graph.subtract,
+    Op.MULTIPLY: Graph.multiply,
+    Op.DIVIDE: Graph.divide,
+    Op.NEGATE: lambda graph, a: negated(a),
+    Op.SINE: Graph.sine,
+    Op.COSINE: Graph.cosine,
+    Op.ROOT: Graph.root,
+    Op.SIGN: Graph.sign,
+}
+
+
+class Value:
+    """A reference into a graph with Python's operators; immutable: the scalar with which recursions are traced.
+
+    Args:
+        graph: Where the value lives.
+        ref: The value.
+    """
+
+    __slots__ = ("graph", "ref")
+
+    def __init__(self, graph: Graph, ref: Ref) -> None:
+        self.graph = graph
+        self.ref = ref
+
+    def __add__(self, other: Value | int | Fraction, /) -> Value:
+        graph, pair = self.graph, (self.ref, self._other(other))
+        found = graph.sums.get(pair)
+        if found is None:
+            found = graph.sums[pair] = Value(graph, graph.add(*pair))
+        return found
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Value | int | Fraction, /) -> Value:
+        graph, pair = self.graph, (self.ref, self._other(other))
+        found = graph.differences.get(pair)
+        if found is None:
+            found = graph.differences[pair] = Value(graph, graph.subtract(*pair))
+        return found
+
+    def __rsub__(self, other: Value | int | Fraction, /) -> Value:
+        return Value(self.graph, self.graph.subtract(self._other(other), self.ref))
+
+    def __mul__(self, other: Value | int | Fraction, /) -> Value:
+        graph, pair = self.graph, (self.ref, self._other(other))
+        found = graph.products.get(pair)
+        if found is None:
+            found = graph.products[pair] = Value(graph, graph.multiply(*pair))
+        return found
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Value | int | Fraction, /) -> Value:
+        return Value(self.graph, self.graph.divide(self.ref, self._other(other)))
+
+    def __rtruediv__(self, other: Value | int | Fraction, /) -> Value:
+        return Value(self.graph, self.graph.divide(self._other(other), self.ref))
+
+    def __neg__(self) -> Value:
+        return Value(self.graph, negated(self.ref))
+
+    def __pow__(self, exponent: int, /) -> Value:
+        """Integer powers by repeated squaring; a negative one divides."""
+        if exponent < 0:
+            return 1 / self ** (-exponent)
+        result, square = Value(self.graph, ONE), self
+        while exponent:
+            if exponent & 1:
+                result = result * square
+            exponent >>= 1
+            if exponent:
+                square = square * square
+        return result
+
+    def sin(self) -> Value:
+        """The sine, radians."""
+        return Value(self.graph, self.graph.sine(self.ref))
+
+    def cos(self) -> Value:
+        """The cosine, radians."""
+        return Value(self.graph, self.graph.cosine(self.ref))
+
+    def sqrt(self) -> Value:
+        """The square root."""
+        return Value(self.graph, self.graph.root(self.ref))
+
+    def sign(self) -> Value:
+        """-1, 0 or 1."""
+        return Value(self.graph, self.graph.sign(self.ref))
+
+    def __repr__(self) -> str:
+        """``v7``, or ``-v7``."""
+        return f"{'-' if is_negative(self.ref) else ''}v{node_of(self.ref)}"
+
+    def _other(self, other: Value | int | Fraction) -> Ref:
+        return other.ref if isinstance(other, Value) else self.graph.number(Fraction(other))

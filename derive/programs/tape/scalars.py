@@ -1,56 +1,87 @@
-"""Exact cells as tape values: the scalars with which the recursions are traced for generated code.
+"""Exact cells and joint variables as tape values: the scalars with which recursions are traced for generated code.
 
 Symbols stay symbols while a graph is traced, whether they have a number or not; the numbers are put in afterwards
 (`derive.programs.tape.build`), so that work is shared before it is folded. Only the offset of a joint angle looks at
 the numbers: a multiple of pi/2 exchanges sine and cosine, any other offset goes into the angle, cos(q + offset), which
 costs less than the addition theorem.
-
-Cells of the robot file as tape values.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 
 from derive.algebra import constants
 from derive.algebra.angles import decompose
 from derive.errors import QuantityError
-from derive.programs.tape.graph import Graph
+from derive.programs.tape.graph import Graph, Value
 from derive.programs.tape.tape import PARAMETER
-from derive.programs.tape.value import Value
 from derive.robot.description import Joint
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
 
+Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"
+"""Kinds of arguments."""
 
-class CellReader:
-    """Evaluates expressions on one graph, each once.
+
+class TapeDomain:
+    """Implements `derive.mechanics.chain.Domain` for one robot and one graph; each cell is evaluated once.
+
+    Run-time parameter k of the traced graph is ``robot_symbols(robot)[k]``.
 
     Args:
+        robot: The robot.
         graph: Where the values live.
-        values: What the names stand for.
     """
 
-    def __init__(self, graph: Graph, values: Mapping[str, Value]) -> None:
+    def __init__(self, robot: Robot, graph: Graph) -> None:
         self.graph = graph
-        self._values = values
-        self._cache: dict[Expression, Value] = {}
+        self._joints = robot.joints
+        self._numbers = {k: v for k, v in number_of(robot).items() if k not in robot.runtime}
+        symbols = enumerate(robot_symbols(robot))
+        self._known: dict[Expression, Value] = {
+            Name(name): Value(graph, graph.input(PARAMETER, i)) for i, name in symbols
+        }
+
+    def argument(self, kind: str, index: int) -> Value:
+        """One entry of an argument.
+
+        Args:
+            kind: ``q``, ``qd``, ``qdd`` or ``tau``.
+            index: Of the joint, from 0.
+
+        Returns:
+            The entry.
+        """
+        return Value(self.graph, self.graph.input(kind, index))
 
     def number(self, value: int | Fraction) -> Value:
-        """A rational."""
+        """A rational.
+
+        Args:
+            value: The number.
+
+        Returns:
+            It as a value.
+        """
         return Value(self.graph, self.graph.number(Fraction(value)))
 
     def constant(self, expression: Expression) -> Value:
         """The value of a cell.
 
+        Args:
+            expression: Of the robot's symbols.
+
+        Returns:
+            It in terms of the graph's parameters.
+
         Raises:
             QuantityError: Division by zero, or the square root of a negative number.
         """
-        found = self._cache.get(expression)
+        found = self._known.get(expression)
         if found is None:
-            found = self._cache[expression] = self._evaluate(expression)
+            found = self._known[expression] = self._evaluate(expression)
         return found
 
     def _evaluate(self, expression: Expression) -> Value:
@@ -59,92 +90,63 @@ class CellReader:
                 return self.number(value)
             case Pi():
                 return Value(self.graph, self.graph.number(constants.pi()))
-            case Name(name):
-                return self._values[name]
             case Sum(terms):
                 return sum((self.constant(term) for term in terms), self.number(0))
-            case Product(factors):
-                return self._product(factors)
+            case Product(factors):  # divisors last: a * b**-1 is one division, not a reciprocal and a product
+                result = self.number(1)
+                divisors = [f for f in factors if isinstance(f, Power) and f.exponent < 0]
+                for factor in factors:
+                    if factor not in divisors:
+                        result = result * self.constant(factor)
+                for divisor in divisors:
+                    result = result / self.constant(divisor.base) ** -divisor.exponent
+                return result
             case Power(base, exponent):
                 return self.constant(base) ** exponent
-            case Call(function, arguments):
-                return self._call(function, self.constant(arguments[0]))
-
-    def _product(self, factors: tuple[Expression, ...]) -> Value:
-        """Divisors last: ``a * b**-1`` is one division, not a reciprocal and a product."""
-        result = self.number(1)
-        divisors = [f for f in factors if isinstance(f, Power) and f.exponent < 0]
-        for factor in factors:
-            if factor not in divisors:
-                result = result * self.constant(factor)
-        for divisor in divisors:
-            result = result / self.constant(divisor.base) ** -divisor.exponent
-        return result
-
-    def _call(self, function: str, argument: Value) -> Value:
-        match function:
-            case "sin":
-                return argument.sin()
-            case "cos":
-                return argument.cos()
-            case "tan":
+            case Call("sin", (angle,)):
+                return self.constant(angle).sin()
+            case Call("cos", (angle,)):
+                return self.constant(angle).cos()
+            case Call("tan", (angle,)):
+                argument = self.constant(angle)
                 return argument.sin() / argument.cos()
-            case "sqrt":
-                return argument.sqrt()
-        raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")
-
-
-def substitute(expression: Expression, numbers: Mapping[str, Expression]) -> Expression:
-    """The tree with its names replaced where they have a number."""
-    match expression:
-        case Name(name):
-            return numbers.get(name, expression)
-        case Sum(terms):
-            return Sum(tuple(substitute(term, numbers) for term in terms))
-        case Product(factors):
-            return Product(tuple(substitute(factor, numbers) for factor in factors))
-        case Power(base, exponent):
-            return Power(substitute(base, numbers), exponent)
-        case Call(function, arguments):
-            return Call(function, tuple(substitute(argument, numbers) for argument in arguments))
-        case _:
-            return expression
-
-
-Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"
-
-
-class TapeDomain(CellReader):
-    """Implements `derive.mechanics.chain.Domain` for one robot and one graph.
-
-    Run-time parameter k of the traced graph is ``robot_symbols(robot)[k]``.
-    """
-
-    def __init__(self, robot: Robot, graph: Graph) -> None:
-        symbols = robot_symbols(robot)
-        super().__init__(graph, {name: Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(symbols)})
-        self._joints = robot.joints
-        self._numbers = {k: v for k, v in number_of(robot).items() if k not in robot.runtime}
-
-    def argument(self, kind: str, index: int) -> Value:
-        """Entry ``index`` (from 0) of the argument ``kind``."""
-        return Value(self.graph, self.graph.input(kind, index))
+            case Call("sqrt", (square,)):
+                return self.constant(square).sqrt()
+        raise QuantityError(f"{expression} has no place in a cell", allowed="symbols, sin, cos, tan, sqrt")
 
     def cosine_sine(self, angle: Expression) -> tuple[Value, Value]:
-        """Cosine and sine of a constant angle [rad]."""
+        """Cosine and sine of a constant angle.
+
+        Args:
+            angle: In the robot's symbols [rad].
+
+        Returns:
+            Both.
+        """
         return self._cosine_sine(self.number(0), angle)
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:
-        """Cosine and sine of ``sign*q + theta`` of revolute joint ``index`` (from 0)."""
+        """Cosine and sine of the angle ``sign*q + theta`` of a revolute joint.
+
+        Args:
+            index: Of the joint, from 0.
+            joint: The joint.
+
+        Returns:
+            Both.
+        """
         return self._cosine_sine(self._signed(index, joint), joint.theta)
 
     def cosine_sine_of_sum(self, turns: Sequence[tuple[int, int]]) -> tuple[Value, Value]:
-        """Cosine and sine of a signed sum of the angles ``sign*q + theta`` of revolute joints; of none 1 and 0.
+        """Cosine and sine of a signed sum of the angles ``sign*q + theta`` of revolute joints.
 
         The angles are added, which costs one addition each and no further sine and cosine.
 
         Args:
             turns: Joint indices (from 0), each with the sign +1 or -1 of its angle.
+
+        Returns:
+            Both; of no angle 1 and 0.
         """
         variable, offset = self.number(0), []
         for index, direction in turns:
@@ -154,7 +156,15 @@ class TapeDomain(CellReader):
         return self._cosine_sine(variable, Sum(tuple(offset)))
 
     def joint_offset(self, index: int, joint: Joint) -> Value:
-        """``sign*q + d`` of prismatic joint ``index`` (from 0)."""
+        """The offset ``sign*q + d`` of a prismatic joint.
+
+        Args:
+            index: Of the joint, from 0.
+            joint: The joint.
+
+        Returns:
+            The offset [m].
+        """
         return self._signed(index, joint) + self.constant(joint.d)
 
     def _signed(self, index: int, joint: Joint) -> Value:

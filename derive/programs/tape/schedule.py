@@ -6,15 +6,15 @@ a further live value moved forward. The order with the lowest peak is taken, the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from heapq import heappop, heappush
 
-from derive.programs.tape.graph import Graph, Ref
+from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import LEAVES, Layer
 
 
 def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
-    """What the outputs need, operands before their users.
+    """What some outputs need, operands before their users.
 
     Args:
         graph: A graph.
@@ -23,15 +23,44 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
     Returns:
         Indices of nodes.
     """
-    roots = [ref >> 1 for ref in outputs]
-    plain = depth_first(graph, roots, {})
-    heights = _needs(graph, plain)
-    orders = [plain, depth_first(graph, roots, heights), depth_first(graph, roots[::-1], heights)]
+    roots = [node_of(ref) for ref in outputs]
+    plain = _depth_first(graph, roots, {})
+    needs = _values_needed(graph, plain)
+    orders = [plain, _depth_first(graph, roots, needs), _depth_first(graph, roots[::-1], needs)]
     orders += [_eager(graph, order) for order in orders]
     return min(orders, key=lambda order: live(graph, order))
 
 
-def depth_first(graph: Graph, roots: Sequence[int], rank: dict[int, int]) -> list[int]:
+def live(graph: Graph, order: Sequence[int]) -> tuple[int, int]:
+    """How many values of the body an order keeps alive.
+
+    Args:
+        graph: A graph.
+        order: Indices of nodes, operands before their users.
+
+    Returns:
+        The most at a time, and the sum over all steps.
+    """
+    work = _work(graph, order)
+    last: dict[int, int] = {}
+    for step, i in enumerate(order):
+        for k in graph.operands[i]:
+            last[k] = step
+    peak = alive = total = 0
+    for step, i in enumerate(order):
+        if i in work:
+            alive -= sum([last[k] == step and k in work for k in dict.fromkeys(graph.operands[i])])
+            peak, total = max(peak, alive + 1), total + alive + 1
+            alive += i in last
+    return peak, total
+
+
+def _work(graph: Graph, order: Sequence[int]) -> set[int]:
+    """Nodes whose values are kept in a local variable: the operations of the body."""
+    return {i for i in order if graph.layer[i] is Layer.BODY and graph.op[i] not in LEAVES}
+
+
+def _depth_first(graph: Graph, roots: Sequence[int], rank: Mapping[int, int]) -> list[int]:
     """Each root in turn, after what it needs; the operand of highest rank first."""
     order: list[int] = []
     done: set[int] = set()
@@ -51,84 +80,50 @@ def depth_first(graph: Graph, roots: Sequence[int], rank: dict[int, int]) -> lis
     return order
 
 
-def _needs(graph: Graph, order: Sequence[int]) -> dict[int, int]:
+def _values_needed(graph: Graph, order: Sequence[int]) -> dict[int, int]:
     """How many live values each node needs if it were a tree (Sethi and Ullman 1970)."""
+    work = _work(graph, order)
     needs: dict[int, int] = {}
     for i in order:
-        parts = sorted((needs[k] for k in graph.operands[i]), reverse=True)
-        needs[i] = max((need + k for k, need in enumerate(parts)), default=0)
-        if _is_work(graph, i):
+        parts = sorted([needs[k] for k in graph.operands[i]], reverse=True)
+        needs[i] = max([need + k for k, need in enumerate(parts)], default=0)
+        if i in work:
             needs[i] = max(needs[i], 1)
     return needs
 
 
-def _is_work(graph: Graph, i: int) -> bool:
-    return graph.layer[i] == Layer.BODY and graph.op[i] not in LEAVES
-
-
-def live(graph: Graph, order: Sequence[int]) -> tuple[int, int]:
-    """The most values of the body alive at a time, and the sum of live values over all steps."""
-    last: dict[int, int] = {}
-    for step, i in enumerate(order):
-        for k in graph.operands[i]:
-            last[k] = step
-    peak = alive = total = 0
-    for step, i in enumerate(order):
-        if not _is_work(graph, i):
-            continue
-        alive -= sum(last[k] == step and _is_work(graph, k) for k in dict.fromkeys(graph.operands[i]))
-        peak, total = max(peak, alive + 1), total + alive + 1
-        alive += i in last
-    return peak, total
-
-
 def _eager(graph: Graph, order: Sequence[int]) -> list[int]:
     """The order, with nodes moved forward that take up no more room than they give back."""
-    return _Eager(graph, order).run()
+    work = _work(graph, order)
+    place = {i: step for step, i in enumerate(order)}
+    operands = {i: tuple(dict.fromkeys(graph.operands[i])) for i in order}
+    users: dict[int, list[int]] = {i: [] for i in order}
+    for i in order:
+        for k in operands[i]:
+            users[k].append(i)
+    uses_left = {i: len(row) for i, row in users.items()}
+    missing = {i: len(operands[i]) for i in order}
+    done: dict[int, None] = {}
+    free: list[tuple[int, int]] = []
 
+    def offer_users(i: int) -> None:
+        for user in users[i]:
+            if user in work and user not in done and not missing[user]:
+                ended = sum([uses_left[k] == 1 and k in work for k in operands[user]])
+                if ended >= bool(users[user]):
+                    heappush(free, (place[user], user))
 
-class _Eager:
-    def __init__(self, graph: Graph, order: Sequence[int]) -> None:
-        self.graph = graph
-        self.order = order
-        self.place = {i: step for step, i in enumerate(order)}
-        self.users: dict[int, list[int]] = {i: [] for i in order}
-        for i in order:
-            for k in dict.fromkeys(graph.operands[i]):
-                self.users[k].append(i)
-        self.left = {i: len(users) for i, users in self.users.items()}
-        self.missing = {i: len(set(graph.operands[i])) for i in order}
-        self.done: dict[int, None] = {}
-        self.free: list[tuple[int, int]] = []
-
-    def run(self) -> list[int]:
-        """The new order."""
-        for i in self.order:
-            while self.free:
-                _, eager = heappop(self.free)
-                if eager not in self.done:
-                    self._do(eager)
-            if i not in self.done:
-                self._do(i)
-        return list(self.done)
-
-    def _do(self, i: int) -> None:
-        self.done[i] = None
-        for user in self.users[i]:
-            self.missing[user] -= 1
-        for k in dict.fromkeys(self.graph.operands[i]):
-            self.left[k] -= 1
-            if self.left[k] == 1:
-                self._offer_users(k)
-        self._offer_users(i)
-
-    def _offer_users(self, i: int) -> None:
-        for user in self.users[i]:
-            if user not in self.done and not self.missing[user] and self._is_free(user):
-                heappush(self.free, (self.place[user], user))
-
-    def _is_free(self, i: int) -> bool:
-        if not _is_work(self.graph, i):
-            return False
-        ends = sum(self.left[k] == 1 and _is_work(self.graph, k) for k in dict.fromkeys(self.graph.operands[i]))
-        return ends >= bool(self.users[i])
+    for i in order:
+        while free or i not in done:
+            node = heappop(free)[1] if free else i
+            if node in done:
+                continue
+            done[node] = None
+            for user in users[node]:
+                missing[user] -= 1
+            for k in operands[node]:
+                uses_left[k] -= 1
+                if uses_left[k] == 1:
+                    offer_users(k)
+            offer_users(node)
+    return list(done)

@@ -8,6 +8,7 @@ beside the operand, and only outputs and square roots ever need one.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
@@ -32,9 +33,10 @@ class Op(IntEnum):
     ROOT = 9
     SIGN = 10
 
+    __hash__ = int.__hash__  # that of an enumeration hashes the name, which takes long
+
 
 LEAVES = (Op.CONSTANT, Op.INPUT)
-BINARY = (Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.DIVIDE)
 
 
 class Layer(IntEnum):
@@ -45,8 +47,27 @@ class Layer(IntEnum):
     BODY = 2
 
 
-FUNCTION_COST = 25
-"""Operations that a sine or a cosine is worth."""
+OPERATION_COST: Mapping[Op, int] = {
+    Op.CONSTANT: 0,
+    Op.INPUT: 0,
+    Op.ADD: 1,
+    Op.SUBTRACT: 1,
+    Op.MULTIPLY: 1,
+    Op.DIVIDE: 1,
+    Op.NEGATE: 0,
+    Op.SINE: 25,
+    Op.COSINE: 25,
+    Op.ROOT: 1,
+    Op.SIGN: 0,
+}
+"""By what candidates are compared, here and nowhere else; `derive.programs.tape.cost` adds it up.
+
+Vectorised over configurations, a sine and a cosine of one angle take as long as 50 to 100 multiplications and
+additions, so one more pair must save many of them.
+"""
+
+FUNCTION_NAMES = {Op.SINE: "sin", Op.COSINE: "cos", Op.ROOT: "sqrt", Op.SIGN: "sign"}
+"""What languages call the functions."""
 
 PARAMETER = "parameter"
 """Kind of the inputs that are run-time parameters; any other kind is the name of an argument, such as ``q``."""
@@ -115,12 +136,8 @@ class Operations:
 
     @property
     def cost(self) -> int:
-        """By which candidates are compared: operations, with sines and cosines at `FUNCTION_COST` each.
-
-        Vectorised over configurations, a sine and a cosine of one angle take as long as 50 to 100 multiplications and
-        additions, so one more pair must save many of them.
-        """
-        return self.arithmetic + self.sqrt + FUNCTION_COST * (self.sin + self.cos)
+        """By which candidates are compared: each operation at its `OPERATION_COST`."""
+        return sum(OPERATION_COST[_COUNTED[name][0]] * count for name, count in self.as_dict().items())
 
     def as_dict(self) -> dict[str, int]:
         """Counts by name, in the order of the manifest."""
@@ -128,13 +145,12 @@ class Operations:
 
 
 _COUNTED = {
-    Op.MULTIPLY: "mul",
-    Op.ADD: "add",
-    Op.SUBTRACT: "add",
-    Op.DIVIDE: "div",
-    Op.SINE: "sin",
-    Op.COSINE: "cos",
-    Op.ROOT: "sqrt",
+    "mul": (Op.MULTIPLY,),
+    "add": (Op.ADD, Op.SUBTRACT),
+    "div": (Op.DIVIDE,),
+    "sin": (Op.SINE,),
+    "cos": (Op.COSINE,),
+    "sqrt": (Op.ROOT,),
 }
 
 
@@ -187,12 +203,8 @@ class Tape:
         return tuple(sorted(source.index for source in sources if source.kind == PARAMETER))
 
     def _count(self, layer: Layer) -> Operations:
-        counts: dict[str, int] = {}
-        for node in self.nodes:
-            if node.layer is layer and node.op in _COUNTED:
-                name = _COUNTED[node.op]
-                counts[name] = counts.get(name, 0) + 1
-        return Operations(**counts)
+        counts = Counter(node.op for node in self.nodes if node.layer is layer)
+        return Operations(**{name: sum(counts[op] for op in ops) for name, ops in _COUNTED.items()})
 
 
 def evaluate(tape: Tape, inputs: Mapping[str, Sequence[Any]], arithmetic: Mapping[str, Any]) -> list[Any]:
@@ -204,36 +216,28 @@ def evaluate(tape: Tape, inputs: Mapping[str, Sequence[Any]], arithmetic: Mappin
         arithmetic: ``number`` (from an exact constant), ``sin``, ``cos``, ``sqrt``, ``sign``.
 
     Returns:
-        The outputs.
+        The outputs, row by row.
     """
     values: list[Any] = []
     for node in tape.nodes:
-        values.append(_evaluate_node(node, values, inputs, arithmetic))
+        operands = [values[i] for i in node.operands]
+        match node.op:
+            case Op.CONSTANT:
+                value = arithmetic["number"](node.value)
+            case Op.INPUT:
+                assert node.source is not None
+                value = inputs[node.source.kind][node.source.index]
+            case Op.ADD:
+                value = operands[0] + operands[1]
+            case Op.SUBTRACT:
+                value = operands[0] - operands[1]
+            case Op.MULTIPLY:
+                value = operands[0] * operands[1]
+            case Op.DIVIDE:
+                value = operands[0] / operands[1]
+            case Op.NEGATE:
+                value = -operands[0]
+            case _:
+                value = arithmetic[FUNCTION_NAMES[node.op]](operands[0])
+        values.append(value)
     return [-values[o.node] if o.negative else values[o.node] for o in tape.outputs]
-
-
-def _evaluate_node(
-    node: Node, values: list[Any], inputs: Mapping[str, Sequence[Any]], arithmetic: Mapping[str, Any]
-) -> Any:
-    operands = [values[i] for i in node.operands]
-    match node.op:
-        case Op.CONSTANT:
-            return arithmetic["number"](node.value)
-        case Op.INPUT:
-            assert node.source is not None
-            return inputs[node.source.kind][node.source.index]
-        case Op.ADD:
-            return operands[0] + operands[1]
-        case Op.SUBTRACT:
-            return operands[0] - operands[1]
-        case Op.MULTIPLY:
-            return operands[0] * operands[1]
-        case Op.DIVIDE:
-            return operands[0] / operands[1]
-        case Op.NEGATE:
-            return -operands[0]
-        case _:
-            return arithmetic[FUNCTION_NAMES[node.op]](operands[0])
-
-
-FUNCTION_NAMES = {Op.SINE: "sin", Op.COSINE: "cos", Op.ROOT: "sqrt", Op.SIGN: "sign"}

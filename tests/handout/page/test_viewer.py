@@ -11,8 +11,8 @@ import pytest
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.language import Text
 from derive.handout.page.viewer import Viewer, html_symbol, symbol_values, three, travels, upwards, viewer
-from derive.programs.effort import Effort
-from derive.programs.functions.functions import build_program
+from derive.programs.functions import build_program
+from derive.programs.policy import Effort
 from derive.robot.robot import Robot
 from tests.handout.page.viewer_page import assumed
 from tests.random_robots import random_robot

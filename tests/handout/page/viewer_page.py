@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from derive.handout.figure.poses import RobotPoses
 from derive.handout.language import Text
 from derive.handout.page.viewer import viewer
-from derive.programs.effort import Effort
-from derive.programs.functions.functions import build_program
+from derive.programs.functions import build_program
+from derive.programs.policy import Effort
 from derive.robot.robot import Robot
 
 FRAME = """<!DOCTYPE html>

@@ -7,10 +7,11 @@ import pytest
 import sympy
 
 from derive.mechanics.forward_dynamics import articulated_accelerations
+from derive.mechanics.regrouping import regroup
 from derive.model.model import Model
-from derive.programs.functions.functions import build_program
+from derive.programs.functions import build_program
 from derive.programs.program import Program
-from derive.programs.tape.finish import Finisher
+from derive.programs.tape.build import bake, cut
 from derive.programs.tape.tape import Operations, evaluate
 from derive.programs.trace import Trace
 from derive.robot.evaluate import parameter_values
@@ -96,8 +97,8 @@ def accelerations(robot: Robot, program: Program, state: State) -> np.ndarray:
     """By articulated bodies in base parameters, whatever the program has chosen."""
     trace = Trace(robot)
     torques = [tau - loss for tau, loss in zip(trace.arguments("tau"), trace.with_friction(trace.zeros()), strict=True)]
-    values = articulated_accelerations(trace.regrouped, trace.arguments("qd"), torques)
-    tape = Finisher(robot, trace.graph).tape([v.ref for v in values])
+    values = articulated_accelerations(regroup(trace.chain), trace.arguments("qd"), torques)
+    tape = cut(*bake(trace.graph, [v.ref for v in values], trace.choice.numbers))
     return np.array(evaluate(tape, inputs_of(state), ARITHMETIC)).real
 
 

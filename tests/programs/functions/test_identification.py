@@ -10,14 +10,12 @@ import pytest
 
 from derive.errors import Location
 from derive.model.model import Model
-from derive.programs.functions.identification import identification_functions
-from derive.programs.program import Function, Program
-from derive.programs.tape.finish import Finisher
-from derive.programs.trace import Trace
+from derive.programs.functions import build_program
+from derive.programs.program import Program
 from derive.robot.catalogue import catalogue_names
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard_parameters
-from derive.robot.names import free_symbols, robot_symbols
+from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.verify.oracle.oracle import Oracle
@@ -67,13 +65,7 @@ def test_a_planar_arm_has_the_base_parameters_of_the_books() -> None:
 
 def identification_program(robot: Robot) -> Program:
     """The functions for identification alone: the others take long to improve."""
-    trace = Trace(robot)
-    finisher = Finisher(robot, trace.graph)
-    functions = []
-    for s in identification_functions(trace):
-        _, tape = finisher.cheapest([[v.ref for v in s.candidates[0].values()]], search=False)
-        functions.append(Function(s.name, s.arguments, s.shape, tape, "", s.columns))
-    return Program(tuple(functions), free_symbols(robot))
+    return build_program(robot, names=("regressor", "base_regressor", "base_parameters"))
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -101,4 +93,4 @@ def test_long_arms_have_no_generated_regressor() -> None:
     links = "\n".join("  - {mass: 1}" for _ in range(MAX_JOINTS + 1))
     robot = Robot.from_text(f"name: long\ntitle: long\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n")
     assert not has_regressor(robot)
-    assert identification_functions(Trace(robot)) == ()
+    assert identification_program(robot).functions == ()

@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 
 from derive.programs.optimise.choice import choose
-from derive.programs.tape.build import cost
+from derive.programs.tape.cost import program_cost
 from derive.programs.tape.graph import Graph, Ref
 
 Groups = list[list[list[Ref]]]
@@ -25,7 +25,9 @@ def random_groups(seed: int) -> tuple[Graph, Groups]:
 
 def spent(graph: Graph, groups: Groups, places: tuple[int, ...]) -> int:
     """Operations of a combination."""
-    return cost(graph, [ref for options, place in zip(groups, places, strict=True) for ref in options[place]])[0]
+    return program_cost(
+        graph, [ref for options, place in zip(groups, places, strict=True) for ref in options[place]]
+    ).body
 
 
 @pytest.mark.parametrize("seed", range(15))

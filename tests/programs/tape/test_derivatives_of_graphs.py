@@ -10,11 +10,11 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive.programs.functions.derivatives import derivative, gradient_columns, improved
+from derive.programs.optimise.improve import improved_values
 from derive.programs.tape.build import cut
-from derive.programs.tape.graph import Graph
+from derive.programs.tape.derivative import derivative, gradient_columns
+from derive.programs.tape.graph import Graph, Value
 from derive.programs.tape.tape import PARAMETER, evaluate
-from derive.programs.tape.value import Value
 from tests.programs.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs
 
 STEP = 1e-40
@@ -38,7 +38,7 @@ def test_derivatives_of_polynomials_are_exact(program: RandomProgram, numbers: l
     found = run(derivative(values, rates), RATIONAL, q, parameters)
     duals = program.evaluate([Dual(x, Fraction(i + 1)) for i, x in enumerate(q)], parameters)  # type: ignore[misc]
     assert found == [value.rate if isinstance(value, Dual) else 0 for value in duals]
-    assert run(improved(values), RATIONAL, q, parameters) == run(values, RATIONAL, q, parameters)
+    assert run(improved_values(values), RATIONAL, q, parameters) == run(values, RATIONAL, q, parameters)
 
 
 POLYNOMIAL = ("add", "subtract", "multiply", "negate")

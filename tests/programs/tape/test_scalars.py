@@ -8,9 +8,9 @@ import pytest
 
 from derive.algebra.constants import to_float
 from derive.errors import QuantityError
-from derive.programs.functions.functions import build_program
-from derive.programs.tape.build import cut
-from derive.programs.tape.finish import Finisher
+from derive.programs.formulation import FormulationChoice
+from derive.programs.functions import build_program
+from derive.programs.tape.build import bake, cut
 from derive.programs.tape.graph import ONE, ZERO, Graph
 from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.tape import PARAMETER, Layer, Operations, evaluate
@@ -74,7 +74,7 @@ def test_symbols_stay_symbols_until_the_graph_is_built() -> None:
     domain = TapeDomain(one, graph)
     value = domain.constant(one.joints[0].a)
     assert cut(graph, [value.ref]).hoisted_operations == Operations(mul=1, add=1)
-    tape = Finisher(one, graph).tape([value.ref])
+    tape = cut(*bake(graph, [value.ref], FormulationChoice(one, graph).numbers))
     assert [node.source.index for node in tape.nodes if node.source] == [0]
     assert evaluate(tape, {PARAMETER: [0.25]}, {"number": to_float}) == [pytest.approx(0.7)]
 

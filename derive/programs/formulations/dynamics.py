@@ -1,0 +1,236 @@
+"""Formulations of what depends on the links' inertia: torques, accelerations, and the derivatives of torques.
+
+Where a recursion leaves frames to choose, each of the cheapest choices is a formulation. What is like Newton-Euler or
+like the recursion of C takes the choices that were found for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
+from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
+from derive.mechanics.newton_euler import inverse_dynamics
+from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
+from derive.programs.formulation import Formulation
+from derive.programs.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
+from derive.programs.policy import POLICY
+from derive.programs.tape.derivative import gradient_columns
+from derive.programs.tape.graph import Value
+from derive.programs.tape.scalars import QD, QDD, TAU, Q
+from derive.programs.trace import Trace, flat
+
+Recursion = Callable[[FrameChoices], list[Value]]
+"""The outputs of a recursion with some frame choices."""
+
+_BASE = "in base parameters"
+
+
+def inertia_matrices(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of B.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+    yield from _searched(trace, "inertia", f"composite bodies {_BASE}", _inertia(trace))
+    yield from _closed(trace, "inertia_matrix")
+
+
+def coriolis_matrices(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of C.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+    yield from _searched(trace, "coriolis", f"composite bodies and their inner motion {_BASE}", _coriolis(trace))
+    yield from _closed(trace, "coriolis_matrix")
+
+
+def gravity_vectors(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of g.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        One entry per joint.
+    """
+    words = f"composite first moments {_BASE}"
+    yield from _searched(trace, "gravity", words, lambda choices: gravity_vector(trace.arranged(choices)))
+    yield from _closed(trace, "gravity_vector")
+
+
+def torques(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of tau.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        One entry per joint.
+    """
+    yield from _searched(trace, "torques", f"Newton-Euler {_BASE}", _newton_euler(trace, QDD), ALL_CHOICES)
+    yield from _closed(trace, "inverse_dynamics", trace.with_friction)
+
+
+def coriolis_vectors(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of C qd.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        One entry per joint.
+    """
+    zero, rates, still = trace.chain.zero, trace.arguments(QD), trace.zeros()
+
+    def values(choices: FrameChoices) -> list[Value]:
+        weightless = replace(trace.arranged(choices, axial=True), gravity=(zero, zero, zero))
+        return inverse_dynamics(weightless, rates, still, choices)
+
+    words = f"Newton-Euler without gravity and accelerations {_BASE}"
+    yield from _searched(trace, "velocity torques", words, values, ALL_CHOICES, _torque_choices(trace)[:1])
+
+
+def accelerations(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of qdd under given torques.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        One entry per joint.
+
+    Raises:
+        QuantityError: The inertia matrix is singular everywhere.
+    """
+    n = trace.n
+    if n <= POLICY.most_factorised:
+
+        def factorised() -> list[Value]:
+            inertia, bias = _inertia(trace), _newton_euler(trace, None)
+            entries = inertia(trace.cheapest_choices("inertia", inertia)[0])
+            matrix = [entries[n * i : n * i + n] for i in range(n)]
+            return forward_dynamics(matrix, bias(_torque_choices(trace)[0]), trace.arguments(TAU))
+
+        yield Formulation("inertia matrix and Newton-Euler, factorised without roots", factorised)
+    if n >= POLICY.fewest_articulated:
+        friction = trace.with_friction(trace.zeros())
+        push = [torque - loss for torque, loss in zip(trace.arguments(TAU), friction, strict=True)]
+
+        def articulated(choices: FrameChoices) -> list[Value]:
+            return articulated_accelerations(trace.arranged(choices), trace.arguments(QD), push, choices)
+
+        yield from _searched(trace, "articulated", f"articulated bodies {_BASE}", articulated, ALL_CHOICES)
+
+
+def no_accelerations(trace: Trace) -> Formulation:
+    """What stands for qdd where no motion of some joint meets inertia.
+
+    Args:
+        trace: Of the robot.
+
+    Returns:
+        Values that are infinite or not a number.
+    """
+    words = "the inertia matrix is singular everywhere"
+    return Formulation(words, lambda: [torque / trace.chain.zero for torque in trace.arguments(TAU)])
+
+
+def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of d tau / d q.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+    rates, accelerations = trace.arguments(QD), trace.arguments(QDD)
+
+    def values(choices: FrameChoices) -> list[Value]:
+        chain = trace.arranged(choices)
+        return flat(torque_position_derivative(chain, rates, accelerations, trace.half, choices))
+
+    starts = (*_torque_choices(trace), *_coriolis_choices(trace))
+    yield from _searched(trace, "torque slopes", f"moving composite bodies {_BASE}", values, (), starts)
+    if trace.n <= POLICY.most_differentiated:
+        found, choices = _newton_euler(trace, QDD), _torque_choices(trace)[0]
+        words = f"Newton-Euler {_BASE}, its operations differentiated"
+        yield Formulation(words, lambda: flat(gradient_columns(found(choices), trace.arguments(Q))))
+
+
+def torque_velocity_derivatives(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of d tau / d qd.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+
+    def values(choices: FrameChoices) -> list[Value]:
+        return flat(torque_velocity_derivative(trace.arranged(choices), trace.arguments(QD), trace.half))
+
+    words = f"composite bodies of twice the mass and their inner motion {_BASE}"
+    for choices in _coriolis_choices(trace):
+        yield Formulation(words, partial(values, choices))
+
+
+def _searched(
+    trace: Trace,
+    name: str,
+    words: str,
+    values: Recursion,
+    choices: Sequence[str] = CHAIN_CHOICES,
+    starts: Sequence[FrameChoices] = (),
+) -> Iterator[Formulation]:
+    """A recursion with each of the cheapest frame choices."""
+    for chosen in trace.cheapest_choices(name, values, choices, starts):
+        yield Formulation(words, partial(values, chosen))
+
+
+def _closed(
+    trace: Trace, function: str, finish: Callable[[list[Value]], list[Value]] = lambda values: values
+) -> Iterator[Formulation]:
+    """Closed forms of a function where they are short."""
+    for form in trace.closed_forms:
+        if (values := form.values(function)) is not None:
+            yield Formulation(form.words, partial(finish, values))
+
+
+def _inertia(trace: Trace) -> Recursion:
+    return lambda choices: flat(inertia_matrix(trace.arranged(choices)))
+
+
+def _coriolis(trace: Trace) -> Recursion:
+    return lambda choices: flat(coriolis_matrix(trace.arranged(choices), trace.arguments(QD), trace.half))
+
+
+def _coriolis_choices(trace: Trace) -> tuple[FrameChoices, ...]:
+    return trace.cheapest_choices("coriolis", _coriolis(trace))
+
+
+def _newton_euler(trace: Trace, accelerations: str | None) -> Recursion:
+    """Torques with friction; without accelerations they are the bias."""
+    rates = trace.arguments(QD)
+    given = trace.zeros() if accelerations is None else trace.arguments(accelerations)
+
+    def values(choices: FrameChoices) -> list[Value]:
+        return trace.with_friction(inverse_dynamics(trace.arranged(choices, axial=True), rates, given, choices))
+
+    return values
+
+
+def _torque_choices(trace: Trace) -> tuple[FrameChoices, ...]:
+    return trace.cheapest_choices("torques", _newton_euler(trace, QDD), ALL_CHOICES)

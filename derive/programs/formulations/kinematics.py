@@ -1,0 +1,118 @@
+"""Formulations of poses and Jacobians."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from derive.mechanics import forward_kinematics as recursion
+from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
+from derive.mechanics.vectors import Frame, column
+from derive.programs.cheapest_kinematics import cheapest_jacobian, cheapest_links, cheapest_pose
+from derive.programs.formulation import Formulation
+from derive.programs.optimise.improve import improved_values
+from derive.programs.tape.derivative import derivative
+from derive.programs.tape.graph import Value
+from derive.programs.tape.scalars import QD, Q
+from derive.programs.trace import Trace, flat
+
+Matrix = list[list[Value]]
+
+_FROM_THE_BASE = "transforms of joint frames from the base outwards"
+_SHORTEST = "the shortest ways to the world frame, turned by sums of angles of parallel joints"
+
+
+def poses(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of T.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+    yield Formulation(_FROM_THE_BASE, lambda: _entries(trace, [recursion.forward_kinematics(trace.chain)]))
+    if (stations := trace.stations) is not None:
+        yield Formulation(f"columns of the pose by {_SHORTEST}", lambda: _entries(trace, [cheapest_pose(stations)]))
+
+
+def link_poses(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of T_1 ... T_n.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Frame by frame, row by row.
+    """
+    yield Formulation(_FROM_THE_BASE, lambda: _entries(trace, recursion.link_transforms(trace.chain)))
+    if (stations := trace.stations) is not None:
+        words = "frames turned by sums of angles of parallel joints"
+        yield Formulation(words, lambda: _entries(trace, cheapest_links(stations)))
+
+
+def jacobians(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of J.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+    yield Formulation("geometric, from axes and origins", lambda: flat(recursion.jacobian(trace.chain)))
+    if (stations := trace.stations) is not None:
+        yield Formulation(f"geometric, columns by {_SHORTEST}", lambda: flat(cheapest_jacobian(stations)))
+
+
+def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of dJ/dt.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+    rates = dict(zip(trace.arguments(Q), trace.arguments(QD), strict=True))
+    yield Formulation("velocities of axes and origins", lambda: flat(jacobian_rate(trace.chain, trace.arguments(QD))))
+    for words, matrix, _ in _pairs(trace):
+
+        def in_time(matrix: Callable[[], Matrix] = matrix) -> list[Value]:
+            return derivative(improved_values(flat(matrix())), rates)
+
+        yield Formulation(f"{words}, differentiated in time", in_time)
+
+
+def analytic_jacobians(kind: str) -> Callable[[Trace], Iterator[Formulation]]:
+    """Formulations of J_A.
+
+    Args:
+        kind: Of the angles, ``rpy`` or ``zyz``.
+
+    Returns:
+        What gives them for a robot, row by row.
+    """
+
+    def formulations(trace: Trace) -> Iterator[Formulation]:
+        for words, matrix, pose in _pairs(trace):
+
+            def values(matrix: Callable[[], Matrix] = matrix, pose: Callable[[], Frame[Value]] = pose) -> list[Value]:
+                return flat(analytic_jacobian(kind, column(pose().rotation, TILTED[kind]), matrix()))
+
+            yield Formulation(f"{words}, and the angles' rates", values)
+
+    return formulations
+
+
+def _pairs(trace: Trace) -> Iterator[tuple[str, Callable[[], Matrix], Callable[[], Frame[Value]]]]:
+    """Geometric Jacobian and pose, in the ways in which they may be cheapest."""
+    chain = trace.chain
+    yield "geometric Jacobian", lambda: recursion.jacobian(chain), lambda: recursion.forward_kinematics(chain)
+    if (stations := trace.stations) is not None:
+        words = "geometric Jacobian by the shortest ways to the world frame"
+        yield words, lambda: cheapest_jacobian(stations), lambda: cheapest_pose(stations)
+
+
+def _entries(trace: Trace, frames: Sequence[Frame[Value]]) -> list[Value]:
+    chain = trace.chain
+    return [v for frame in frames for v in flat(frame.rows(chain.zero, chain.one))]

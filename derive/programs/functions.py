@@ -1,0 +1,337 @@
+"""The generated functions, one row each, and the program of a robot: every function's cheapest formulation, as a tape.
+
+A further function is one more row here, with what traces it in `derive.programs.formulations`; documentation of every
+target and the yardstick of its errors follow from the row. The oracle of `derive.verify` keeps a table of its own, so
+that no mistake is made twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Mapping
+from dataclasses import dataclass
+
+from derive.errors import QuantityError
+from derive.programs.formulation import Formulation
+from derive.programs.formulations import dynamics, identification, kinematics
+from derive.programs.policy import POLICY, Effort
+from derive.programs.program import Column, Function, Interface, Magnitude, Program
+from derive.programs.trace import Trace
+from derive.robot.inertial_parameters import has_regressor
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+
+def _always(robot: Robot) -> bool:
+    return True
+
+
+def _has_links(robot: Robot) -> bool:
+    return robot.has_dynamics
+
+
+def _has_regressor(robot: Robot) -> bool:
+    return robot.has_dynamics and has_regressor(robot)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """A generated function.
+
+    Attributes:
+        interface: What it takes and gives.
+        formulations: The ways to compute it, of which the cheapest is emitted.
+        exists: Which robots have it.
+        margin: How many times the cheapest a formulation may cost as traced to be improved at all; None for all.
+        search: Whether a long search for shared parts pays.
+        columns: Names of the columns of the result.
+        is_optional: Whether it is left out where it has no value in any configuration.
+        without_value: What stands for it there otherwise.
+    """
+
+    interface: Interface
+    formulations: Callable[[Trace], Iterable[Formulation]]
+    exists: Callable[[Robot], bool] = _always
+    margin: float | None = None
+    search: bool = True
+    columns: Callable[[Trace], tuple[Column, ...]] | None = None
+    is_optional: bool = False
+    without_value: Callable[[Trace], Formulation] | None = None
+
+
+ROWS = (
+    Row(
+        interface=Interface(
+            "forward_kinematics",
+            ("q",),
+            (4, 4),
+            "T",
+            "Pose of the end effector in the world frame.",
+            "base A_1 ... A_n tool, a 4x4 homogeneous transform",
+            Magnitude.POSE,
+        ),
+        formulations=kinematics.poses,
+        margin=POLICY.kinematics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "link_transforms",
+            ("q",),
+            ("n", 4, 4),
+            "T_i",
+            "Poses of the DH frames 1..n in the world frame.",
+            "base A_1 ... A_i for i = 1..n, without the tool",
+            Magnitude.POSE,
+        ),
+        formulations=kinematics.link_poses,
+        margin=POLICY.kinematics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "jacobian",
+            ("q",),
+            (6, "n"),
+            "J",
+            "Geometric Jacobian at the end effector, in the world frame.",
+            "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
+            Magnitude.JACOBIAN,
+        ),
+        formulations=kinematics.jacobians,
+        margin=POLICY.kinematics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "jacobian_dot",
+            ("q", "qd"),
+            (6, "n"),
+            "dJ/dt",
+            "Rate of change of the geometric Jacobian, in the world frame.",
+            "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
+            Magnitude.JACOBIAN_RATE,
+        ),
+        formulations=kinematics.jacobian_rates,
+    ),
+    Row(
+        interface=Interface(
+            "analytic_jacobian_rpy",
+            ("q",),
+            (6, "n"),
+            "J_A",
+            "Analytic Jacobian for roll, pitch, yaw.",
+            "rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit "
+            "of qd; no finite numbers where cos(pitch) = 0",
+            Magnitude.JACOBIAN,
+        ),
+        formulations=kinematics.analytic_jacobians("rpy"),
+        is_optional=True,
+    ),
+    Row(
+        interface=Interface(
+            "analytic_jacobian_zyz",
+            ("q",),
+            (6, "n"),
+            "J_A",
+            "Analytic Jacobian for Euler angles ZYZ.",
+            "rows: velocity of the end effector's origin [m/s], then rates of phi, theta and psi [rad/s], per unit "
+            "of qd; no finite numbers where sin(theta) = 0",
+            Magnitude.JACOBIAN,
+        ),
+        formulations=kinematics.analytic_jacobians("zyz"),
+        is_optional=True,
+    ),
+    Row(
+        interface=Interface(
+            "inertia_matrix",
+            ("q",),
+            ("n", "n"),
+            "B",
+            "Inertia matrix, rotors and armatures included.",
+            "symmetric; kinetic energy is qd^T B qd / 2",
+            Magnitude.INERTIA,
+        ),
+        formulations=dynamics.inertia_matrices,
+        exists=_has_links,
+        margin=POLICY.dynamics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "coriolis_matrix",
+            ("q", "qd"),
+            ("n", "n"),
+            "C",
+            "Coriolis and centrifugal matrix in Christoffel form.",
+            "C qd is the velocity torque, and dB/dt = C + C^T",
+            Magnitude.CORIOLIS,
+        ),
+        formulations=dynamics.coriolis_matrices,
+        exists=_has_links,
+        margin=POLICY.dynamics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "gravity_vector",
+            ("q",),
+            ("n",),
+            "g",
+            "Torques that hold the arm against gravity.",
+            "dU/dq, U the potential energy",
+            Magnitude.GRAVITY,
+        ),
+        formulations=dynamics.gravity_vectors,
+        exists=_has_links,
+        margin=POLICY.dynamics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "inverse_dynamics",
+            ("q", "qd", "qdd"),
+            ("n",),
+            "tau",
+            "Joint torques and forces of a motion, friction included.",
+            "B qdd + C qd + g + viscous*qd + coulomb*sign(qd)",
+            Magnitude.TORQUE,
+        ),
+        formulations=dynamics.torques,
+        exists=_has_links,
+        margin=POLICY.dynamics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "forward_dynamics",
+            ("q", "qd", "tau"),
+            ("n",),
+            "qdd",
+            "Joint accelerations under given torques and forces.",
+            "solution of tau = B qdd + C qd + g + friction",
+        ),
+        formulations=dynamics.accelerations,
+        exists=_has_links,
+        without_value=dynamics.no_accelerations,
+    ),
+    Row(
+        interface=Interface(
+            "coriolis_vector",
+            ("q", "qd"),
+            ("n",),
+            "c",
+            "Coriolis and centrifugal torques.",
+            "C qd, quadratic in qd",
+            Magnitude.VELOCITY_TORQUE,
+        ),
+        formulations=dynamics.coriolis_vectors,
+        exists=_has_links,
+    ),
+    Row(
+        interface=Interface(
+            "inverse_dynamics_dq",
+            ("q", "qd", "qdd"),
+            ("n", "n"),
+            "dtau/dq",
+            "Derivatives of the joint torques with respect to q.",
+            "row i, column j: d tau_i / d q_j at constant qd and qdd",
+            Magnitude.TORQUE_BY_POSITION,
+        ),
+        formulations=dynamics.torque_position_derivatives,
+        exists=_has_links,
+    ),
+    Row(
+        interface=Interface(
+            "inverse_dynamics_dqd",
+            ("q", "qd"),
+            ("n", "n"),
+            "dtau/dqd",
+            "Derivatives of the joint torques with respect to qd.",
+            "2 C + viscous friction on the diagonal; Coulomb friction counts as constant",
+            Magnitude.TORQUE_BY_VELOCITY,
+        ),
+        formulations=dynamics.torque_velocity_derivatives,
+        exists=_has_links,
+    ),
+    Row(
+        interface=Interface(
+            "regressor",
+            ("q", "qd", "qdd"),
+            ("n", "p"),
+            "Y",
+            "Regressor: tau = Y pi for the standard parameters pi, friction included.",
+            "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's "
+            "origin",
+        ),
+        formulations=identification.regressors,
+        exists=_has_regressor,
+        columns=identification.standard_columns,
+        search=False,  # its entries share little beyond what the recursion shares
+    ),
+    Row(
+        interface=Interface(
+            "base_regressor",
+            ("q", "qd", "qdd"),
+            ("n", "p"),
+            "Y_b",
+            "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
+            "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
+        ),
+        formulations=identification.base_regressors,
+        exists=_has_regressor,
+        columns=identification.base_columns,
+        search=False,
+    ),
+    Row(
+        interface=Interface(
+            "base_parameters",
+            (),
+            ("p",),
+            "beta",
+            "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
+            "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
+        ),
+        formulations=identification.base_parameters,
+        exists=_has_regressor,
+        columns=identification.base_columns,
+    ),
+)
+"""In the order in which they are printed."""
+
+INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}
+
+
+def build_program(
+    robot: Robot, effort: Effort = Effort.FULL, *, names: Container[str] = frozenset(INTERFACES)
+) -> Program:
+    """The functions of a robot: kinematics, and dynamics where the file has links.
+
+    Args:
+        robot: The robot.
+        effort: How long the cheapest programs are looked for.
+        names: Only the functions of these names.
+
+    Returns:
+        The program.
+
+    Raises:
+        QuantityError: A cell divides by zero or has no real root once the parameters have their numbers.
+    """
+    trace = Trace(robot, effort)
+    functions = [_function(row, trace) for row in ROWS if row.interface.name in names and row.exists(robot)]
+    return Program(tuple(function for function in functions if function is not None), free_symbols(robot))
+
+
+def _function(row: Row, trace: Trace) -> Function | None:
+    """One function; None for an optional one without a value in any configuration.
+
+    Cells without a value have been refused by the functions before, which are not optional: a division by zero here is
+    that of singular angles, or of an inertia matrix that is singular everywhere.
+    """
+    columns = row.columns(trace) if row.columns else ()
+    sizes = {"n": trace.n, "p": len(columns)}
+    shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
+    try:
+        formulations = row.formulations(trace)
+        near = tuple(formulations) if row.margin is None else trace.choice.near(formulations, row.margin)
+        formulation, tape = trace.choice.cheapest(near, search=row.search)
+    except QuantityError:
+        if row.is_optional:
+            return None
+        if row.without_value is None:
+            raise
+        formulation, tape = trace.choice.cheapest([row.without_value(trace)])
+    return Function(row.interface, shape, tape, formulation.words, columns)

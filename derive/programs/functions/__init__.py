@@ -1,1 +1,0 @@
-"""The generated functions, one module per subject."""

@@ -1,0 +1,88 @@
+"""Exact derivatives of graph values: every node once, in the graph that holds the values.
+
+A derivative is made of nodes of the same graph, so it shares all that the values have computed already, and what does
+not depend on the input costs nothing. The graph is differentiated as it stands; a graph that has been improved first
+has fewer nodes to differentiate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from derive.programs.tape.build import reachable
+from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, Value, is_negative, negated, node_of, ref_to, signed
+from derive.programs.tape.tape import LEAVES, Op
+
+
+def derivative(values: Sequence[Value], rates: Mapping[Value, Value]) -> list[Value]:
+    """Rates of change of values (forward mode).
+
+    Args:
+        values: Of one graph.
+        rates: For inputs of that graph, their rates of change; other inputs do not change.
+
+    Returns:
+        d value / dt for each.
+    """
+    if not values:
+        return []
+    graph = values[0].graph
+    refs = [value.ref for value in values]
+    tangents = {
+        node_of(source.ref): signed(rate.ref, is_negative(source.ref))
+        for source, rate in rates.items()
+        if rate.ref != ZERO
+    }
+    for i in reachable(graph, refs):
+        if i not in tangents and graph.op[i] not in LEAVES:
+            tangent = _tangent(graph, i, tangents)
+            if tangent != ZERO:
+                tangents[i] = tangent
+    return [Value(graph, signed(tangents.get(node_of(ref), ZERO), is_negative(ref))) for ref in refs]
+
+
+def gradient_columns(values: Sequence[Value], inputs: Sequence[Value]) -> list[list[Value]]:
+    """The matrix of partial derivatives.
+
+    Args:
+        values: Of one graph.
+        inputs: Inputs of that graph.
+
+    Returns:
+        d value_i / d input_j, row by row.
+    """
+    if not values:
+        return []
+    one = Value(values[0].graph, ONE)
+    columns = [derivative(values, {source: one}) for source in inputs]
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:
+    """The rate of change of a node from those of its operands."""
+    operands = graph.operands[i]
+    rates = [tangents.get(k, ZERO) for k in operands]
+    if not any(rates):
+        return ZERO
+    a, da = ref_to(operands[0]), rates[0]
+    match graph.op[i]:
+        case Op.ADD:
+            return graph.add(da, rates[1])
+        case Op.SUBTRACT:
+            return graph.subtract(da, rates[1])
+        case Op.MULTIPLY:
+            b, db = ref_to(operands[1]), rates[1]
+            return graph.add(graph.multiply(da, b), graph.multiply(a, db))
+        case Op.DIVIDE:
+            b, db = ref_to(operands[1]), rates[1]
+            return graph.divide(graph.subtract(da, graph.multiply(ref_to(i), db)), b)
+        case Op.NEGATE:
+            return negated(da)
+        case Op.SINE:
+            return graph.multiply(graph.cosine(a), da)
+        case Op.COSINE:
+            return negated(graph.multiply(graph.sine(a), da))
+        case Op.ROOT:
+            return graph.divide(da, graph.add(ref_to(i), ref_to(i)))
+        case _:
+            return ZERO
