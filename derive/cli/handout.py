@@ -34,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("robot", metavar="ROBOT", help="robot file or catalogue name")
     add("--tex", action="store_true", help="the LaTeX file; it stands alone (default)")
     add("--pdf", action="store_true", help="the LaTeX file and the PDF; needs latexmk and pdflatex")
-    add("--html", action="store_true", help="a web page in one file; needs pip install 'derive-robot[handout]'")
+    add("--html", action="store_true", help="a web page in one file")
     add("--out", metavar="DIR", type=Path, default=Path("."), help="folder of the files (default: the current one)")
     add("--parts", metavar="A,B", type=_parts, help="only these parts, see docs/handout.md")
     add("--lang", metavar="CODE", help="language: en, it, pt or another that has a message catalogue")

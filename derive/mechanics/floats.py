@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -22,11 +22,12 @@ class FloatDomain:
     Args:
         robot: The robot.
         q: Joint variables [rad or m], n entries.
+        values: Numbers of the parameters; None for those of the robot file.
     """
 
-    def __init__(self, robot: Robot, q: Sequence[float]) -> None:
+    def __init__(self, robot: Robot, q: Sequence[float], values: Mapping[str, Fraction | float] | None = None) -> None:
         self.q = q
-        self.values = parameter_values(robot)
+        self.values = parameter_values(robot) if values is None else dict(values)
 
     def number(self, value: int | Fraction) -> float:
         """A rational as a float.

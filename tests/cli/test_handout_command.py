@@ -60,7 +60,6 @@ def test_the_same_robot_gives_the_same_bytes(folder: Path) -> None:
 
 
 def test_a_web_page_is_one_file(folder: Path) -> None:
-    pytest.importorskip("py_mini_racer")
     outcome = handout(folder, "--html")
     assert outcome.status == 0, outcome.stderr
     assert names(folder) == {"pendulum.html"}

@@ -175,15 +175,15 @@ class _Stage:
             return
         nx, ny = -(end[1] - start[1]) / length, (end[0] - start[0]) / length
 
-        def beside(point: Point, by: float) -> Point:
+        def _beside(point: Point, by: float) -> Point:
             return (point[0] + by * nx, point[1] + by * ny)
 
-        costs = [self.paper.crossing(beside(start, o), beside(end, o)) + 0.12 * abs(o) for o in _OFFSETS]
+        costs = [self.paper.crossing(_beside(start, o), _beside(end, o)) + 0.12 * abs(o) for o in _OFFSETS]
         offset = _OFFSETS[int(np.argmin(np.round(costs, 6)))]
         for point in (start, end):
-            ends = beside(point, math.copysign(4.0, offset)), beside(point, offset + math.copysign(2.5, offset))
+            ends = _beside(point, math.copysign(4.0, offset)), _beside(point, offset + math.copysign(2.5, offset))
             self.paper.draw(Path(ends, stroke=DIMENSION, width=0.3), weight=0.4)
-        a, b = beside(start, offset), beside(end, offset)
+        a, b = _beside(start, offset), _beside(end, offset)
         self.paper.arrow(a, b, DIMENSION, 0.45, both=True)
         outward = (math.copysign(1.0, offset) * nx, math.copysign(1.0, offset) * ny)
         reach = 6.0 + abs(outward[0]) * label_width(latex) / 2

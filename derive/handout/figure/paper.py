@@ -227,9 +227,9 @@ def _corners(item: Item) -> Iterator[Point]:
 
 
 def _mapped(item: Item, factor: float, dx: float, dy: float) -> Item:
-    def place(point: Point) -> Point:
+    def _placed(point: Point) -> Point:
         return (round(factor * point[0] + dx, 2), round(factor * point[1] + dy, 2))
 
     if isinstance(item, Label):
-        return replace(item, at=place(item.at))
-    return replace(item, points=tuple(place(point) for point in item.points))
+        return replace(item, at=_placed(item.at))
+    return replace(item, points=tuple(_placed(point) for point in item.points))

@@ -155,9 +155,7 @@ class RobotPoses:
 
 
 def _chain(robot: Robot, values: Numbers) -> Chain[Any]:
-    domain = FloatDomain(robot, (0.0,) * robot.n)
-    domain.values = dict(values)
-    return build_chain(robot, domain)
+    return build_chain(robot, FloatDomain(robot, (0.0,) * robot.n, values))
 
 
 def _with_assumed_numbers(robot: Robot, known: Numbers) -> tuple[tuple[tuple[str, float], ...], Numbers]:

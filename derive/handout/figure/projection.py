@@ -89,17 +89,17 @@ def best_view(
         segments: (2, 3) each, the links with a length.
         up: What points up on the page.
     """
-
-    def badness(view: View) -> float:
-        axes = sum(_crowding(view.project(star)[:, :2]) for star in stars) / max(1, len(stars))
-        links = sum(_foreshortening(view, segment) for segment in segments) / max(1, len(segments))
-        azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
-        away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
-        unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
-        return axes + 2.0 * links + 1.5 * _meeting(view, origins) + unusual
-
     views = [View(math.radians(a), math.radians(e), up) for e in ELEVATIONS for a in AZIMUTHS]
-    return min(views, key=lambda view: round(badness(view), 6))
+    return min(views, key=lambda view: round(_badness(view, origins, stars, segments), 6))
+
+
+def _badness(view: View, origins: Array, stars: Sequence[Array], segments: Sequence[Array]) -> float:
+    axes = sum(_crowding(view.project(star)[:, :2]) for star in stars) / max(1, len(stars))
+    links = sum(_foreshortening(view, segment) for segment in segments) / max(1, len(segments))
+    azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
+    away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
+    unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
+    return axes + 2.0 * links + 1.5 * _meeting(view, origins) + unusual
 
 
 def _crowding(star: Array) -> float:

@@ -1,58 +1,74 @@
-"""A document as one HTML file: formulas, figures, fonts, styles and scripts inside of it, nothing from a network."""
+"""A document as one HTML file: formulas, figures, fonts, styles and scripts inside of it, nothing from a network.
+
+The file holds every formula as LaTeX, and KaTeX, which sets it in the reader's browser: what is on the screen first,
+the rest while the reader reads. Without scripts the LaTeX is there to be read.
+"""
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from base64 import b64encode
+from functools import cache
+from importlib.resources import files
+from typing import Any
 
 from derive.handout.document import Document, Steps, blocks_of
 from derive.handout.language import Text
 from derive.handout.page.blocks import BlockWriter
-from derive.handout.page.formulas import Collector, size
+from derive.handout.page.viewer import Viewer
 from derive.targets import templating
 from derive.targets.escape import html_text
 
-if TYPE_CHECKING:
-    from derive.handout.page.viewer import Viewer
-
-
-BUDGET = 2_990_000
-"""Bytes of the page; the file may have three million, with what a command writes at its top."""
-
 _SCRIPT_END = re.compile(r"<(?=/script|!--|script)", re.IGNORECASE)
 _STYLE_END = re.compile(r"<(?=/style)", re.IGNORECASE)
-_CONTENT = "\ue002"
-_FORMULA_STYLES = "\ue003"
-"""Places of the parts that are written last."""
+_FONT_FACE = re.compile(r"(@font-face\{[^}]*?src:url\(fonts/([\w-]+\.woff2)\)[^}]*\})")
+_FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 
-def page(document: Document, text: Text, viewer: Viewer | None = None, budget: int = BUDGET) -> str:
+def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
     """The document as a web page.
 
     Args:
         document: The handout.
         text: Translates the words of the page itself.
         viewer: The figure that the reader can move, None for none.
-        budget: Bytes that the file may have; beyond it the longest formulas lose their MathML, never their drawing.
 
-    Raises:
-        TargetError: The package mini-racer is not installed, or a formula cannot be drawn.
+    Returns:
+        HTML that needs no other file.
     """
-    formulas = Collector()
-    content = templating.render("page/content.html.jinja", **_content(document, text, viewer, formulas))
-    frame = templating.render("page/page.html.jinja", **_frame(document, text, viewer))
-    content, styles = formulas.fill(content, budget - size(frame))
-    return frame.replace(_FORMULA_STYLES, styles, 1).replace(_CONTENT, content, 1)
+    return templating.render(
+        "page/page.html.jinja",
+        language=html_text(document.language),
+        title=html_text(document.title or document.name),
+        style="\n".join((formula_style(), templating.render("page/style.css.jinja"))),
+        script=templating.render("page/page.js.jinja"),
+        katex=safe_script(_asset("katex.min.js").decode()),
+        viewer_style=safe_style(viewer.css) if viewer else "",
+        viewer_script=safe_script(viewer.script) if viewer else "",
+        content=templating.render("page/content.html.jinja", **_content(document, text, viewer)),
+    )
 
 
-def _content(document: Document, text: Text, viewer: Viewer | None, formulas: Collector) -> dict[str, Any]:
-    writer = BlockWriter(text, formulas)
+def _content(document: Document, text: Text, viewer: Viewer | None) -> dict[str, Any]:
+    _ = text
+    writer = BlockWriter(text)
+    words = {
+        "skip": _("Skip to the content"),
+        "contents": _("Contents"),
+        "motion": _("The robot in motion"),
+        "open_steps": _("Open all steps"),
+        "close_steps": _("Close all steps"),
+        "dark": _("Dark page"),
+        "light": _("Light page"),
+        "copied": _("Copied"),
+        "failed": _("The browser does not allow copying"),
+    }
     sections = [
         {"anchor": html_text(section.part), "title": writer.words(section.title), "body": writer.blocks(section.blocks)}
         for section in document.sections
     ]
     return {
-        "words": {name: html_text(word) for name, word in _words(text).items()},
+        "words": {name: html_text(word) for name, word in words.items()},
         "title": html_text(document.title),
         "subtitle": writer.words(document.subtitle),
         "sections": sections,
@@ -65,40 +81,38 @@ def _content(document: Document, text: Text, viewer: Viewer | None, formulas: Co
     }
 
 
-def _words(text: Text) -> dict[str, str]:
-    """What the page itself says."""
-    _ = text
-    return {
-        "skip": _("Skip to the content"),
-        "contents": _("Contents"),
-        "motion": _("The robot in motion"),
-        "open_steps": _("Open all steps"),
-        "close_steps": _("Close all steps"),
-        "dark": _("Dark page"),
-        "light": _("Light page"),
-        "copied": _("Copied"),
-        "failed": _("The browser does not allow copying"),
-    }
+@cache
+def formula_style() -> str:
+    """The style sheet of KaTeX with its fonts inside; families of which we have no file are left out."""
+    folder = files("derive").joinpath("assets", "katex")
+    css = _asset("katex.min.css").decode()
+    for face, font in _FONT_FACE.findall(css):
+        inside = ""
+        if folder.joinpath(font).is_file():
+            data = b64encode(_asset(font)).decode("ascii")
+            inside = _FONT_SOURCES.sub(f'src:url(data:font/woff2;base64,{data}) format("woff2")', face)
+        css = css.replace(face, inside)
+    return safe_style(css)
 
 
-def _frame(document: Document, text: Text, viewer: Viewer | None) -> dict[str, Any]:
-    return {
-        "language": html_text(document.language),
-        "title": html_text(document.title or document.name),
-        "style": templating.render("page/style.css.jinja"),
-        "script": templating.render("page/page.js.jinja"),
-        "viewer_style": safe_style(viewer.css) if viewer else "",
-        "viewer_script": safe_script(viewer.script) if viewer else "",
-        "formula_styles": _FORMULA_STYLES,
-        "content": _CONTENT,
-    }
+def _asset(name: str) -> bytes:
+    """A file of the vendored KaTeX."""
+    return files("derive").joinpath("assets", "katex", name).read_bytes()
 
 
 def safe_script(script: str) -> str:
-    r"""A script that cannot end its element: in strings ``<\/script`` means the same as ``</script``."""
+    r"""A script that cannot end its element: in strings ``<\/script`` means the same as ``</script``.
+
+    Args:
+        script: JavaScript in which such text stands in strings only.
+    """
     return _SCRIPT_END.sub(lambda found: "<\\", script)
 
 
 def safe_style(css: str) -> str:
-    """A style sheet that cannot end its element."""
+    """A style sheet that cannot end its element.
+
+    Args:
+        css: The style sheet.
+    """
     return _STYLE_END.sub(lambda found: "<\\", css)

@@ -1,27 +1,29 @@
-"""The web page in a browser: it works from disk, alone, for everybody, and looks as KaTeX draws it."""
+"""The web page in a browser: it works from disk, alone, for everybody, and KaTeX sets every formula."""
 
 from __future__ import annotations
 
 import os
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from derive.handout.assemble import context_of
+from derive.handout.assemble import document as handout
+from derive.handout.document import Paragraph, Rows, Section
 from derive.handout.language import Text
-from derive.handout.page.compact import compact, parse
-from derive.handout.page.katex import Mathematics, asset, render
-from derive.handout.page.stylesheet import known_classes, names, stylesheet, write
 from derive.handout.page.writer import page
+from derive.robot.robot import Robot
+from derive.robot.style import Derivation
 from tests.handout.page.page_documents import ENTRIES, LONG, MATRIX, document
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page
 
 THEMES = ("light", "dark")
-BAD = ("error", "warning")
 FORMULAS = (
     MATRIX,
     LONG,
@@ -35,7 +37,6 @@ FORMULAS = (
 def browser() -> Iterator[Browser]:
     chromium = shutil.which("chromium")
     if os.environ.get("DERIVE_REQUIRE_CHROMIUM") != "1":
-        pytest.importorskip("py_mini_racer")
         pytest.importorskip("playwright.sync_api")
         if chromium is None:
             pytest.skip("chromium is not installed")
@@ -50,8 +51,14 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture(scope="module")
 def file(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "hostile.html"
-    path.write_text(page(document(), Text()), encoding="utf-8")
+    path.write_text(page(document(*far()), Text()), encoding="utf-8")
     return path
+
+
+def far() -> tuple[Section, Section]:
+    """A section many screens below the first, with formulas above it that change their height when they are set."""
+    many = tuple(Paragraph("Nothing.") for _ in range(100))
+    return Section("between", "Between", (*many, Rows(FORMULAS))), Section("far", "Far", (Rows(FORMULAS), *many))
 
 
 @pytest.fixture(params=THEMES)
@@ -157,47 +164,43 @@ def test_print_shows_the_steps_and_no_buttons(view: Page) -> None:
     assert paper(view) == "rgb(255, 255, 255)"
 
 
-def test_compaction_moves_no_letter(browser: Browser, tmp_path: Path) -> None:
-    """Where KaTeX puts each letter, half a pixel either way."""
-    rendered = render(Mathematics(latex, True) for latex in FORMULAS)
-    trees = [compact(parse(both.html), known_classes(), display=True) for both in rendered.values()]
-    given = names(trees)
-    raw = letters(browser, tmp_path / "raw.html", katex_css(), [both.html for both in rendered.values()])
-    small = letters(browser, tmp_path / "small.html", stylesheet(given), [write(tree, given) for tree in trees])
-    assert [letter[0] for letter in raw] == [letter[0] for letter in small]
-    assert (
-        max(
-            abs(a - b)
-            for before, after in zip(raw, small, strict=True)
-            for a, b in zip(before[1:], after[1:], strict=True)
-        )
-        <= 0.5
-    )
+def test_formulas_are_set_where_the_reader_is_and_all_of_them_for_print(view: Page) -> None:
+    first, last = view.locator("#inertia .math").first, view.locator("#far .math").last
+    assert "set" in (first.get_attribute("class") or "")
+    assert "set" not in (last.get_attribute("class") or "")
+    assert last.inner_text() == FORMULAS[-1]
+    last.scroll_into_view_if_needed()
+    view.locator("#far .math.set").last.wait_for()
+    view.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert view.locator(".math:not(.set)").count() == 0
+    assert view.locator(".math .katex math").count() == view.locator(".math").count()
 
 
-def katex_css() -> str:
-    return asset("katex.min.css").read_text(encoding="utf-8").replace("fonts/", f"{Path(str(asset(''))).as_uri()}/")
+def test_a_link_leads_to_its_section(view: Page) -> None:
+    view.click("nav a[href='#far']")
+    view.locator("#far .math.set").first.wait_for(state="attached")
+    view.wait_for_timeout(200)
+    assert abs(float(view.evaluate("document.getElementById('far').getBoundingClientRect().top"))) < 40
 
 
-def letters(browser: Browser, path: Path, css: str, formulas: list[str]) -> list[list[Any]]:
-    """Every letter with the left edge and the baseline's neighbour, its lower edge [px]."""
-    style = f"<style>{css}body{{width:2400px}}</style>"
-    path.write_text(f"<!DOCTYPE html><meta charset=utf-8>{style}{''.join(formulas)}", encoding="utf-8")
-    view = browser.new_page(viewport={"width": 2500, "height": 900})
+def test_formulas_are_readable_without_scripts(browser: Browser, file: Path) -> None:
+    context = browser.new_context(java_script_enabled=False)
+    view = context.new_page()
+    view.goto(file.as_uri())
+    assert view.locator("#inertia .display .math").nth(1).inner_text() == MATRIX
+    assert not view.locator("button").first.is_visible()
+    context.close()
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "stanford-deluca", "thumb", "dh-modified-deluca"])
+def test_katex_understands_every_formula_of_a_handout(browser: Browser, tmp_path: Path, name: str) -> None:
+    robot = Robot.load(name)
+    context = context_of(robot, replace(robot.handout, derivation=Derivation.STEPS))
+    path = tmp_path / "page.html"
+    path.write_text(page(handout(context), context.text), encoding="utf-8")
+    view = browser.new_page()
     view.goto(path.as_uri())
-    view.evaluate("document.fonts.ready.then(() => true)")
-    script = """() => {
-      const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), found = [];
-      for (let node = walker.nextNode(); node; node = walker.nextNode())
-        for (let k = 0; k < node.data.length; k++) {
-          if (node.data[k] === "\\u200b") continue;
-          const range = document.createRange();
-          range.setStart(node, k); range.setEnd(node, k + 1);
-          const box = range.getBoundingClientRect();
-          found.push([node.data[k], box.left, box.bottom]);
-        }
-      return found;
-    }"""
-    found: list[list[Any]] = view.evaluate(script)
+    view.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert view.locator(".katex-error").all_inner_texts() == []
+    assert view.locator(".math").count() == view.locator(".math.set").count() > 20
     view.close()
-    return found

@@ -9,8 +9,9 @@ import re
 import pytest
 
 from derive.handout.figure.poses import RobotPoses
+from derive.handout.figure.scene import upwards
 from derive.handout.language import Text
-from derive.handout.page.viewer import Viewer, html_symbol, symbol_values, three, travels, upwards, viewer
+from derive.handout.page.viewer import Viewer, html_symbol, symbol_values, three, travels, viewer
 from derive.programs.functions import build_program
 from derive.programs.policy import Effort
 from derive.robot.robot import Robot
@@ -77,8 +78,8 @@ def test_the_figure_configuration_is_where_it_starts() -> None:
 
 def test_up_is_against_gravity() -> None:
     link = "links: [{mass: 1}]"
-    assert upwards(arm("  - {type: revolute, a: 1}", f"gravity: [0, -9.81, 0]\n{link}\n"), {}) == [0, 1, 0]
-    assert upwards(arm("  - {type: revolute, a: 1}"), {}) == [0, 0, 1]
+    assert upwards(arm("  - {type: revolute, a: 1}", f"gravity: [0, -9.81, 0]\n{link}\n"), {}) == (0, 1, 0)
+    assert upwards(arm("  - {type: revolute, a: 1}"), {}) == (0, 0, 1)
 
 
 def test_symbols_are_letters_with_indices() -> None:
