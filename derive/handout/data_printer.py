@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy
 
 from derive.handout.notation.names import Glyph
 from derive.handout.notation.notation import Notation
 from derive.handout.notation.pieces import BRACKET_WIDTH, Box, Piece, joined
 from derive.handout.notation.printer import LatexPrinter
+from derive.lecture.sympy_types import Expr
 from derive.lecture.to_sympy import expression_to_sympy
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
@@ -33,7 +32,7 @@ class DataPrinter:
         self.robot = robot
         self.notation = notation.for_data()
 
-    def value(self, cell: Expression | Any) -> Pieces:
+    def value(self, cell: Expression | Expr) -> Pieces:
         """A length, mass or other number.
 
         Args:
@@ -44,7 +43,7 @@ class DataPrinter:
         """
         return tuple(LatexPrinter(self.notation).pieces(_sympy(cell)))
 
-    def angle(self, cell: Expression | Any) -> Pieces:
+    def angle(self, cell: Expression | Expr) -> Pieces:
         """An angle; its constant part in multiples of pi or, where the denominator is unusual, in degrees.
 
         Args:
@@ -81,7 +80,7 @@ class DataPrinter:
         opening, closing = (Piece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
         return (opening, *lower, Piece(Box(",\\, ", 6.0)), *upper, closing, *end)
 
-    def _degrees(self, value: Any, turn: Any) -> Pieces:
+    def _degrees(self, value: Expr, turn: Expr) -> Pieces:
         """An angle whose constant part, ``turn`` times pi, is written in degrees."""
         symbol = sympy.Symbol("_degrees")
         number = joined(LatexPrinter(self.notation).pieces(abs(turn) * 180))
@@ -90,5 +89,5 @@ class DataPrinter:
         return tuple(LatexPrinter(self.notation.with_terms({"_degrees": glyph})).pieces(replaced))
 
 
-def _sympy(cell: Expression | Any) -> Any:
+def _sympy(cell: Expression | Expr) -> Expr:
     return cell if isinstance(cell, sympy.Basic) else expression_to_sympy(cell)

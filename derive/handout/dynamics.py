@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
 
 import sympy
 
@@ -20,6 +19,7 @@ from derive.handout.notation.names import Glyph
 from derive.handout.notation.pieces import Box, Break, Piece, binary, concatenate, italic, script
 from derive.handout.notation.printer import MINUS, LatexPrinter
 from derive.handout.notation.symbols import EntryNamer, Symbols
+from derive.lecture.sympy_types import Expr
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.entries import Entries
 from derive.robot.names import acceleration_name, velocity_name
@@ -164,7 +164,7 @@ class DynamicsLayout:
         triples = {self.symbols.christoffel(*triple): triple for triple in self.entries.triples}
         aliases = {box: sympy.Symbol(f"_c{index}") for index, box in enumerate(triples)}
         quantities = {box: self.entries.christoffel(*triple) for box, triple in triples.items()}
-        known: dict[Any, Any] = {}
+        known: dict[Expr, Expr] = {}
         items = [
             Item(box, quantity.terms(1, 1), partial(_once, quantity, aliases[box], known))
             for box, quantity in quantities.items()
@@ -247,7 +247,7 @@ class DynamicsLayout:
         return {k: glyph(velocity_name(joint.variable)) for k, joint in enumerate(self.entries.robot.joints, 1)}
 
 
-def _once(quantity: Entries, alias: Any, known: dict[Any, Any]) -> Any:
+def _once(quantity: Entries, alias: Expr, known: dict[Expr, Expr]) -> Expr:
     """The expression of a scalar, or the alias of an earlier one that is the same up to the sign."""
     entry = quantity.entry(1, 1)
     if entry in known:

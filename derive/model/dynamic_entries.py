@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cache, cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy
 
 from derive.algebra.ring import TooManyTerms
+from derive.lecture.sympy_types import Expr
 from derive.lecture.to_sympy import expression_to_sympy
 from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import MAX_DYNAMIC_TERMS
@@ -17,7 +18,6 @@ from derive.model.entries import Entries, KinematicEntries, of_polynomials
 from derive.model.matrices import only_link, only_rotor
 from derive.robot.expression import ZERO
 
-Expr = Any
 Triple = tuple[int, int, int]
 """i, j, k of the Christoffel symbol c_ijk, from 1, with j <= k."""
 

@@ -11,17 +11,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import prod
-from typing import Any
 
 import sympy
 
 from derive.algebra.ring import Polynomial
+from derive.lecture.sympy_types import Expr, Matrix
 from derive.mechanics.vectors import Frame, Vector
 from derive.model.long_chain import LongChain, NestedKinematics, TermCount, nested_term_counts
 from derive.model.model import Model
 from derive.robot.robot import Robot
-
-Expr = Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,7 +236,7 @@ class KinematicEntries:
         return self._kept[key]
 
 
-def of_matrix(matrix: Any) -> Entries:
+def of_matrix(matrix: Matrix) -> Entries:
     """Entries of a matrix that is already there.
 
     Args:
@@ -250,7 +248,7 @@ def of_matrix(matrix: Any) -> Entries:
     return _written(matrix.shape, lambda: matrix)
 
 
-def _written(shape: tuple[int, int], make: Callable[[], Any]) -> Entries:
+def _written(shape: tuple[int, int], make: Callable[[], Matrix]) -> Entries:
     """Entries of a matrix that is made as a whole, on first use, and counted before terms meet."""
     matrix = cache(make)
     return Entries(shape, lambda i, j: expanded_terms(matrix()[i - 1, j - 1]), lambda i, j: matrix()[i - 1, j - 1])

@@ -125,8 +125,14 @@ def _partial_products(context: Context) -> Iterator[Block]:
     _ = context.text
     n, frame = context.robot.n, context.symbols.frame
     cuts = [0]
-    while cuts[-1] < n:
-        cuts.append(_last_short(context, cuts[-1]))
+    for end in range(1, n + 1):
+        quantity = context.entries.transform(cuts[-1], end)
+        if (
+            end > cuts[-1] + 1
+            and max(quantity.terms(*place) for place in quantity.places) > context.policy.factor_terms
+        ):
+            cuts.append(end - 1)
+    cuts.append(n)
     if len(cuts) == 2:
         return
     yield Paragraph(
@@ -139,12 +145,3 @@ def _partial_products(context: Context) -> Iterator[Block]:
     yield Paragraph(_("The arm as a whole is"))
     factors = (Piece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
     yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))
-
-
-def _last_short(context: Context, start: int) -> int:
-    """The frame up to which every entry of the product from frame ``start`` on is short."""
-    for end in range(start + 2, context.robot.n + 1):
-        quantity = context.entries.transform(start, end)
-        if max(quantity.terms(*place) for place in quantity.places) > context.policy.factor_terms:
-            return end - 1
-    return context.robot.n

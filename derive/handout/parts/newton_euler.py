@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from derive.handout.context import Context
 from derive.handout.document import Block, Entry, Formula, Paragraph, Rows, Steps
@@ -16,6 +15,7 @@ from derive.handout.notation.text import PlainPrinter
 from derive.handout.parts.bodies import has_rotors
 from derive.handout.parts.recursion import JointLetters, Recursion, com, vector
 from derive.handout.textbook import textbook
+from derive.lecture.sympy_types import Expr
 from derive.lecture.to_sympy import expression_to_sympy
 from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, velocity_name
@@ -151,11 +151,11 @@ class _Constant:
     """
 
     symbol: Box
-    cells: Sequence[Sequence[Any]]
+    cells: Sequence[Sequence[Expr]]
     printer: LatexPrinter
 
     @property
-    def named(self) -> list[tuple[Box, Any]]:
+    def named(self) -> list[tuple[Box, Expr]]:
         """The entries with their names."""
         if len(self.cells) == 1:
             return [(self.symbol, self.cells[0][0])]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import sympy
 
@@ -19,6 +18,7 @@ from derive.handout.notation.names import Glyph
 from derive.handout.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, Piece, concatenate, italic, script
 from derive.handout.notation.printer import LatexPrinter
 from derive.handout.notation.symbols import EntryNamer, bold
+from derive.lecture.sympy_types import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.conditions import Posture
 from derive.model.singularities.determinant import MAX_TERMS, Outcome, SingularFactor, Singularities
@@ -223,7 +223,7 @@ class _SingularFormulas:
     # -- factors that are too long to be printed
 
     @cached_property
-    def _long(self) -> dict[Any, SingularFactor]:
+    def _long(self) -> dict[Expr, SingularFactor]:
         """They have a symbol in place of their expression."""
         policy, pieces = self.context.policy, self.context.printer.pieces
         return {
@@ -234,7 +234,7 @@ class _SingularFormulas:
         }
 
     @cached_property
-    def _names(self) -> dict[Any, Box]:
+    def _names(self) -> dict[Expr, Box]:
         return {s: self.context.symbols.term(groups.DETERMINANT, k) for k, s in enumerate(self._long, 1)}
 
     @cached_property
@@ -242,6 +242,6 @@ class _SingularFormulas:
         glyphs = {symbol.name: Glyph(box) for symbol, box in self._names.items()}
         return LatexPrinter(self.context.notation.with_terms(glyphs))
 
-    def _short(self, factor: SingularFactor) -> Any:
+    def _short(self, factor: SingularFactor) -> Expr:
         """The factor, or its symbol."""
         return next((symbol for symbol, long in self._long.items() if long is factor), factor.expression)
