@@ -208,7 +208,7 @@ def cheapest_links(stations: Stations) -> list[Frame[Value]]:
     places = [(r, place) for r, run in enumerate(stations.runs) for place in run.placements]
     needed: list[Ref] = []
 
-    def cheapest(options: Sequence[Sequence[Value]]) -> int:
+    def _cheapest(options: Sequence[Sequence[Value]]) -> int:
         """The option that adds least to what the frames so far need."""
         outputs = [[v.ref for v in option] for option in options]
         taken = choose(chain.zero.graph, [[needed], outputs])[1]
@@ -225,7 +225,7 @@ def cheapest_links(stations: Stations) -> list[Frame[Value]]:
         onward = matmul(before, joint.motion(chain.zero, chain.one).rotation)
         options = [onward, matmul(stations.turned(r, place), place.constant)]
         frames = [matmul(option, chain.ends[i].rotation) for option in options]
-        taken = cheapest([[v for row in frame for v in row] for frame in frames])
+        taken = _cheapest([[v for row in frame for v in row] for frame in frames])
         joints.append(options[taken])
         rotations.append(frames[taken])
 
@@ -240,7 +240,7 @@ def cheapest_links(stations: Stations) -> list[Frame[Value]]:
         if r == len(starts):
             starts.append(axis)
         ways = list(_origin_ways(stations, i, (r, place), joints[i], axis, starts))
-        origins.append(ways[cheapest(ways)])
+        origins.append(ways[_cheapest(ways)])
     return [Frame(rotation, origin) for rotation, origin in zip(rotations, origins, strict=True)]
 
 

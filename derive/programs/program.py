@@ -20,7 +20,7 @@ ARGUMENTS: Mapping[str, str] = {
 
 
 class Magnitude(Enum):
-    """What bounds the entries of a result, so that errors can be measured against it (`derive.verify.scales`)."""
+    """What bounds the entries of a result, so that errors can be measured against it (`derive.verify.tolerance`)."""
 
     POSE = auto()
     JACOBIAN = auto()

@@ -138,11 +138,11 @@ class Trace:
         if self.effort is Effort.QUICK:
             return starting_choices(self.chain)[:1]
 
-        def trial(chosen: FrameChoices) -> tuple[Ref, ...]:
+        def _trial(chosen: FrameChoices) -> tuple[Ref, ...]:
             return tuple([value.ref for value in values(chosen)])
 
         if name not in self._cheapest:
-            search = FrameChoiceSearch(self.chain, choices, trial, self.choice.price)
+            search = FrameChoiceSearch(self.chain, choices, _trial, self.choice.price)
             starts = starts or starting_choices(self.chain)
             self._cheapest[name] = search.best(starts, POLICY.frame_choice_finalists)
         return self._cheapest[name]

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.programs.functions import INTERFACES
+from derive.programs.program import Magnitude
 from derive.verify.oracle.arm import Array
 from derive.verify.oracle.identification import Identification
 from derive.verify.oracle.oracle import ANGLES, Oracle
@@ -98,34 +100,34 @@ class Bounds:
             Sizes in the function's own units, broadcastable to one value.
 
         Raises:
-            KeyError: A function without an entry here.
+            KeyError: A function that is verified in a way of its own.
         """
         rates = [largest(argument) for argument in arguments[1:]]
         size: Array
-        match function:
-            case "forward_kinematics" | "link_transforms":
+        match INTERFACES[function].magnitude:
+            case Magnitude.POSE:
                 size = np.ones((4, 4))
                 size[:3, 3] = self.extent
-            case "jacobian" | "analytic_jacobian_rpy" | "analytic_jacobian_zyz":
+            case Magnitude.JACOBIAN:
                 size = self.jacobian
-            case "jacobian_dot":
+            case Magnitude.JACOBIAN_RATE:
                 size = self.jacobian * self.turning(rates[0])
-            case "inertia_matrix":
+            case Magnitude.INERTIA:
                 size = self.inertia_matrix
-            case "coriolis_matrix":
+            case Magnitude.CORIOLIS:
                 size = self.coriolis_matrix(rates[0])
-            case "coriolis_vector":
+            case Magnitude.VELOCITY_TORQUE:
                 size = self.coriolis_matrix(rates[0]) @ rates[0]
-            case "gravity_vector":
+            case Magnitude.GRAVITY:
                 size = self.gravity
-            case "inverse_dynamics":
+            case Magnitude.TORQUE:
                 size = self.torque(*rates)
-            case "inverse_dynamics_dq":  # an angle changes no term by more than the term's size
+            case Magnitude.TORQUE_BY_POSITION:  # an angle changes no term by more than the term's size
                 rigid = self.torque(*rates) - self.friction[0] * rates[0] - self.friction[1]
                 size = np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY)))
-            case "inverse_dynamics_dqd":
+            case Magnitude.TORQUE_BY_VELOCITY:
                 size = 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
-            case _:
+            case Magnitude.OTHER:
                 raise KeyError(function)
         return size
 

@@ -93,12 +93,12 @@ def coriolis_vectors(trace: Trace) -> Iterator[Formulation]:
     """
     zero, rates, still = trace.chain.zero, trace.arguments(QD), trace.zeros()
 
-    def values(choices: FrameChoices) -> list[Value]:
+    def _values(choices: FrameChoices) -> list[Value]:
         weightless = replace(trace.arranged(choices, axial=True), gravity=(zero, zero, zero))
         return inverse_dynamics(weightless, rates, still, choices)
 
     words = f"Newton-Euler without gravity and accelerations {_BASE}"
-    yield from _searched(trace, "velocity torques", words, values, ALL_CHOICES, _torque_choices(trace)[:1])
+    yield from _searched(trace, "velocity torques", words, _values, ALL_CHOICES, _torque_choices(trace)[:1])
 
 
 def accelerations(trace: Trace) -> Iterator[Formulation]:
@@ -116,21 +116,21 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
     n = trace.n
     if n <= POLICY.most_factorised:
 
-        def factorised() -> list[Value]:
+        def _factorised() -> list[Value]:
             inertia, bias = _inertia(trace), _newton_euler(trace, None)
             entries = inertia(trace.cheapest_choices("inertia", inertia)[0])
             matrix = [entries[n * i : n * i + n] for i in range(n)]
             return forward_dynamics(matrix, bias(_torque_choices(trace)[0]), trace.arguments(TAU))
 
-        yield Formulation("inertia matrix and Newton-Euler, factorised without roots", factorised)
+        yield Formulation("inertia matrix and Newton-Euler, factorised without roots", _factorised)
     if n >= POLICY.fewest_articulated:
         friction = trace.with_friction(trace.zeros())
         push = [torque - loss for torque, loss in zip(trace.arguments(TAU), friction, strict=True)]
 
-        def articulated(choices: FrameChoices) -> list[Value]:
+        def _articulated(choices: FrameChoices) -> list[Value]:
             return articulated_accelerations(trace.arranged(choices), trace.arguments(QD), push, choices)
 
-        yield from _searched(trace, "articulated", f"articulated bodies {_BASE}", articulated, ALL_CHOICES)
+        yield from _searched(trace, "articulated", f"articulated bodies {_BASE}", _articulated, ALL_CHOICES)
 
 
 def no_accelerations(trace: Trace) -> Formulation:
@@ -157,12 +157,12 @@ def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
     """
     rates, accelerations = trace.arguments(QD), trace.arguments(QDD)
 
-    def values(choices: FrameChoices) -> list[Value]:
+    def _values(choices: FrameChoices) -> list[Value]:
         chain = trace.arranged(choices)
         return flat(torque_position_derivative(chain, rates, accelerations, trace.half, choices))
 
     starts = (*_torque_choices(trace), *_coriolis_choices(trace))
-    yield from _searched(trace, "torque slopes", f"moving composite bodies {_BASE}", values, (), starts)
+    yield from _searched(trace, "torque slopes", f"moving composite bodies {_BASE}", _values, (), starts)
     if trace.n <= POLICY.most_differentiated:
         found, choices = _newton_euler(trace, QDD), _torque_choices(trace)[0]
         words = f"Newton-Euler {_BASE}, its operations differentiated"
@@ -179,12 +179,12 @@ def torque_velocity_derivatives(trace: Trace) -> Iterator[Formulation]:
         Row by row.
     """
 
-    def values(choices: FrameChoices) -> list[Value]:
+    def _values(choices: FrameChoices) -> list[Value]:
         return flat(torque_velocity_derivative(trace.arranged(choices), trace.arguments(QD), trace.half))
 
     words = f"composite bodies of twice the mass and their inner motion {_BASE}"
     for choices in _coriolis_choices(trace):
-        yield Formulation(words, partial(values, choices))
+        yield Formulation(words, partial(_values, choices))
 
 
 def _searched(
@@ -226,10 +226,10 @@ def _newton_euler(trace: Trace, accelerations: str | None) -> Recursion:
     rates = trace.arguments(QD)
     given = trace.zeros() if accelerations is None else trace.arguments(accelerations)
 
-    def values(choices: FrameChoices) -> list[Value]:
+    def _values(choices: FrameChoices) -> list[Value]:
         return trace.with_friction(inverse_dynamics(trace.arranged(choices, axial=True), rates, given, choices))
 
-    return values
+    return _values
 
 
 def _torque_choices(trace: Trace) -> tuple[FrameChoices, ...]:

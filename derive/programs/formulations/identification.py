@@ -54,13 +54,13 @@ def base_parameters(trace: Trace) -> Iterator[Formulation]:
     """
     base = base_set(trace.robot)
 
-    def value(coefficient: Coefficient) -> Value:
+    def _value(coefficient: Coefficient) -> Value:
         assert base.domain is not None, "relations come with their ring"
         parts = (coefficient.numerator, coefficient.denominator)
         numerator, denominator = (trace.domain.constant(polynomial_expression(p, base.domain)) for p in parts)
         return numerator / denominator
 
-    yield Formulation("grouped from the tip inwards", lambda: base_values(trace.robot, base, trace.domain, value))
+    yield Formulation("grouped from the tip inwards", lambda: base_values(trace.robot, base, trace.domain, _value))
 
 
 def standard_columns(trace: Trace) -> tuple[Column, ...]:
@@ -92,9 +92,9 @@ def base_columns(trace: Trace) -> tuple[Column, ...]:
 
 
 def _regressor(trace: Trace, parameters: Sequence[Parameter], *, ends: bool) -> Formulation:
-    def values() -> list[Value]:
+    def _values() -> list[Value]:
         chain = build_chain(with_unit_rotors(trace.robot), trace.domain)
         rates, accelerations = trace.arguments(QD), trace.arguments(QDD)
         return flat(Regressor(chain, rates, accelerations, ends=ends, sign=Value.sign).rows(parameters))
 
-    return Formulation("work of unit wrenches on the screws of the joints", values)
+    return Formulation("work of unit wrenches on the screws of the joints", _values)

@@ -77,10 +77,10 @@ def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
     yield Formulation("velocities of axes and origins", lambda: flat(jacobian_rate(trace.chain, trace.arguments(QD))))
     for words, matrix, _ in _pairs(trace):
 
-        def in_time(matrix: Callable[[], Matrix] = matrix) -> list[Value]:
+        def _in_time(matrix: Callable[[], Matrix] = matrix) -> list[Value]:
             return derivative(improved_values(flat(matrix())), rates)
 
-        yield Formulation(f"{words}, differentiated in time", in_time)
+        yield Formulation(f"{words}, differentiated in time", _in_time)
 
 
 def analytic_jacobians(kind: str) -> Callable[[Trace], Iterator[Formulation]]:
@@ -93,15 +93,15 @@ def analytic_jacobians(kind: str) -> Callable[[Trace], Iterator[Formulation]]:
         What gives them for a robot, row by row.
     """
 
-    def formulations(trace: Trace) -> Iterator[Formulation]:
+    def _formulations(trace: Trace) -> Iterator[Formulation]:
         for words, matrix, pose in _pairs(trace):
 
-            def values(matrix: Callable[[], Matrix] = matrix, pose: Callable[[], Frame[Value]] = pose) -> list[Value]:
+            def _values(matrix: Callable[[], Matrix] = matrix, pose: Callable[[], Frame[Value]] = pose) -> list[Value]:
                 return flat(analytic_jacobian(kind, column(pose().rotation, TILTED[kind]), matrix()))
 
-            yield Formulation(f"{words}, and the angles' rates", values)
+            yield Formulation(f"{words}, and the angles' rates", _values)
 
-    return formulations
+    return _formulations
 
 
 def _pairs(trace: Trace) -> Iterator[tuple[str, Callable[[], Matrix], Callable[[], Frame[Value]]]]:

@@ -124,12 +124,12 @@ def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
     graph = network.coefficients.graph
     refs: dict[int, Ref] = {}
 
-    def ref_of(operand: Operand) -> Ref:
+    def _ref_of(operand: Operand) -> Ref:
         if operand.variable is None:
             return operand.coefficient
         return signed(refs[operand.variable], is_negative(operand.coefficient))
 
-    def sum_of(polynomial: Polynomial) -> Ref:
+    def _sum_of(polynomial: Polynomial) -> Ref:
         terms: list[Ref] = []
         for monomial, coefficient in polynomial.items():
             term = coefficient
@@ -144,11 +144,11 @@ def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
     for variable in network.order():
         definition = network.definition[variable]
         if not isinstance(definition, Opaque):
-            refs[variable] = sum_of(definition)
+            refs[variable] = _sum_of(definition)
         elif definition.op is None:
             refs[variable] = copy_leaf(old, definition.source, graph)
         else:
-            refs[variable] = graph.apply(definition.op, [ref_of(operand) for operand in definition.operands])
+            refs[variable] = graph.apply(definition.op, [_ref_of(operand) for operand in definition.operands])
     root = network.definition[ROOT]
     assert isinstance(root, Opaque)
-    return graph, tuple(ref_of(operand) for operand in root.operands)
+    return graph, tuple(_ref_of(operand) for operand in root.operands)

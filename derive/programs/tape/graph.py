@@ -36,16 +36,13 @@ def ref_to(node: int) -> Ref:
         node: Its index.
 
     Returns:
-        The positive reference.
+        The positive one.
     """
     return Ref(node << 1)
 
 
 def node_of(ref: Ref) -> int:
     """The node behind a reference.
-
-    Args:
-        ref: A reference.
 
     Returns:
         The node's index.
@@ -55,9 +52,6 @@ def node_of(ref: Ref) -> int:
 
 def is_negative(ref: Ref) -> bool:
     """Whether a reference is to minus its node.
-
-    Args:
-        ref: A reference.
 
     Returns:
         True for -x, False for x and for zero.
@@ -122,10 +116,7 @@ class Graph:
         return len(self.op)
 
     def node(self, index: int) -> Node:
-        """One node, as it stands in a tape.
-
-        Args:
-            index: Of the node.
+        """A node as it stands in a tape.
 
         Returns:
             The node, its operands in the numbering of this graph.
@@ -134,13 +125,10 @@ class Graph:
         return Node(self.op[index], self.operands[index], self.layer[index], value, source)
 
     def number(self, value: Constant) -> Ref:
-        """A constant.
+        """The reference to a constant.
 
         Args:
             value: Exact, or to 256 bits.
-
-        Returns:
-            Its reference.
         """
         magnitude = -value if value < 0 else value
         key = constants.key_of(magnitude)
@@ -207,8 +195,8 @@ class Graph:
         """A difference.
 
         Args:
-            a: From what is subtracted.
-            b: What is subtracted.
+            a: From which b is subtracted.
+            b: The subtrahend.
 
         Returns:
             a - b.
@@ -317,10 +305,7 @@ class Graph:
         return self._intern(Op.ROOT, node_of(self._intern(Op.NEGATE, index)) if is_negative(a) else index)
 
     def sign(self, a: Ref) -> Ref:
-        """The sign.
-
-        Args:
-            a: A value.
+        """The sign of a value.
 
         Returns:
             -1, 0 or 1.
@@ -385,7 +370,8 @@ class Value:
         self.ref = ref
 
     def __add__(self, other: Value | int | Fraction, /) -> Value:
-        graph, pair = self.graph, (self.ref, self._other(other))
+        graph = self.graph
+        pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
         found = graph.sums.get(pair)
         if found is None:
             found = graph.sums[pair] = Value(graph, graph.add(*pair))
@@ -394,7 +380,8 @@ class Value:
     __radd__ = __add__
 
     def __sub__(self, other: Value | int | Fraction, /) -> Value:
-        graph, pair = self.graph, (self.ref, self._other(other))
+        graph = self.graph
+        pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
         found = graph.differences.get(pair)
         if found is None:
             found = graph.differences[pair] = Value(graph, graph.subtract(*pair))
@@ -404,7 +391,8 @@ class Value:
         return Value(self.graph, self.graph.subtract(self._other(other), self.ref))
 
     def __mul__(self, other: Value | int | Fraction, /) -> Value:
-        graph, pair = self.graph, (self.ref, self._other(other))
+        graph = self.graph
+        pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
         found = graph.products.get(pair)
         if found is None:
             found = graph.products[pair] = Value(graph, graph.multiply(*pair))
@@ -435,11 +423,11 @@ class Value:
         return result
 
     def sin(self) -> Value:
-        """The sine, radians."""
+        """The sine of an angle [rad]."""
         return Value(self.graph, self.graph.sine(self.ref))
 
     def cos(self) -> Value:
-        """The cosine, radians."""
+        """The cosine of an angle [rad]."""
         return Value(self.graph, self.graph.cosine(self.ref))
 
     def sqrt(self) -> Value:

@@ -106,7 +106,7 @@ def _eager(graph: Graph, order: Sequence[int]) -> list[int]:
     done: dict[int, None] = {}
     free: list[tuple[int, int]] = []
 
-    def offer_users(i: int) -> None:
+    def _offer_users(i: int) -> None:
         for user in users[i]:
             if user in work and user not in done and not missing[user]:
                 ended = sum([uses_left[k] == 1 and k in work for k in operands[user]])
@@ -124,6 +124,6 @@ def _eager(graph: Graph, order: Sequence[int]) -> list[int]:
             for k in operands[node]:
                 uses_left[k] -= 1
                 if uses_left[k] == 1:
-                    offer_users(k)
-            offer_users(node)
+                    _offer_users(k)
+            _offer_users(node)
     return list(done)
