@@ -48,15 +48,8 @@ class FileUnits:
     millimetres: bool = False
 
 
-def cells_text(**cells: Expression) -> str:
-    """Cells that are not zero as ``name=text``, separated by commas.
-
-    Args:
-        **cells: The cells by name.
-
-    Returns:
-        Text such as ``d=d1, alpha=pi/2``.
-    """
+def _cells_text(**cells: Expression) -> str:
+    """Cells that are not zero as text: ``d=d1, alpha=pi/2``."""
     return ", ".join(f"{name}={to_text(cell)}" for name, cell in cells.items() if cell != ZERO)
 
 
@@ -128,7 +121,7 @@ class Motor:
     ratio: Expression = ZERO
 
     def __repr__(self) -> str:
-        return f"Motor({cells_text(mass=self.mass, inertia=self.inertia, ratio=self.ratio)})"
+        return f"Motor({_cells_text(mass=self.mass, inertia=self.inertia, ratio=self.ratio)})"
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -144,7 +137,7 @@ class Inertia:
 
     def __repr__(self) -> str:
         cells = {"xx": self.xx, "yy": self.yy, "zz": self.zz, "xy": self.xy, "xz": self.xz, "yz": self.yz}
-        return f"Inertia({cells_text(**cells)})"
+        return f"Inertia({_cells_text(**cells)})"
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -173,7 +166,7 @@ class Link:
         parts = [f"com=[{', '.join(map(to_text, self.com))}]"] if any(cell != ZERO for cell in self.com) else []
         parts += [repr(self.inertia)] if self.inertia != Inertia() else []
         parts += [repr(self.motor)] if self.motor is not None else []
-        rest = cells_text(armature=self.armature, viscous=self.viscous, coulomb=self.coulomb)
+        rest = _cells_text(armature=self.armature, viscous=self.viscous, coulomb=self.coulomb)
         return f"Link({', '.join([f'mass={to_text(self.mass)}', *parts, *([rest] if rest else [])])})"
 
 

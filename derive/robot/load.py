@@ -108,11 +108,11 @@ def description_from_bytes(data: bytes, source: str) -> Description:
     base, tool = read_frame(document, cells, "base"), read_frame(document, cells, "tool")
     links = read_links(document, cells, len(joints))
     gravity = read_gravity(document, cells)
-    name = read_name(document)
+    name = _name(document)
     parameters = _parameters(document)
     robot = Description(
         name=name,
-        title=read_title(document) or name,
+        title=_title(document) or name,
         convention=Convention(document.text("convention")),
         joints=joints,
         base=base,
@@ -165,18 +165,8 @@ def is_robot_name(name: str) -> bool:
     return _NAME.fullmatch(name) is not None and not keyword.iskeyword(name) and name not in _TAKEN
 
 
-def read_name(document: Document) -> str:
-    """The robot's name, which becomes the name of an importable folder.
-
-    Args:
-        document: The file.
-
-    Returns:
-        The name.
-
-    Raises:
-        RobotFileError: Not ``[a-z0-9][a-z0-9-]*``, or a name that cannot be a folder or a Python package.
-    """
+def _name(document: Document) -> str:
+    """The robot's name, which becomes the name of an importable folder."""
     name = document.text("name")
     if _NAME.fullmatch(name) is None:
         plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode("ascii").lower()
@@ -194,18 +184,8 @@ def read_name(document: Document) -> str:
     return name
 
 
-def read_title(document: Document) -> str:
-    """The title, an inert text.
-
-    Args:
-        document: The file.
-
-    Returns:
-        The title; empty when there is none.
-
-    Raises:
-        RobotFileError: Too long, or with control characters other than line breaks and tabs.
-    """
+def _title(document: Document) -> str:
+    """The title, an inert text of bounded length; empty when there is none."""
     title, path = document.text("title"), ("title",)
     if len(title) > FILE_LIMITS.title_length:
         allowed = f"allowed: at most {FILE_LIMITS.title_length}"

@@ -1,0 +1,44 @@
+"""Every command is one module of one shape, and none of them computes."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from derive.cli import build, check, handout, list, new, plot, schema, show, verify
+from derive.cli.main import COMMANDS
+
+MODULES = {module.__name__.rpartition(".")[2]: module for module in (build, check, handout, list, new, plot)}
+MODULES |= {module.__name__.rpartition(".")[2]: module for module in (schema, show, verify)}
+
+
+def imported(module: ModuleType) -> set[str]:
+    """The modules that a module imports, wherever it does."""
+    tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
+    found = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    return found | {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+
+
+def test_every_command_has_its_module() -> None:
+    assert sorted(COMMANDS) == sorted(MODULES)
+
+
+@pytest.mark.parametrize("module", MODULES.values(), ids=MODULES)
+def test_a_command_says_what_it_is_and_reads_its_arguments(module: ModuleType) -> None:
+    assert len(module.SUMMARY) < 80
+    assert module.DESCRIPTION[0].isupper()
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    module.configure(parser)
+    name = module.__name__.rpartition(".")[2]
+    needed = {"list": [], "build": [], "schema": [], "plot": ["arm", "-o", "arm.svg"]}.get(name, ["arm"])
+    assert parser.parse_args(needed) is not None
+
+
+@pytest.mark.parametrize("module", MODULES.values(), ids=MODULES)
+def test_a_command_holds_no_mathematics(module: ModuleType) -> None:
+    computing = ("sympy", "numpy", "math", "derive.algebra", "derive.mechanics", "derive.programs", "derive.lecture")
+    assert not [name for name in imported(module) if name.startswith(computing)]

@@ -1,0 +1,68 @@
+"""How commands speak: one line for a message, aligned columns, and arguments that are refused with what is allowed."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+import pytest
+
+from derive.cli import terminal
+from derive.errors import RobotFileError, VerificationError
+
+
+def test_a_message_is_one_line_whatever_it_quotes() -> None:
+    assert terminal.one_line("a\nb\x1b[31m\tc d") == "a\\nb\\x1b[31m\\tc d"
+
+
+def test_columns_are_aligned_and_end_with_their_text(capsys: pytest.CaptureFixture[str]) -> None:
+    terminal.print_columns([("arm", "RR"), ("anthropomorphic", "R")], ("name", "joints"))
+    assert capsys.readouterr().out.splitlines() == [
+        "name             joints",
+        "arm              RR",
+        "anthropomorphic  R",
+    ]
+    terminal.print_columns([])
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("error", "message", "status"),
+    [
+        (RobotFileError("no joints", remedy="add one"), "no joints; add one", terminal.WRONG_INPUT),
+        (VerificationError("off"), "off", terminal.FAILED),
+        (KeyboardInterrupt(), "interrupted", terminal.INTERRUPTED),
+        (FileNotFoundError(2, "No such file", "arm.yaml"), "arm.yaml: No such file", terminal.WRONG_INPUT),
+    ],
+)
+def test_an_error_is_a_message_and_a_status(error: BaseException, message: str, status: int) -> None:
+    assert terminal.explain(error) == (message, status)
+
+
+def test_a_fault_of_ours_asks_for_a_report() -> None:
+    message, status = terminal.explain(ZeroDivisionError("division by zero"))
+    assert message.startswith("internal fault, ZeroDivisionError: division by zero; please report it")
+    assert status == terminal.INTERNAL_FAULT
+
+
+@pytest.mark.parametrize(
+    ("read", "good", "bad"),
+    [
+        (terminal.positive, {"1": 1, "99999999": 99999999}, ("0", "-1", "1.5", "100000000", "\u0663", "")),
+        (terminal.natural, {"0": 0, "007": 7}, ("-1", "x", "999999999")),
+        (terminal.sample_count, {"10": 10, "1000000": 1000000}, ("9", "1000001", "10000000")),
+        (terminal.magnification, {"0.1": 0.1, "10": 10.0}, ("0", "11", "nan", "inf", "x")),
+    ],
+)
+def test_numbers_of_the_command_line_have_bounds(
+    read: Callable[[str], float], good: dict[str, float], bad: tuple[str, ...]
+) -> None:
+    assert {text: read(text) for text in good} == good
+    for text in bad:
+        with pytest.raises(argparse.ArgumentTypeError, match="is not a"):
+            read(text)
+
+
+def test_nobody_watches_a_pipe() -> None:
+    with terminal.progress(3, quiet=False) as tell:
+        assert tell is None
