@@ -36,7 +36,7 @@ def _lines(context: Context) -> Iterator[str]:
     for group, (name, shown) in enumerate(names.items()):
         namer = EntryNamer(context.symbols, shown.lower())
         quantity = getattr(context.entries, name)
-        block = context.layouter.block(bold(shown), namer, quantity, group=group, symmetric=name == "B")
-        printed = [*block.named, *block.lines]
-        whole = printed and not block.omitted and not block.landscape and len(printed) <= MOST_LINES
+        laid_out = context.layouter.lay_out(bold(shown), namer, quantity, group=group, symmetric=name == "B")
+        printed = [*laid_out.named, *laid_out.lines]
+        whole = printed and not laid_out.omitted and not laid_out.landscape and len(printed) <= MOST_LINES
         yield from printed if whole else (f"\\mathbf{{{shown}}} = \\cdots",)

@@ -116,7 +116,7 @@ class DynamicsLayout:
 
     def _matrix(self, symbol: Box, name: Namer, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
         limit = self.layouter.policy.grouped_terms
-        return self.layouter.block(symbol, name, quantity, group=group, symmetric=symmetric, limit=limit)
+        return self.layouter.lay_out(symbol, name, quantity, group=group, symmetric=symmetric, limit=limit)
 
     def _scalar(self, letter: Box, quantity: Entries, group: int) -> LaidOut:
         terms = quantity.terms(1, 1)
@@ -148,7 +148,7 @@ class DynamicsLayout:
             landscape_total=0,
         )
         layouter = replace(self.layouter, policy=policy)
-        return layouter.block(
+        return layouter.lay_out(
             symbol,
             lambda row, column: script(held, italic(f"{row}{column}")),
             quantity,

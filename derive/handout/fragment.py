@@ -113,9 +113,9 @@ def _known(context: Context, name: str, indices: tuple[int, ...]) -> LaidOut | N
         return None
     match name:
         case "T":
-            return layouter.block(bold("T"), EntryNamer(symbols, "t"), entries.T)
+            return layouter.lay_out(bold("T"), EntryNamer(symbols, "t"), entries.T)
         case "J":
-            return layouter.block(bold("J"), EntryNamer(symbols, "J"), entries.J, group=groups.J)
+            return layouter.lay_out(bold("J"), EntryNamer(symbols, "J"), entries.J, group=groups.J)
         case "kinetic":
             return context.dynamics.closed(name) if context.dynamics.is_compact(entries.B) else None
         case "B" | "C" | "N" | "g" | "tau" | "potential":
@@ -137,7 +137,7 @@ def _written(context: Context, text: str, name: str, indices: tuple[int, ...], m
     called = _called(context, name, indices)
     if hasattr(value, "shape"):
         limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
-        return context.layouter.block(called.symbol, called.entry, of_matrix(value), limit=limit)
+        return context.layouter.lay_out(called.symbol, called.entry, of_matrix(value), limit=limit)
     symbol = called.symbol
     numbers = re.findall(r"\d+", text.partition("[")[2])[len(indices) :]
     if len(numbers) == 2:  # a row and a column, as in T[0,2][1,4]

@@ -6,7 +6,7 @@ Where entries are printed one by one, brackets that they share get a symbol of t
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -33,7 +33,6 @@ MANY = 10**9
 
 ZERO = italic("0")
 
-Place = tuple[int, int]
 """Row and column, from 1."""
 
 Namer = Callable[[int, int], Box]
@@ -101,7 +100,7 @@ class Layouter:
     term_symbol: Callable[[int, int], Box]
     terms_word: str = "terms"
 
-    def block(
+    def lay_out(
         self,
         symbol: Box,
         name: Namer,
@@ -123,7 +122,7 @@ class Layouter:
         """
         items = {
             (i, j): Item(name(i, j), quantity.terms(i, j), partial(quantity.entry, i, j))
-            for i, j in places(quantity.shape)
+            for i, j in quantity.places
             if i <= j or not symmetric
         }
         if sum(item.terms for item in items.values()) <= self.policy.matrix_terms:
@@ -191,18 +190,6 @@ class Layouter:
         named = [Equation(symbols[symbol.name], tuple(printer.pieces(value))) for symbol, value in definitions]
         entries = [Equation(name, tuple(printer.pieces(e))) for name, e in zip(names, expressions, strict=True)]
         return named, entries
-
-
-def places(shape: Place) -> Iterator[Place]:
-    """All places of a matrix, row by row.
-
-    Args:
-        shape: Numbers of rows and columns.
-
-    Yields:
-        Row and column, from 1.
-    """
-    return ((i, j) for i in range(1, shape[0] + 1) for j in range(1, shape[1] + 1))
 
 
 def omitted(item: Item, word: str) -> Box:

@@ -61,7 +61,7 @@ def jacobian(context: Context) -> Iterator[Block]:
     if context.steps:
         yield Steps(_("Axes, origins and columns"), tuple(_steps(context, axes)))
     name = EntryNamer(context.symbols, "J")
-    laid_out = context.layouter.block(bold("J"), name, context.entries.J, group=groups.J)
+    laid_out = context.layouter.lay_out(bold("J"), name, context.entries.J, group=groups.J)
     yield formula(context, laid_out, "jacobian")
     yield from _analytic(context)
 
@@ -184,7 +184,7 @@ class _JointAxes:
         if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
             return Vector(symbol, found)
         group = groups.axis(self.context.robot.n, frame, column)
-        return Vector(symbol, entries=self.context.layouter.block(symbol, namer, quantity, group=group))
+        return Vector(symbol, entries=self.context.layouter.lay_out(symbol, namer, quantity, group=group))
 
     def end(self) -> Vector:
         """The origin of the end effector."""

@@ -60,7 +60,7 @@ def end_effector(context: Context) -> Iterator[Block]:
         The blocks of the part.
     """
     _ = context.text
-    end = context.layouter.block(_END, EntryNamer(context.symbols, "t"), context.entries.T, group=groups.T)
+    end = context.layouter.lay_out(_END, EntryNamer(context.symbols, "t"), context.entries.T, group=groups.T)
     yield Paragraph(_("The end effector in the world:"))
     n, frame = context.robot.n, context.symbols.frame
     factors = [frame("A", i, i - 1) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
@@ -84,7 +84,7 @@ def end_effector(context: Context) -> Iterator[Block]:
 
 
 def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> LaidOut:
-    return context.layouter.block(symbol, entry_namer(symbol), quantity, group=group)
+    return context.layouter.lay_out(symbol, entry_namer(symbol), quantity, group=group)
 
 
 def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box]:

@@ -71,7 +71,7 @@ def _position(context: Context) -> Iterator[Block]:
     names = [script(italic("p"), italic(axis)) for axis in "xyz"]
     names = [_t(context, i, 4) if p.tex in context.notation.taken else p for i, p in enumerate(names, 1)]
     group = groups.row(context.robot.n + 1)
-    laid_out = context.layouter.block(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
+    laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
     yield formula(context, laid_out, "forward_kinematics")
 
 

@@ -138,7 +138,7 @@ def _matrices(context: Context, found: Singularities) -> Iterator[Block]:
         namer = EntryNamer(context.symbols, "J'" if len(block.rows) < 6 and len(blocks) == 1 else "J")
         quantity = of_matrix(block.matrix)
         group = groups.SINGULARITY_BLOCKS + k
-        yield formula(context, context.layouter.block(name, namer, quantity, group=group))
+        yield formula(context, context.layouter.lay_out(name, namer, quantity, group=group))
 
 
 def _symbol(context: Context, found: Singularities) -> Box:
