@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from functools import reduce
 from itertools import pairwise, product
-from typing import Any
 
 import sympy
 
@@ -17,11 +16,10 @@ from derive.check.printed import CorpusFile, Factorisation, Identity, Printed, P
 from derive.check.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location
 from derive.lecture.shorthand import read_formula
+from derive.lecture.sympy_types import Matrix
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
 from derive.robot.expression import number
-
-Matrix = Any
 
 
 def check_file(file: CorpusFile) -> FileReport:

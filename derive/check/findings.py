@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from derive.check.diagnosis import Question, Repair
 from derive.check.printed import NO_CITATION, NO_REMARK, Citation, Remark
 from derive.errors import DeriveError, Location, UnknownNameError
+from derive.lecture.sympy_types import Expr
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
-
-Expr = Any
 
 NOTHING_KNOWN = Verdict(equal=False, exact=True)
 """Stands where no verdict is possible."""

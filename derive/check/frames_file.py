@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import sympy
 
@@ -24,6 +23,7 @@ from derive.check.diagnosis import Question
 from derive.check.findings import FileReport, Finding, Role, verdict_at
 from derive.errors import CheckError, DeriveError, ExpressionError, Location, quoted
 from derive.lecture.form import LectureForm
+from derive.lecture.sympy_types import Expr, Matrix
 from derive.lecture.to_sympy import expression_to_sympy
 from derive.robot.description import Convention
 from derive.robot.document import Node, YamlMapping, YamlScalar
@@ -31,9 +31,6 @@ from derive.robot.expression import Expression
 from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.robot import Robot
-
-Angle = Any
-Matrix = Any
 
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
 """Formulas about frames have symbols and no joints."""
@@ -46,12 +43,12 @@ _FIRST_ROW = {"x": 1, "y": 2, "z": 0}
 """The row from which a turn about the axis goes to the next one: y to z, z to x, x to y."""
 
 
-def rotation(axis: str, angle: Angle) -> Matrix:
+def rotation(axis: str, angle: Expr) -> Matrix:
     """Rot(axis, angle), 4x4: the turn about a coordinate axis, counter-clockwise seen from its tip.
 
     Args:
         axis: ``x``, ``y`` or ``z``.
-        angle: Angle [rad], a number or a SymPy expression.
+        angle: Expr [rad], a number or a SymPy expression.
 
     Raises:
         ExpressionError: Another axis, or an angle that is neither.
@@ -67,7 +64,7 @@ def rotation(axis: str, angle: Angle) -> Matrix:
     return sympy.ImmutableMatrix(matrix)
 
 
-def translation(x: Angle, y: Angle, z: Angle) -> Matrix:
+def translation(x: Expr, y: Expr, z: Expr) -> Matrix:
     """Trans(x, y, z), 4x4.
 
     Args:
@@ -83,7 +80,7 @@ def translation(x: Angle, y: Angle, z: Angle) -> Matrix:
     return sympy.ImmutableMatrix(matrix)
 
 
-def point(x: Angle, y: Angle, z: Angle) -> Matrix:
+def point(x: Expr, y: Expr, z: Expr) -> Matrix:
     """The homogeneous coordinates (x, y, z, 1) of a point, 4x1.
 
     Args:
@@ -121,7 +118,7 @@ def compose(*frames: Matrix) -> Matrix:
     return sympy.ImmutableMatrix([[write(entry) for entry in row] for row in product])
 
 
-def _scalar(value: Angle) -> Angle:
+def _scalar(value: Expr) -> Expr:
     try:
         found = sympy.sympify(value, strict=True)
     except sympy.SympifyError:

@@ -23,10 +23,9 @@ from derive.check.diagnosis import Question, Repair, diagnose
 from derive.check.findings import Finding
 from derive.errors import DeriveError
 from derive.lecture.form import LectureForm
+from derive.lecture.sympy_types import Expr
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.style import Style
-
-Expr = Any
 
 MAX_TERMS = 20_000
 """Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it."""

@@ -20,11 +20,10 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.lecture.plan import Level, Plan, Plus, Term, Times, cheapest, factored, flat, grouped, nested, product_form
+from derive.lecture.sympy_types import Expr
 from derive.lecture.terms import FactorTable, Monomial, Terms
 from derive.lecture.to_sympy import factor_to_sympy
 from derive.robot.style import Style
-
-Expr = Any
 
 MAX_CANDIDATE_TERMS = 300
 """Entries with more terms are grouped by the first rule alone: candidates would cost more time than they give sight."""
