@@ -183,14 +183,6 @@ class LectureForm:
         """
         return self._products.term(Fraction(1), factors)
 
-    def terms(self, p: Polynomial) -> Terms:
-        """The contracted terms, for other ways of writing them.
-
-        Args:
-            p: A polynomial of the domain.
-        """
-        return self.table.terms(p)
-
 
 class ProductBuilder:
     """Turns monomials over a `FactorTable` into SymPy products.

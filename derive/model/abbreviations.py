@@ -216,7 +216,7 @@ class _ByCoefficients:
         """
         dynamics = self._model.dynamics
         expanded = dynamics.expand(p) if p.ring is dynamics.lumped.ring else p
-        parts = partition(self._form.terms(expanded), self._moving)
+        parts = partition(self._form.table.terms(expanded), self._moving)
         return sympy.Add(*(self._named(rest) * self._form.monomial(outer) for outer, rest in parts.items()))
 
     def rate_sum(self, pairs: Pairs) -> Expr:

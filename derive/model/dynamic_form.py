@@ -107,7 +107,7 @@ class DynamicForm:
         scale, key = p.normalised()
         if key not in self._coefficients:
             unit = p * (1 / scale)
-            self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.terms(unit)))
+            self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.table.terms(unit)))
         value = self._coefficients[key]
         factor = sympy.Rational(scale.numerator, scale.denominator)
         return value if scale == 1 else sympy.Mul(factor, value, evaluate=not value.is_Add)
