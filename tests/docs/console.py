@@ -71,7 +71,8 @@ def environment(folder: Path) -> dict[str, str]:
         script.chmod(0o755)
     path = os.pathsep.join((str(bin_folder), os.environ.get("PATH", "")))
     python_path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
-    return {**os.environ, "PATH": path, "PYTHONPATH": python_path, "COLUMNS": "120", "NO_COLOR": "1"}
+    reader = {"COLUMNS": "120", "NO_COLOR": "1", "LC_ALL": "C.UTF-8"}  # `ls` sorts by the locale
+    return {**os.environ, **reader, "PATH": path, "PYTHONPATH": python_path}
 
 
 def run(command: Command, folder: Path, variables: dict[str, str]) -> tuple[list[str], int]:

@@ -77,10 +77,19 @@ def test_page_of_quantities_names_every_quantity() -> None:
 
 
 def test_every_page_can_be_reached_from_another() -> None:
+    """By a link, or by a table of contents of the site."""
     linked = {
         (page.parent / target).resolve()
         for page in PAGES
-        for target in LINK.findall(page.read_text(encoding="utf-8"))
+        for target in [*LINK.findall(page.read_text(encoding="utf-8")), *contents(page)]
         if "://" not in target
     }
-    assert not [name(page) for page in PAGES if page.name != "README.md" and page.resolve() not in linked]
+    starts = (ROOT / "README.md", ROOT / "docs" / "index.md")
+    assert not [name(page) for page in PAGES if page not in starts and page.resolve() not in linked]
+
+
+def contents(page: Path) -> list[str]:
+    """The pages of the tables of contents on a page; ``*`` stands for all of its folder."""
+    lines = [line for block in blocks(page) if block.language == "{toctree}" for line in block.body.splitlines()]
+    names = [f"{line}.md" for line in lines if line and not line.startswith(":")]
+    return [str(path.relative_to(page.parent)) for name in names for path in page.parent.glob(name)]

@@ -5,10 +5,13 @@ from __future__ import annotations
 from tests.places import ROOT
 
 import difflib
+import os
 import subprocess
 import sys
+from datetime import date
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from derive.publish.build import check_robot
@@ -43,6 +46,46 @@ def test_committed_models_are_byte_for_byte_what_a_build_makes(name: str) -> Non
     assert not result.missing, f"{result.missing}: {REMEDY}"
     assert not result.extra, f"{result.extra}: {REMEDY}"
     assert not result.stale, f"{difference(robot, result.stale[-1])}\n{REMEDY}"
+
+
+def wide_instructions() -> str:
+    """The instruction sets that NumPy uses here and can do without."""
+    return " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", ()))
+
+
+OTHER_MACHINES = {
+    "another order of hashes": {"PYTHONHASHSEED": "4711", "LC_ALL": "C.UTF-8", "COLUMNS": "200"},
+    "an old processor in Turkey": {
+        "PYTHONHASHSEED": "1",
+        "NPY_DISABLE_CPU_FEATURES": wide_instructions(),
+        "OPENBLAS_CORETYPE": "Prescott",
+        "OPENBLAS_NUM_THREADS": "2",
+        "LC_ALL": "tr_TR.UTF-8",
+        "TZ": "Asia/Kolkata",
+        "COLUMNS": "40",
+        "HOME": "/nowhere",
+        "USER": "nobody",
+    },
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["scara-perugia", "puma560-corke", "human-body"])
+@pytest.mark.parametrize("machine", OTHER_MACHINES.values(), ids=OTHER_MACHINES.keys())
+def test_another_machine_makes_the_same_bytes(machine: dict[str, str], robot: str) -> None:
+    command = [sys.executable, "-m", "derive", "build", robot, "--check", "--out", str(GENERATED)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **machine}
+    done = subprocess.run(command, env=environment, capture_output=True, encoding="utf-8", timeout=600)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_no_committed_file_names_a_place_or_a_day() -> None:
+    """Of this checkout, of its owner, or of when it was made."""
+    words = (str(ROOT), str(Path.home()), str(date.today()))
+    files = [path for path in GENERATED.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+    found = [f"{path}: {w}" for path in files for w in words if len(w) > 4 and w in path.read_text(encoding="utf-8")]
+    assert len(files) > 100
+    assert not found
 
 
 @pytest.mark.parametrize("module", ["model_numpy", "model_casadi"])

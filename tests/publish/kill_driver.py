@@ -91,25 +91,31 @@ def die_at(step: int) -> None:
 
 
 def moments(target: Path) -> list[str]:
-    """The state after each of 60 kills from outside."""
+    """The state after each of 60 kills from outside, each somewhere in the first publications of a child."""
     states = []
     put("old", target)
     for kill in range(60):
-        process = child(lambda: forever(target))
-        time.sleep(0.002 + 0.0007 * kill)
+        reader, writer = os.pipe()
+        process = child(lambda writer=writer: forever(target, writer))
+        os.read(reader, 1)  # however busy the machine is, the child is at work now
+        time.sleep(0.001 * kill)
         os.kill(process, signal.SIGKILL)
         os.waitpid(process, 0)
+        os.close(reader)
+        os.close(writer)
         states.append(state(target))
     put("new", target)
     states.append(f"left over: {sorted(os.listdir(target.parent))}" if len(os.listdir(target.parent)) > 1 else "new")
     return states
 
 
-def forever(target: Path) -> None:
-    """Publishes one version after the other."""
+def forever(target: Path, writer: int) -> None:
+    """Publishes one version after the other; says so after the first."""
+    put("new", target)
+    os.write(writer, b"x")
     while True:
-        put("new", target)
         put("old", target)
+        put("new", target)
 
 
 def builds(target: Path) -> list[str]:

@@ -6,8 +6,6 @@ import hashlib
 import importlib
 import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +19,6 @@ from derive.publish.many import build_many, check_many
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
-from tests.places import ROOT
 
 ALL_FILES = {name for target in targets_named() for name in target.files} | {"MANIFEST.json", "__init__.py"}
 ARM = """\
@@ -179,24 +176,3 @@ def test_two_robots_of_one_name_are_refused(arm: Robot, tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="same name"):
         build_many([arm, replace(arm, digest="0" * 64)], tmp_path)
     assert not list(tmp_path.iterdir())
-
-
-def build_in_subprocess(robot: str, out: Path, hash_seed: str) -> dict[str, bytes]:
-    """A build by a fresh interpreter."""
-    program = (
-        "import sys; from pathlib import Path; from derive.publish.build import build_robot; "
-        "from derive.robot.robot import Robot; "
-        "build_robot(Robot.load(sys.argv[1]), Path(sys.argv[2]), verified=False)"
-    )
-    environment = {**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": str(ROOT)}
-    subprocess.run([sys.executable, "-c", program, robot, str(out)], env=environment, check=True, cwd=out.parent)
-    return contents(next(out.iterdir()))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("robot", ["scara-perugia", "puma560-corke", "human-body"])
-def test_output_does_not_depend_on_hash_seeds_or_places(robot: str, tmp_path: Path) -> None:
-    """Byte-identical files from three interpreters, in folders of different names."""
-    builds = [build_in_subprocess(robot, tmp_path / f"out{seed}", seed) for seed in ("0", "1", "4711")]
-    assert builds[0] == builds[1] == builds[2]
-    assert not any(str(tmp_path).encode() in data for data in builds[0].values())
