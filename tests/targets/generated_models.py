@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping
+from functools import lru_cache
 from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
 from derive.programs.functions import INTERFACES, build_program
-from derive.programs.policy import Effort
 from derive.programs.program import Function, Program
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph, Value
@@ -34,9 +34,15 @@ parameters: {a1: 0.5, a2: 0.4}
 PARAMETERS = {"m1": 2.0, "m2": 1.5}
 
 
-def source_of(robot: Robot, program: Program | None = None, effort: Effort = Effort.FULL) -> Source:
+@lru_cache(maxsize=64)
+def program_of(robot: Robot) -> Program:
+    """The program of a robot, built once for all its targets."""
+    return build_program(robot)
+
+
+def source_of(robot: Robot, program: Program | None = None) -> Source:
     """What targets are rendered from."""
-    return Source(robot, program or build_program(robot, effort), "0.0.0")
+    return Source(robot, program or program_of(robot), "0.0.0")
 
 
 def load(text: str, name: str = "generated") -> ModuleType:

@@ -48,7 +48,7 @@ def test_no_compiler_warns(tmp_path: Path, options: tuple[str, ...]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_no_compiler_warns_about_random_robots(tmp_path: Path, seed: int) -> None:
-    write_c_model(tmp_path, Robot.from_text(random_robot(random.Random(seed)).text))
+    write_c_model(tmp_path, Robot.from_text(random_robot(random.Random(seed), 2 + seed).text))
     compiled(tmp_path, *STRICT)
 
 
@@ -89,7 +89,7 @@ def test_the_header_can_be_read_by_cpp(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_random_robots_give_what_the_numpy_model_gives(seed: int) -> None:
-    robot = random_robot(random.Random(seed))
+    robot = random_robot(random.Random(seed), 2 + seed)
     loaded = Robot.from_text(robot.text)
     model, wanted = c_model(loaded), numpy_model(loaded)
     rng = np.random.default_rng(seed)

@@ -225,7 +225,7 @@ def test_threads_do_not_disturb_each_other(models: Models) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_random_robots_give_what_the_numpy_model_gives(tmp_path: Path, seed: int) -> None:
-    robot = random_robot(random.Random(seed))
+    robot = random_robot(random.Random(seed), 3 + seed)
     models = built(Robot.from_text(robot.text), tmp_path)
     for name in models.numpy.OPERATIONS:
         for batch in ((), (21,)):
