@@ -24,10 +24,10 @@ the opposite of the former to kappa.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic
 
-from derive.mechanics.chain import Body, Chain, ChainJoint
+from derive.mechanics.chain import Chain, ChainJoint
 from derive.mechanics.joint_motion import (
     along_axes,
     angular_velocities,
@@ -112,14 +112,17 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
     composites = _composites(chain, rates, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
-        start = _revolute_column if joint.revolute else _prismatic_column
-        column = start(chain, composites[j], omegas[j + 1])
+        column = _column_at_joint(chain, joint, composites[j], omegas[j + 1])
         matrix[j][j] = generalized_force(joint, column.force, column.moment)
         for i in range(j - 1, -1, -1):
             inner, omega = chain.joints[i], omegas[i + 1]
             column = _inward(chain.joints[i + 1], column, omega, rates[i + 1])
-            if i == j - 1:
-                column = _with_rotor(column, joint, omega, half)
+            if i == j - 1:  # the rotor of joint j, on link i
+                k = axis(joint)
+                turn = scale(half * joint.coupling, cross(omega, k))
+                eta = add(column.eta, scale(joint.coupling, k))
+                moment, kappa = add(column.moment, turn), subtract(column.kappa, turn)
+                column = replace(column, moment=moment, eta=eta, kappa=kappa)
             upper = generalized_force(inner, column.force, column.moment)
             lower = column.kappa[2] if inner.revolute else column.unit[0] * omega[1] - column.unit[1] * omega[0]
             same = joint.sign == inner.sign
@@ -128,13 +131,17 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
 
 
 def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite[S]]:
-    composites = [_link_alone(chain, body, half) for body in chain.bodies]
-    for i in range(chain.n - 1, 0, -1):
-        joint = chain.joints[i]
-        moved = _to_parent(joint, composites[i], rates[i])
-        own = composites[i - 1]
-        spin = hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
-        composites[i - 1] = _Composite(
+    composites = []
+    for body in chain.bodies:  # a link alone: nothing moves seen from itself
+        i, null = body.inertia, chain.null
+        xx, yy, zz = half * ((i.yy + i.zz) - i.xx), half * ((i.xx + i.zz) - i.yy), half * ((i.xx + i.yy) - i.zz)
+        second = Symmetric(xx, yy, zz, -i.xy, -i.xz, -i.yz)
+        composites.append(_Composite(body.mass, body.first_moment, second, null, (null, null, null)))
+    for k in range(chain.n - 1, 0, -1):
+        joint, own = chain.joints[k], composites[k - 1]
+        moved = _to_parent(joint, composites[k], rates[k])
+        spin = hat(scale(half * joint.coupling * rates[k], axis(joint)), chain.zero)
+        composites[k - 1] = _Composite(
             own.mass + moved.mass,
             add(own.first, moved.first),
             own.second + moved.second,
@@ -144,32 +151,10 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
     return composites
 
 
-def _link_alone(chain: Chain[S], body: Body[S], half: S) -> _Composite[S]:
-    """Nothing moves seen from the link itself."""
-    i, null = body.inertia, chain.null
-    xx, yy, zz = half * ((i.yy + i.zz) - i.xx), half * ((i.xx + i.zz) - i.yy), half * ((i.xx + i.yy) - i.zz)
-    second = Symmetric(xx, yy, zz, -i.xy, -i.xz, -i.yz)
-    return _Composite(body.mass, body.first_moment, second, null, (null, null, null))
-
-
 def _to_parent(joint: ChainJoint[S], composite: _Composite[S], rate: S) -> _Composite[S]:
     """Seen from link i-1, in joint frame i-1."""
-    turned = _turned(joint, composite, rate)
-    fixed, p = joint.fixed.rotation, origin(joint)
-    first, first_rate = multiply(fixed, turned.first), multiply(fixed, turned.first_rate)
-    second_rate = add_matrices(matmul(matmul(fixed, turned.second_rate), transpose(fixed)), outer(first_rate, p))
-    second = _shifted(turned.mass, first, turn_tensor(fixed, turned.second), p)
-    first = add(first, scale(turned.mass, p))
-    if not joint.revolute:
-        slide = scale(rate, axis(joint))
-        first_rate = add(first_rate, scale(turned.mass, slide))
-        second_rate = add_matrices(second_rate, outer(slide, first))
-    return _Composite(turned.mass, first, second, first_rate, second_rate)
-
-
-def _turned(joint: ChainJoint[S], composite: _Composite[S], rate: S) -> _Composite[S]:
-    """Before the joint's turn, which for a revolute joint adds rate z x x to every x'."""
-    c, s = joint.cosine, joint.sine
+    c, s, fixed, p = joint.cosine, joint.sine, joint.fixed.rotation, origin(joint)
+    # before the joint's turn, which for a revolute joint adds rate z x x to every x'
     first, (x, y, z) = turn_vector(c, s, composite.first), turn_vector(c, s, composite.first_rate)
     second, second_rate = turn_about_z(c, s, composite.second), turn_matrix(c, s, composite.second_rate)
     if joint.revolute:
@@ -180,7 +165,16 @@ def _turned(joint: ChainJoint[S], composite: _Composite[S], rate: S) -> _Composi
             (rate * second.xx, xy, rate * second.xz),
         )
         second_rate = (add(second_rate[0], swept[0]), add(second_rate[1], swept[1]), second_rate[2])
-    return _Composite(composite.mass, first, second, (x, y, z), second_rate)
+    # in the axes, and then seen from the origin, of joint frame i-1
+    first, first_rate = multiply(fixed, first), multiply(fixed, (x, y, z))
+    second_rate = add_matrices(matmul(matmul(fixed, second_rate), transpose(fixed)), outer(first_rate, p))
+    second = _shifted(composite.mass, first, turn_tensor(fixed, second), p)
+    first = add(first, scale(composite.mass, p))
+    if not joint.revolute:
+        slide = scale(rate, axis(joint))
+        first_rate = add(first_rate, scale(composite.mass, slide))
+        second_rate = add_matrices(second_rate, outer(slide, first))
+    return _Composite(composite.mass, first, second, first_rate, second_rate)
 
 
 def _shifted(mass: S, first: Vector[S], second: Symmetric[S], p: Vector[S]) -> Symmetric[S]:
@@ -197,9 +191,21 @@ def _shifted(mass: S, first: Vector[S], second: Symmetric[S], p: Vector[S]) -> S
     )
 
 
-def _revolute_column(chain: Chain[S], composite: _Composite[S], omega: Vector[S]) -> _ColumnWrench[S]:
-    (x, y, z), (hx, hy, _), (rx, ry, _) = omega, composite.first, composite.first_rate
-    p, e = composite.second, composite.second_rate
+def _column_at_joint(
+    chain: Chain[S], joint: ChainJoint[S], composite: _Composite[S], omega: Vector[S]
+) -> _ColumnWrench[S]:
+    """What begins its way inward in joint frame j; ``omega`` of link j."""
+    (x, y, z), (hx, hy, hz), (rx, ry, _) = omega, composite.first, composite.first_rate
+    m, p, e = composite.mass, composite.second, composite.second_rate
+    if not joint.revolute:
+        moment = (hz * x, hz * y, -(hx * x + hy * y))
+        return _ColumnWrench(
+            force=(m * y, -(m * x), chain.zero),
+            moment=moment,
+            unit=(chain.zero, chain.zero, m),
+            eta=(hy, -hx, chain.zero),
+            kappa=(ry - moment[0], -(rx + moment[1]), -moment[2]),
+        )
     swing_x = p.xx * x + p.xy * y + p.xz * z
     swing_y = p.xy * x + p.yy * y + p.yz * z
     planar = e[0][0] + e[1][1]
@@ -209,19 +215,6 @@ def _revolute_column(chain: Chain[S], composite: _Composite[S], omega: Vector[S]
         unit=(-hy, hx, chain.zero),
         eta=(-p.xz, -p.yz, p.xx + p.yy),
         kappa=(-(swing_y + e[2][0]), swing_x - e[2][1], planar),
-    )
-
-
-def _prismatic_column(chain: Chain[S], composite: _Composite[S], omega: Vector[S]) -> _ColumnWrench[S]:
-    (x, y, _), (hx, hy, hz), (rx, ry, _) = omega, composite.first, composite.first_rate
-    m, zero = composite.mass, chain.zero
-    moment = (hz * x, hz * y, -(hx * x + hy * y))
-    return _ColumnWrench(
-        force=(m * y, -(m * x), zero),
-        moment=moment,
-        unit=(zero, zero, m),
-        eta=(hy, -hx, zero),
-        kappa=(ry - moment[0], -(rx + moment[1]), -moment[2]),
     )
 
 
@@ -237,11 +230,3 @@ def _inward(joint: ChainJoint[S], column: _ColumnWrench[S], omega: Vector[S], ra
     else:
         lever = add(lever, cross(scale(rate, axis(joint)), unit))
     return _ColumnWrench(force, moment, unit, eta, add(to_parent(joint, kappa), lever))
-
-
-def _with_rotor(column: _ColumnWrench[S], joint: ChainJoint[S], omega: Vector[S], half: S) -> _ColumnWrench[S]:
-    """The rotor of joint j, on link j-1."""
-    k = axis(joint)
-    turn = scale(half * joint.coupling, cross(omega, k))
-    eta = add(column.eta, scale(joint.coupling, k))
-    return _ColumnWrench(column.force, add(column.moment, turn), column.unit, eta, subtract(column.kappa, turn))

@@ -20,8 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, Self, TypeVar
 
-from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.inertia_matrix import Wrench
+from derive.mechanics.chain import Chain, ChainJoint
 from derive.mechanics.joint_motion import (
     along_axes,
     axis,
@@ -175,7 +174,9 @@ def _releases(
     for i in range(chain.n - 1, -1, -1):
         joint, before = chain.joints[i], motions[i]
         wrench = body_wrench(chain.bodies[i], motions[i + 1], bool(choices) and choices[i].second_moments)
-        link = _link_alone(chain, chain.bodies[i], wrench)
+        body, m, zero = chain.bodies[i], chain.bodies[i].mass, chain.zero
+        mass, coupling = Symmetric(m, m, m, zero, zero, zero), hat(body.first_moment, zero)
+        link = _Articulated(mass, coupling, body.inertia, *wrench)
         link = link if beyond is None else link + beyond
         release, free = _release(joint, link, torques[i] - joint.coupling * dot(axis(joint), before.alpha))
         found.append(release)
@@ -183,11 +184,6 @@ def _releases(
         turning = scale(joint.coupling * rates[i], cross(before.omega, axis(joint)))
         beyond = replace(beyond, moment=add(beyond.moment, turning))
     return found[::-1]
-
-
-def _link_alone(chain: Chain[F], body: Body[F], wrench: Wrench[F]) -> _Articulated[F]:
-    m, z = body.mass, chain.zero
-    return _Articulated(Symmetric(m, m, m, z, z, z), hat(body.first_moment, z), body.inertia, *wrench)
 
 
 def _release(joint: ChainJoint[F], link: _Articulated[F], torque: F) -> tuple[_Release[F], _Articulated[F]]:

@@ -96,33 +96,22 @@ def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:
     poses = joint_poses(chain)
     end = (poses[-1] @ chain.tool).position
     axes, levers = [column(pose.rotation, 2) for pose in poses], [subtract(end, pose.position) for pose in poses]
-    drift = _velocities_beyond(chain, rates, axes, levers)
+    beyond = [chain.null]  # the velocity of the end effector that a joint and the joints after it make
+    for i in range(chain.n - 1, -1, -1):
+        own = cross(axes[i], levers[i]) if chain.joints[i].revolute else axes[i]
+        beyond.append(add(beyond[-1], scale(rates[i], own)))
     omega = chain.null
     columns: list[list[S]] = []
-    for joint, rate, z, r, beyond in zip(chain.joints, rates, axes, levers, drift, strict=True):
+    for joint, rate, z, r, rdot in zip(chain.joints, rates, axes, levers, reversed(beyond[1:]), strict=True):
         turning = cross(omega, z)
-        if joint.revolute:
-            # omega x (z x r) is the turn of the whole column; beyond is what the joints from this one on add to r
-            linear = add(cross(omega, cross(z, r)), cross(z, beyond))
+        if joint.revolute:  # omega x (z x r) is the turn of the whole column
+            linear = add(cross(omega, cross(z, r)), cross(z, rdot))
             entries = [*linear, *turning]
             omega = add(omega, scale(rate, z))
         else:
             entries = [*turning, *chain.null]
         columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
     return [[entries[row] for entries in columns] for row in range(6)]
-
-
-def _velocities_beyond(
-    chain: Chain[S], rates: Sequence[S], axes: Sequence[Vector[S]], levers: Sequence[Vector[S]]
-) -> list[Vector[S]]:
-    """For each joint, the velocity of the end effector that it and the joints after it make."""
-    total = chain.null
-    found: list[Vector[S]] = []
-    for i in range(chain.n - 1, -1, -1):
-        own = cross(axes[i], levers[i]) if chain.joints[i].revolute else axes[i]
-        total = add(total, scale(rates[i], own))
-        found.append(total)
-    return found[::-1]
 
 
 class RootField(Field, Protocol):

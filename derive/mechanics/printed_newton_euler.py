@@ -63,6 +63,15 @@ class FrameMotion(Generic[S]):
     v: Vector[S]
     vd: Vector[S]
 
+    def turned(self, rotation: Matrix[S]) -> FrameMotion[S]:
+        """The motion in other axes.
+
+        Args:
+            rotation: Takes vectors into those axes.
+        """
+        w, wd, v, vd = (multiply(rotation, u) for u in (self.w, self.wd, self.v, self.vd))
+        return FrameMotion(w, wd, v, vd)
+
 
 @dataclass(frozen=True, slots=True)
 class LinkWrench(Generic[S]):
@@ -214,7 +223,7 @@ def _recursion(
     for i in range(chain.n):
         before = links[-1].rotation if links else unit
         links.append(_link_data(robot, domain, chain, i, before, (rates[i], accelerations[i]), base=base))
-        motions.append(_next_motion(links[i], motions[i] if base else _turned(links[i].before, motions[i])))
+        motions.append(_next_motion(links[i], motions[i] if base else motions[i].turned(links[i].before)))
     wrench = load or LinkWrench(chain.null, chain.null)
     steps: list[LinkStep[S]] = []
     for i in range(chain.n - 1, -1, -1):
@@ -246,11 +255,6 @@ def _link_data(
         inertia=matmul(matmul(rotation, tensor), transpose(rotation)) if base else tensor,
         viscous=joint.viscous,
     )
-
-
-def _turned(before: Matrix[S], m: FrameMotion[S]) -> FrameMotion[S]:
-    """The motion of frame i-1 in the coordinates of link i."""
-    return FrameMotion(multiply(before, m.w), multiply(before, m.wd), multiply(before, m.v), multiply(before, m.vd))
 
 
 def _next_motion(link: LinkData[S], m: FrameMotion[S]) -> FrameMotion[S]:

@@ -112,7 +112,11 @@ class Regressor(Generic[S]):
             view = self._views[i]
             return [_power(part, view.motion, screw) for screw in view.screws]
         if part == "mm":
-            return self._rotor_mass(i)
+            if i == 0:
+                return []
+            carrier, place = self._joint_views[i - 1], rotor_place(self.chain, i + 1)
+            acceleration = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, place))
+            return [dot(screw.at(place), acceleration) for screw in carrier.screws]
         if part == "Im":
             return self._rotor_inertia(i)
         own = {"Ia": self._qdd[i], "b": self._qd[i]}.get(part)
@@ -121,13 +125,6 @@ class Regressor(Generic[S]):
             own = self._sign(self._qd[i])
         before = [self.chain.zero] * i
         return [*before, own if self.chain.joints[i].sign > 0 else -own]
-
-    def _rotor_mass(self, i: int) -> list[S]:
-        if i == 0:
-            return []
-        carrier, place = self._joint_views[i - 1], rotor_place(self.chain, i + 1)
-        acceleration = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, place))
-        return [dot(screw.at(place), acceleration) for screw in carrier.screws]
 
     def _rotor_inertia(self, i: int) -> list[S]:
         """The rate of its momentum (omega.u + k rate) u on link i-1, and k times that about u on its own joint."""

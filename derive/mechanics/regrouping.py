@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.joint_motion import body_to_parent, origin, shift, tensor_to_parent, turn_tensor
-from derive.mechanics.vectors import S, Symmetric, Vector, add, multiply, scale
+from derive.mechanics.vectors import S, Symmetric, add, multiply, scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +55,7 @@ def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) 
             bodies[i], moved = _massless(chain), body_to_parent(replace(joint, offset=chain.zero), body)
             axial[i], axial[i - 1] = axial[i] + body.mass, -body.mass
         elif joint.revolute:
-            bodies[i], symmetric = _split_revolute(chain, body, half if rule.second_moments else None)
-            moved = _symmetric_to_parent(joint, symmetric)
+            bodies[i], moved = _split_revolute(chain, joint, body, half if rule.second_moments else None)
             if i:
                 axial[i], axial[i - 1] = chain.zero, axial[i]
         else:
@@ -73,23 +72,20 @@ def _massless(chain: Chain[S]) -> Body[S]:
     return Body(z, chain.null, Symmetric(z, z, z, z, z, z))
 
 
-def _split_revolute(chain: Chain[S], body: Body[S], half: S | None) -> tuple[Body[S], Body[S]]:
-    """What stays, and the part symmetric about z; with ``half`` P_zz moves, else I_yy."""
+def _split_revolute(chain: Chain[S], joint: ChainJoint[S], body: Body[S], half: S | None) -> tuple[Body[S], Body[S]]:
+    """What stays, and in joint frame i-1 the part symmetric about the axis, on which the joint's angle has no effect.
+
+    With ``half`` P_zz moves, else I_yy.
+    """
     z, i = chain.zero, body.inertia
     x, y, along = body.first_moment
     if half is not None:
-        moved = half * ((i.xx + i.yy) - i.zz)
+        w = half * ((i.xx + i.yy) - i.zz)
         xx, yy = half * ((i.xx + i.zz) - i.yy), half * ((i.yy + i.zz) - i.xx)
     else:
-        moved, xx, yy = i.yy, i.xx - i.yy, z
+        w, xx, yy = i.yy, i.xx - i.yy, z
     kept = Body(z, (x, y, z), Symmetric(xx, yy, i.zz, i.xy, i.xz, i.yz))
-    return kept, Body(body.mass, (z, z, along), Symmetric(moved, moved, z, z, z, z))
-
-
-def _symmetric_to_parent(joint: ChainJoint[S], body: Body[S]) -> Body[S]:
-    """As `body_to_parent`, for a part symmetric about the axis of a revolute joint, whose angle has no effect on it."""
-    turn = joint.fixed.rotation
-    p: Vector[S] = origin(joint)
-    moment = multiply(turn, body.first_moment)
-    moved = shift(body.mass, moment, turn_tensor(turn, body.inertia), p)
-    return Body(body.mass, add(moment, scale(body.mass, p)), moved)
+    turn, p = joint.fixed.rotation, origin(joint)
+    moment = multiply(turn, (z, z, along))
+    tensor = shift(body.mass, moment, turn_tensor(turn, Symmetric(w, w, z, z, z, z)), p)
+    return kept, Body(body.mass, add(moment, scale(body.mass, p)), tensor)

@@ -187,7 +187,14 @@ def _moving_composites(
     chain: Chain[S], rates: Sequence[S], omegas: Sequence[Vector[S]], half: S
 ) -> list[_MovingBody[S]]:
     """For each joint, all that it carries and how that moves, in its joint frame; ``omegas`` with that of the base."""
-    bodies = [_moving_link(body, omega, half) for body, omega in zip(chain.bodies, omegas[1:], strict=True)]
+    bodies = []
+    for body, omega in zip(chain.bodies, omegas[1:], strict=True):
+        # one link: xdot = omega x x, so E = omega^ times the second moments
+        t = body.inertia
+        total = half * (t.xx + t.yy + t.zz)
+        second = ((total - t.xx, -t.xy, -t.xz), (-t.xy, total - t.yy, -t.yz), (-t.xz, -t.yz, total - t.zz))
+        x, y, z = (cross(omega, row) for row in second)
+        bodies.append(_MovingBody(body, cross(omega, body.first_moment), transpose((x, y, z))))
     for i in range(chain.n - 1, 0, -1):
         joint, inner = chain.joints[i], bodies[i - 1]
         spin = hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
@@ -198,15 +205,6 @@ def _moving_composites(
             add_matrices(add_matrices(inner.second_rate, moved.second_rate), spin),
         )
     return bodies
-
-
-def _moving_link(body: Body[S], omega: Vector[S], half: S) -> _MovingBody[S]:
-    """One link: xdot = omega x x, so E = omega^ times the second moments."""
-    i = body.inertia
-    total = half * (i.xx + i.yy + i.zz)
-    second = ((total - i.xx, -i.xy, -i.xz), (-i.xy, total - i.yy, -i.yz), (-i.xz, -i.yz, total - i.zz))
-    columns = [cross(omega, row) for row in second]
-    return _MovingBody(body, cross(omega, body.first_moment), transpose((columns[0], columns[1], columns[2])))
 
 
 def _to_parent(joint: ChainJoint[S], moving: _MovingBody[S], origin_rate: Vector[S]) -> _MovingBody[S]:
