@@ -69,8 +69,8 @@ class StaticFunction:
     Attributes:
         declaration: Its parameters.
         one: The arguments of its call for one configuration.
-        lane: The same for one lane of a block.
-        varying: The same where the constants differ from lane to lane.
+        lane: The arguments of its call for one lane of a block.
+        varying: The arguments of its call for a lane where the constants differ from lane to lane.
         body: Statements.
         results: Assignments to the entries of the result.
     """
@@ -102,9 +102,9 @@ class CFunction:
         angles: From the arguments to the angles.
         lane: From the arguments and sines to the result, for one configuration of a block.
         declaration: Parameters of the public function.
-        batch_declaration: The same for a batch.
-        prototype: As in the header.
-        batch_prototype: The same for a batch.
+        batch_declaration: Parameters of the public function of a batch.
+        prototype: Parameters of the public function in the header.
+        batch_prototype: Parameters of the public function of a batch in the header.
         block_declaration: Parameters of the function of one block.
         block_call: The arguments of its call.
         documentation: Lines of its comment.

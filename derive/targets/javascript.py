@@ -21,7 +21,7 @@ class JavaScriptFunction:
 
     Attributes:
         name: ``inertiaMatrix``.
-        label: The same as a string literal.
+        label: Its name as a string literal.
         signature: ``q, qd, params``.
         documentation: Lines of its comment.
         parameters: Names of the run-time parameters that it needs, as lines of string literals.

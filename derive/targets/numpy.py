@@ -30,8 +30,8 @@ class PythonFunction:
         arguments: ``q, qd``.
         signature: ``q, qd, params=None, out=None``.
         kernel_arguments: ``functions, k, q, qd``.
-        arguments_tuple: The same as the inside of a tuple.
-        argument_names: Quoted, as the inside of a tuple.
+        arguments_tuple: The names of its arguments, as the inside of a tuple.
+        argument_names: These names quoted, as the inside of a tuple.
         symbol: How the notes write its result.
         shape: As a Python tuple.
         parameter_places: Indices of the run-time parameters that it needs, in lines.

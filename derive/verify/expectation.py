@@ -34,6 +34,9 @@ MASSLESS = 1e-22
 SPARE = 100.0
 """Rounding of the torques that base parameters are fitted to, in units of the last place."""
 
+CACHED = 1 << 15
+"""Numbers of a long batch that are compared at once: they stay in the processor's cache."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Expectation:
@@ -72,21 +75,26 @@ class Expectation:
         """
         return relative_errors(got - self.value, self.scale)
 
-    def farthest_repetitions(self, got: Array, rows: Array) -> Array:
-        """Of a batch that repeats the arguments, for each of them the value that is farthest off.
+    def farthest_repetitions(self, got: Array) -> Array:
+        """Of a batch that repeats the arguments over and over, for each of them the value that is farthest off.
 
         Args:
-            got: The values, (len(rows), *shape).
-            rows: Which of the arguments each of them belongs to.
+            got: The values, (rows, *shape); row i belongs to argument i modulo their number.
 
         Returns:
             Values of the shape of ``value``.
         """
-        distance = np.abs(got - self.value[rows]).reshape(len(rows), -1).max(axis=1)
-        distance[np.isnan(distance)] = np.inf
+        count = len(self.value)
+        step = count * max(1, CACHED // self.value.size)
+        wanted = np.resize(self.value, (step, *self.value.shape[1:]))
+        distance = np.empty(len(got))
+        for start in range(0, len(got), step):
+            part = got[start : start + step]
+            distances = np.abs(part - wanted[: len(part)]).reshape(len(part), -1).max(axis=1)
+            distance[start : start + step] = np.where(np.isnan(distances), np.inf, distances)
         order = np.argsort(distance, kind="stable")
-        farthest = np.empty(len(self.value), dtype=int)
-        farthest[rows[order]] = order
+        farthest = np.empty(count, dtype=int)
+        farthest[order % count] = order
         values: Array = got[farthest]
         return values
 
@@ -164,7 +172,7 @@ class BaseExpectation(Expectation):
 
     Attributes:
         matrix: Base regressor of these motions, each row over the natural size of its torque, (states * n, b).
-        torques: Their torques, over the same, (states * n,).
+        torques: Their torques over the natural sizes, (states * n,).
         small: A share of the torques below which a parameter's own is small, from the condition of ``matrix``.
     """
 

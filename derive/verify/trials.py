@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -32,14 +32,14 @@ class Trial:
         run: Calls the generated function.
         arguments: What its values belong to, broadcast to (..., n) each.
         sample_set: The parameters that belong to them.
-        rows: Which of ``arguments`` each row of the value belongs to, where rows repeat.
+        repeated: Rows of the value where it repeats the arguments over and over; else 0.
     """
 
     how: str
     run: Callable[[], Array]
     arguments: tuple[Array, ...]
     sample_set: SampleSet
-    rows: Array | None = None
+    repeated: int = 0
 
 
 def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]) -> Iterator[Trial]:
@@ -92,7 +92,7 @@ def _trial(
     assert way == "blocks", way  # the same configurations over and over, in more rows than one block holds
     rows = np.arange(BLOCK_ROWS) % len(arguments[0])
     run = partial(call, read_only([argument[rows] for argument in arguments]), numbers)
-    return Trial("a long batch", run, arguments, sample_set, rows)
+    return Trial("a long batch", run, arguments, sample_set, BLOCK_ROWS)
 
 
 def _one_by_one(model: GeneratedModel, function: str, arguments: tuple[Array, ...], numbers: Parameters) -> Array:
@@ -117,14 +117,14 @@ def _parameter_trials(model: GeneratedModel, function: str, sample_sets: Sequenc
         for name in sample_sets[0].parameters
     }
     shaped = read_only([np.broadcast_to(argument, (len(sample_sets), *argument.shape)) for argument in arguments])
+    call = cache(partial(model.call, function, shaped, stacked))
     for index, sample_set in enumerate(sample_sets):
-        run = partial(_entry, model, function, shaped, stacked, index)
-        yield Trial("a batch of parameters", run, arguments, sample_set)
+        yield Trial("a batch of parameters", partial(_entry, call, index), arguments, sample_set)
 
 
-def _entry(model: GeneratedModel, function: str, arguments: list[Array], numbers: Parameters, index: int) -> Array:
+def _entry(call: Callable[[], Array], index: int) -> Array:
     """What belongs to one set of a batch of parameters."""
-    value: Array = np.asarray(model.call(function, arguments, numbers))[index]
+    value: Array = np.asarray(call())[index]
     return value
 
 

@@ -147,13 +147,14 @@ def _worst_error(where: str, function: str, trial: Trial, expected: Expectation)
     got = _value(where, trial, expected)
     if got is None:
         return 0.0
-    rows = trial.rows
-    shape = expected.value.shape if rows is None else (len(rows), *expected.value.shape[1:])
+    shape = expected.value.shape
+    if trial.repeated:
+        shape = (trial.repeated, *shape[1:])
     if got.shape != shape:
         found = f"{where} returns shape {got.shape} instead of {shape} ({trial.how})"
         raise VerificationError(found, remedy=REMEDY)
-    if rows is not None:
-        got = expected.farthest_repetitions(got, rows)
+    if trial.repeated:
+        got = expected.farthest_repetitions(got)
     errors = expected.errors(got)
     worst = float(errors.max(initial=0.0))
     if worst > TOLERANCE:

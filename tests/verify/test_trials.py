@@ -68,11 +68,25 @@ def test_calls_give_what_is_expected_of_them(function: str, sets: tuple[SampleSe
     for trial in trials(Perfect(sets), function, sets):
         expected = expectation(function, trial.sample_set, trial.arguments)
         got = trial.run()
-        if trial.rows is not None:
-            assert len(got) == BLOCK_ROWS
-            got = expected.farthest_repetitions(got, trial.rows)
+        if trial.repeated:
+            assert len(got) == trial.repeated == BLOCK_ROWS
+            got = expected.farthest_repetitions(got)
         assert got.shape == expected.value.shape
         assert expected.errors(got).max() < 1e-12
+
+
+def test_of_repetitions_the_farthest_counts(sets: tuple[SampleSet, ...]) -> None:
+    """One wrong row among thousands, in whatever repetition, and one that is no number."""
+    arguments = tuple(sets[0].arguments[name] for name in ("q", "qd", "qdd"))
+    expected = expectation("inverse_dynamics", sets[0], arguments)
+    count = len(arguments[0])
+    for row in (0, count - 1, 5 * count + 2, BLOCK_ROWS - 1):
+        got = np.resize(expected.value, (BLOCK_ROWS, 2))
+        got[row, 1] += 1.0
+        got[(row + 1) % BLOCK_ROWS, 0] = np.nan
+        farthest = expected.farthest_repetitions(got)
+        assert farthest[row % count, 1] == got[row, 1]
+        assert np.isnan(farthest[(row + 1) % BLOCK_ROWS % count, 0])
 
 
 def test_arguments_cannot_be_written_into(sets: tuple[SampleSet, ...]) -> None:
