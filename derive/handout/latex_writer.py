@@ -23,8 +23,7 @@ from derive.handout.document import (
 from derive.handout.figure.latex_writer import PREAMBLE, latex_drawing
 from derive.handout.language import Text
 from derive.handout.layout.lines import displays
-from derive.handout.textbook import macros
-from derive.targets import templating
+from derive.handout.textbook import latex_template, macros
 from derive.targets.escape import latex_text
 
 _LONGEST_WORD = 16
@@ -51,8 +50,7 @@ def latex(document: Document, text: Text) -> str:
     blocks = [block for section in document.sections for block in blocks_of(section)]
     rows = [part for block in blocks for part in rows_of(block)]
     sections = [{"title": _words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
-    return templating.render(
-        "handout/document.tex.jinja",
+    return latex_template("document.tex.jinja").render(
         name=document.name,
         version=document.version,
         digest=document.digest,
@@ -153,8 +151,8 @@ def _written(block: Block, _: Text) -> str:
             room = f"\\rule[-{height:.1f}\\baselineskip]{{0pt}}{{{height:.1f}\\baselineskip}}"
             return "\n".join(displays([f"{name} = {room}" for name in names]))
         case Table(header, rows, long):
-            cells = [[_words(cell) for cell in row] for row in rows]
-            return _macro("table", header=[_words(cell) for cell in header], rows=cells, long=long)
+            head, *body = (" & ".join(map(_words, row)) for row in (header, *rows))
+            return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
         case Figure(drawing, caption):
             return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
         case Steps(title, blocks):
@@ -162,5 +160,5 @@ def _written(block: Block, _: Text) -> str:
 
 
 def _macro(name: str, **values: object) -> str:
-    source: str = getattr(macros("handout/blocks.tex.jinja"), name)(**values)
+    source: str = getattr(macros("blocks.tex.jinja"), name)(**values)
     return source.removesuffix("\n")

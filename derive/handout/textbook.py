@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from functools import cache
 
-from jinja2.environment import TemplateModule
+from jinja2.environment import Template, TemplateModule
 
 from derive.handout.document import Rows
 from derive.targets.templating import environment
 
 
 @cache
-def macros(template: str) -> TemplateModule:
-    """The macros of a LaTeX template. LaTeX is full of braces, so that its marks are ``<< >>`` and ``<% %>``.
+def latex_template(name: str) -> Template:
+    """A template of LaTeX, which is full of braces, so that its marks are ``<< >>`` and ``<% %>``.
 
     Args:
-        template: Path below the template folder.
+        name: Path below ``templates/handout``.
 
     Returns:
-        A module with a function for each macro.
+        The template.
     """
     marks = environment().overlay(
         block_start_string="<%",
@@ -28,7 +28,20 @@ def macros(template: str) -> TemplateModule:
         comment_start_string="<#",
         comment_end_string="#>",
     )
-    return marks.get_template(template).module
+    return marks.get_template(f"handout/{name}")
+
+
+@cache
+def macros(name: str) -> TemplateModule:
+    """The macros of a template of LaTeX.
+
+    Args:
+        name: Path below ``templates/handout``.
+
+    Returns:
+        A module with a function for each macro.
+    """
+    return latex_template(name).module
 
 
 def textbook(name: str, **values: object) -> Rows:
@@ -42,7 +55,7 @@ def textbook(name: str, **values: object) -> Rows:
         Its lines; an indented line of the template continues the one before.
     """
     lines: list[str] = []
-    for line in getattr(macros("handout/textbook.tex.jinja"), name)(**values).splitlines():
+    for line in getattr(macros("textbook.tex.jinja"), name)(**values).splitlines():
         if line.startswith(" "):
             lines[-1] += f" {line.strip()}"
         elif line:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
+from jinja2 import nodes
 
-from derive.handout.textbook import macros, textbook
+from derive.handout.textbook import latex_template, macros, textbook
+from derive.targets.templating import template_folder
 
-TEMPLATE = "handout/textbook.tex.jinja"
+FOLDER = Path(str(template_folder())) / "handout"
+TEMPLATE = "textbook.tex.jinja"
 NAMES = [name for name in dir(macros(TEMPLATE)) if not name.startswith("_")]
 FLAGS = ("rotors", "armatures", "friction", "revolute", "prismatic")
 
@@ -29,6 +33,15 @@ def test_every_formula_is_balanced(name: str, flag: bool) -> None:
         assert line.count("\\left") == line.count("\\right")
         assert line == line.strip()
         assert not re.search(r"<<|>>|<%|%>|<#|#>|\n", line)
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in FOLDER.iterdir()))
+def test_templates_compute_nothing(name: str) -> None:
+    """No arithmetic, comparison, filter, test or assignment: values come finished."""
+    tree = latex_template(name).environment.parse((FOLDER / name).read_text(encoding="utf-8"))
+    assert list(tree.find_all(nodes.Output))
+    for kind in (nodes.BinExpr, nodes.UnaryExpr, nodes.Filter, nodes.Test, nodes.Compare, nodes.Assign):
+        assert not [node for node in tree.find_all(kind) if not isinstance(node, nodes.And | nodes.Or | nodes.Not)]
 
 
 def test_an_indented_line_continues_the_one_before() -> None:
