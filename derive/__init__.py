@@ -5,7 +5,9 @@
     robot = derive.load("scara-perugia")       # or the path of a robot file
     model = derive.Model(robot)                # model.T, model.J, model.B, ... in closed form
     derive.build(robot)                        # verified NumPy, CasADi, C and LaTeX in generated/scara_perugia
+    derive.handout(robot, formats=["pdf"])     # the sheet to hand out
     derive.plot(robot, "arm.svg")              # the arm with its frames
+    derive.check("notes.yaml")                 # printed formulas against derived ones
 
 Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
 """
@@ -18,9 +20,9 @@ from typing import TYPE_CHECKING, Any
 from derive.version import __version__
 
 if TYPE_CHECKING:
-    from derive.api.build import build, build_all, stale
-    from derive.api.check import check_formula
-    from derive.api.handout import fragment
+    from derive.api.build import build, build_all, stale, verify
+    from derive.api.check import check, check_formula
+    from derive.api.handout import fragment, handout
     from derive.api.plot import plot
     from derive.api.robots import catalogue, load
     from derive.errors import DeriveError
@@ -35,11 +37,14 @@ __all__ = [
     "build",
     "build_all",
     "catalogue",
+    "check",
     "check_formula",
     "fragment",
+    "handout",
     "load",
     "plot",
     "stale",
+    "verify",
 ]
 
 _HOMES = {
@@ -49,11 +54,14 @@ _HOMES = {
     "build": "derive.api.build",
     "build_all": "derive.api.build",
     "catalogue": "derive.api.robots",
+    "check": "derive.api.check",
     "check_formula": "derive.api.check",
     "fragment": "derive.api.handout",
+    "handout": "derive.api.handout",
     "load": "derive.api.robots",
     "plot": "derive.api.plot",
     "stale": "derive.api.build",
+    "verify": "derive.api.build",
 }
 """Where a public name is defined; none is also the name of a subpackage, which would take its place when imported."""
 

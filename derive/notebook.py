@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from derive.handout.context import Context
-from derive.handout.language import Text
-from derive.handout.notation.symbols import EntryNamer, bold
+from derive.handouts.context import Context
+from derive.handouts.language import Text
+from derive.handouts.notation.symbols import EntryNamer, bold
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.matrices import aligned_latex
 from derive.model.model import Model as ClosedForms

@@ -10,8 +10,8 @@ from derive.errors import OutputError
 from derive.programs.policy import Effort, effort_named
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, folder_of
 from derive.publish.many import build_many, check_many
-from derive.verify.verify import Report
-from derive.verify.verify import verify as verify_folder
+from derive.verification.verify import Report
+from derive.verification.verify import verify as verify_folder
 
 FOLDER = Path("generated")
 """The parent folder of all robots unless another one is named."""

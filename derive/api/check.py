@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load
-from derive.check.comparison import check_expression
-from derive.check.errata import Printout
-from derive.check.files import check_path
-from derive.check.findings import FileReport, Finding
-from derive.check.report import difference_text, finding_lines, report_lines, right_text, what
-from derive.check.verdicts import judge
-from derive.handout.notation.text import TextPrinter
+from derive.checking.comparison import check_expression
+from derive.checking.errata import Printout
+from derive.checking.files import check_path
+from derive.checking.findings import FileReport, Finding
+from derive.checking.report import difference_text, finding_lines, report_lines, right_text, what
+from derive.checking.verdicts import judge
+from derive.handouts.notation.text import TextPrinter
 from derive.model.model import Model
 from derive.robot.robot import Robot
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, configuration, load
 from derive.errors import TargetError, listed
-from derive.handout.fragment import fragment_text
-from derive.handout.render import Format, handout_files
+from derive.handouts.fragment import fragment_text
+from derive.handouts.render import Format, handout_files
 from derive.publish.publish import write_files
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, chosen_notation, chosen_parts

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, configuration, load
 from derive.errors import DeriveError
-from derive.handout.data_printer import DataPrinter
-from derive.handout.figure.arm import arm_drawing
-from derive.handout.figure.matplotlib_writer import drawing_bytes, require_matplotlib
-from derive.handout.figure.poses import RobotPoses
-from derive.handout.figure.workspace import sample_workspace, workspace_bytes
-from derive.handout.notation.notation import Notation
+from derive.handouts.data_printer import DataPrinter
+from derive.handouts.figure.arm import arm_drawing
+from derive.handouts.figure.matplotlib_writer import drawing_bytes, require_matplotlib
+from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.figure.workspace import sample_workspace, workspace_bytes
+from derive.handouts.notation.notation import Notation
 from derive.publish.publish import write_files
 from derive.robot.robot import Robot
 

@@ -104,9 +104,9 @@ def _list(robot: Robot, form: str) -> None:
 
 def _printer(robot: Robot, form: str) -> Printer:
     """How one expression is written in a form."""
-    from derive.handout.notation.notation import Notation
-    from derive.handout.notation.printer import LatexPrinter
-    from derive.handout.notation.text import PlainPrinter, TextPrinter
+    from derive.handouts.notation.notation import Notation
+    from derive.handouts.notation.printer import LatexPrinter
+    from derive.handouts.notation.text import PlainPrinter, TextPrinter
 
     if form == "latex":
         return LatexPrinter(Notation.of(robot)).latex

@@ -1,8 +1,8 @@
 """The generated functions, one row each, and the program of a robot: every function's cheapest formulation, as a tape.
 
 A further function is one more row here, with what traces it in `derive.programs.formulations`; documentation of every
-target and the yardstick of its errors follow from the row. The oracle of `derive.verify` keeps a table of its own, so
-that no mistake is made twice.
+target and the yardstick of its errors follow from the row. The oracle of `derive.verification` keeps a table of its
+own, so that no mistake is made twice.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ ARGUMENTS: Mapping[str, str] = {
 
 
 class Magnitude(Enum):
-    """What bounds the entries of a result, so that errors can be measured against it (`derive.verify.tolerance`)."""
+    """What bounds the entries of a result, and so its errors (`derive.verification.tolerance`)."""
 
     POSE = auto()
     JACOBIAN = auto()

@@ -19,7 +19,7 @@ from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import require_compiler
 from derive.targets.target import package_name
-from derive.verify.verify import Report, verify
+from derive.verification.verify import Report, verify
 from derive.version import __version__
 
 Progress = Callable[[str, str], None]

@@ -33,7 +33,8 @@ def test_dir_shows_the_public_names_before_anything_is_imported() -> None:
 
 @pytest.mark.parametrize("functions_first", [True, False])
 def test_no_subpackage_takes_the_place_of_a_function(functions_first: bool) -> None:
-    everything = "import derive.cli.main, derive.publish.build, derive.notebook, derive.api.check, derive.api.plot"
+    modules = ("cli.main", "publish.build", "notebook", "api.check", "api.plot", "api.handout")
+    everything = "; ".join(f"import derive.{module}" for module in modules)
     functions = f"found = [getattr(derive, name) for name in {FUNCTIONS!r}]"
     first, second = (functions, everything) if functions_first else (everything, functions)
     same = f"print(all(inspect.isfunction(f) and f is getattr(derive, n) for f, n in zip(found, {FUNCTIONS!r})))"

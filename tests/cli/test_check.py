@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from derive.cli.main import main
-from tests.check.test_files import ARM
+from tests.checking.test_files import ARM
 from tests.cli.command import derive, is_one_message
 
 RIGHT = ARM + 'expected:\n  - {quantity: p, entries: {"1": "a1*c1 + a2*c12"}}\n'

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import PENDULUM, Outcome, derive, is_one_message
-from tests.handout.latex_runner import require_latex, run_latex
+from tests.handouts.latex_runner import require_latex, run_latex
 
 BARE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n%s\n\\end{document}\n"
 

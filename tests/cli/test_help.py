@@ -24,7 +24,7 @@ HEAVY = (
     "derive.mechanics",
     "derive.model",
     "derive.targets",
-    "derive.handout",
+    "derive.handouts",
 )
 
 

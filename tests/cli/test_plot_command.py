@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from derive.cli.main import main
-from derive.handout.figure.poses import RobotPoses
-from derive.handout.figure.workspace import outline, sample_workspace
+from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.figure.workspace import outline, sample_workspace
 from derive.robot.robot import Robot
 from tests.cli.command import PENDULUM, derive, derive_process, is_one_message
 

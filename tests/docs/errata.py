@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from derive.check.errata import Printout, errata_report
-from derive.check.files import check_path
-from derive.handout.notation.text import TextPrinter
+from derive.checking.errata import Printout, errata_report
+from derive.checking.files import check_path
+from derive.handouts.notation.text import TextPrinter
 from tests.lectures.results import CORPUS
 from tests.places import ROOT
 

@@ -19,13 +19,13 @@ from babel.messages.pofile import read_po, write_po
 
 from tests.docs.console import ROOT
 
-LOCALE = ROOT / "derive" / "handout" / "locale"
+LOCALE = ROOT / "derive" / "handouts" / "locale"
 TEMPLATE = LOCALE / "derive.pot"
-HEADER = "# Texts of the handout; see derive/handout/language.py."
+HEADER = "# Texts of the handout; see derive/handouts/language.py."
 WIDTH = 100
 
 TRANSLATED = ("_", "_label", "_text", "text")
-"""Names by which code calls `derive.handout.language.Text`."""
+"""Names by which code calls `derive.handouts.language.Text`."""
 
 Found = tuple[str, str]
 """File and message."""
@@ -41,7 +41,7 @@ def messages() -> Catalog:
 
 def found() -> Iterator[Found]:
     """Every message with its file."""
-    for path in sorted((ROOT / "derive" / "handout").rglob("*.py")):
+    for path in sorted((ROOT / "derive" / "handouts").rglob("*.py")):
         for _, message in literals(path):
             yield str(path.relative_to(ROOT)), message
     for path in sorted((ROOT / "templates").rglob("*.jinja")):

@@ -16,7 +16,7 @@ from derive.errors import DeriveError
 from derive.publish.build import folder_of
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot
-from derive.verify.verify import verify
+from derive.verification.verify import verify
 from tests.places import GENERATED
 
 

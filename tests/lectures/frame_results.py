@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 
 from derive.algebra.from_sympy import expression_from_sympy
-from derive.check.frames_file import compose, point, rotation, translation
+from derive.checking.frames_file import compose, point, rotation, translation
 from derive.errors import Location
 from derive.lecture.to_sympy import expression_to_sympy
 from derive.model.equality import compare

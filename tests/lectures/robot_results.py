@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from functools import cache
 
 from derive.algebra.from_sympy import expression_from_sympy
-from derive.check.comparison import check_file
-from derive.check.files import read_corpus_file
-from derive.check.findings import FileReport, Finding, Role
-from derive.check.printed import CorpusFile, PrintedQuantity
+from derive.checking.comparison import check_file
+from derive.checking.files import read_corpus_file
+from derive.checking.findings import FileReport, Finding, Role
+from derive.checking.printed import CorpusFile, PrintedQuantity
 from derive.errors import Location
 from derive.lecture.shorthand import read_formula
 from derive.model.equality import compare

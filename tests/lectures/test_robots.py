@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 import sympy
 
-from derive.check.findings import Role
+from derive.checking.findings import Role
 from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.robot import Robot

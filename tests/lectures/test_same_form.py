@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 from derive.algebra.from_sympy import expression_from_sympy
-from derive.check.comparison import derived_matrix
-from derive.check.files import read_corpus_file
-from derive.check.verdicts import same_form
+from derive.checking.comparison import derived_matrix
+from derive.checking.files import read_corpus_file
+from derive.checking.verdicts import same_form
 from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
 

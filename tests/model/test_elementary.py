@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from derive.check.frames_file import compose, point, rotation, translation
+from derive.checking.frames_file import compose, point, rotation, translation
 from derive.errors import ExpressionError
 from derive.model.model import Model
 from derive.robot.robot import Robot

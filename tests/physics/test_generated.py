@@ -21,12 +21,12 @@ from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
-from derive.verify.generated import GeneratedModel, load_models
-from derive.verify.oracle.oracle import FUNCTIONS, Oracle
-from derive.verify.tolerance import TOLERANCE
-from derive.verify.verify import verify
+from derive.verification.generated import GeneratedModel, load_models
+from derive.verification.oracle.oracle import FUNCTIONS, Oracle
+from derive.verification.tolerance import TOLERANCE
+from derive.verification.verify import verify
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
-from tests.verify.oracle.pinocchio_reference import Array, reference
+from tests.verification.oracle.pinocchio_reference import Array, reference
 
 SEEDS = 28
 FIXTURE_IS_A_FACTORY = [HealthCheck.function_scoped_fixture]

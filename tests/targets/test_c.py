@@ -18,7 +18,7 @@ from derive.robot.robot import Robot
 from derive.targets.c import render_c
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.escape import c_prefix
-from derive.verify.generated import CModel
+from derive.verification.generated import CModel
 from tests.random_robots import random_robot
 from tests.targets.c_models import c_model, needs_compiler, write_c_model
 from tests.targets.generated_models import PARAMETERS, numpy_model, planar, small_program, source_of

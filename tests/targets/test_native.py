@@ -20,7 +20,7 @@ from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.native import CODE, LIBRARY, MODULE, TARGET
-from derive.verify.generated import load_models
+from derive.verification.generated import load_models
 from tests.random_robots import random_robot
 from tests.targets.c_models import needs_compiler
 from tests.targets.generated_models import FUNCTIONS, PARAMETERS, planar

@@ -11,7 +11,7 @@ from derive.errors import TargetError
 from derive.publish.build import build_robot
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
-from derive.verify.verify import verify
+from derive.verification.verify import verify
 
 ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
 

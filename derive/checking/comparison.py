@@ -1,0 +1,161 @@
+"""Printed formulas against derived ones, entry by entry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import reduce
+from itertools import pairwise, product
+
+import sympy
+
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.checking.diagnosis import Question
+from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
+from derive.checking.latex_formula import read_latex
+from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.checking.solutions import solution_findings
+from derive.errors import CheckError, DeriveError, Location
+from derive.lecture.shorthand import read_formula
+from derive.lecture.sympy_types import Matrix
+from derive.model.equality import compare, scalar_quantity
+from derive.model.model import Model
+from derive.robot.expression import number
+
+
+def check_file(file: CorpusFile) -> FileReport:
+    """Compare everything that a corpus file prints.
+
+    Args:
+        file: The robot and its printed formulas.
+
+    Returns:
+        One finding for each formula, in the order of the file.
+
+    Raises:
+        QuantityError: An item names no quantity of this robot.
+        CheckError: An item whose shape is not that of its quantity, or a formula that has no value.
+    """
+    model = Model(file.robot)
+    findings = [finding for item in file.expected for finding in _placed(_quantity(model, item), item.location)]
+    findings += [_identity(model, identity) for identity in file.identities]
+    if file.factorisation is not None:
+        findings += _placed(_factorisation(model, file.factorisation), file.factorisation.location)
+    findings += solution_findings(model, file.solutions)
+    return FileReport(file.source, file.robot.name, tuple(findings), file.unread, file.document)
+
+
+def check_expression(model: Model, quantity: str, text: str, latex: bool = False) -> Finding:
+    """Compare one formula with a scalar quantity.
+
+    Args:
+        model: The robot's model.
+        quantity: A scalar quantity such as ``T[1,4]`` (its entry) or ``christoffel[1,1,2]``.
+        text: The formula, in the notation of lecture notes.
+        latex: Whether it is LaTeX.
+
+    Returns:
+        The comparison.
+
+    Raises:
+        QuantityError: No such quantity, or a matrix.
+        CheckError: The formula cannot be read.
+    """
+    start = Location("--latex" if latex else "--expression")
+    formula = (read_latex if latex else read_formula)(text, model.robot, start)
+    right = scalar_quantity(model, quantity)
+    question = Question(model.robot, formula, expression_from_sympy(right))
+    verdict = compare(model.robot, question.right, formula)
+    return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, right, start, question=question)
+
+
+def derived_matrix(model: Model, item: PrintedQuantity) -> Matrix:
+    """The derived quantity that belongs to a printed item.
+
+    Args:
+        model: The robot's model.
+        item: The item; a single printed formula is an entry where its quantity is a matrix.
+
+    Returns:
+        A SymPy matrix, 1x1 for a scalar.
+
+    Raises:
+        QuantityError: No such quantity.
+    """
+    value = model.quantity(item.quantity)
+    if item.shape == (1, 1) and getattr(value, "shape", (1, 1)) != (1, 1):
+        value = scalar_quantity(model, item.quantity)
+    return value if hasattr(value, "shape") else sympy.ImmutableMatrix([[value]])
+
+
+def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding]:
+    """Errors about an item are placed at it."""
+    try:
+        yield from findings
+    except DeriveError as error:
+        raise error.at(location) from None
+
+
+def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
+    right = derived_matrix(model, item)
+    if item.shape is not None and item.shape != right.shape:
+        raise CheckError(
+            f"{item.quantity}: printed with {item.shape[0]} rows and {item.shape[1]} columns",
+            allowed=f"{right.shape[0]} rows and {right.shape[1]} columns",
+        )
+    erratum = item.status == "erratum"
+    yield from (_entry(model, item, right, entry, Role.PRINTED, erratum) for entry in item.entries)
+    yield from (_entry(model, item, right, entry, Role.ABBREVIATED, erratum) for entry in item.abbreviated)
+    yield from (_entry(model, item, right, entry, Role.CORRECTION) for entry in item.corrections)
+    if item.rest_zero:
+        printed = {(entry.row, entry.column) for entry in item.entries}
+        for i, j in product(range(1, right.shape[0] + 1), range(1, right.shape[1] + 1)):
+            if (i, j) not in printed:
+                zero = Printed(i, j, "0", number(0), item.location)
+                yield _entry(model, item, right, zero, Role.REST)
+
+
+def _entry(
+    model: Model, item: PrintedQuantity, right: Matrix, entry: Printed, role: Role, erratum: bool = False
+) -> Finding:
+    rows, columns = right.shape
+    if entry.row > rows or entry.column > columns:
+        raise CheckError(
+            f"{item.quantity}: entry {entry.row},{entry.column}",
+            allowed=f"rows 1 to {rows}, columns 1 to {columns}",
+            location=entry.location,
+        )
+    row = 0 if (rows, columns) == (1, 1) else entry.row
+    column = 0 if columns == 1 else entry.column
+    if entry.unknown is not None:
+        return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown, erratum, item.remark)
+    derived = right[entry.row - 1, entry.column - 1]
+    question = Question(model.robot, entry.formula, expression_from_sympy(derived))
+    where = entry.location
+    verdict = verdict_at(where, model.robot, question.right, question.printed)
+    return Finding(
+        item.quantity, row, column, role, entry.text, verdict, derived, where, erratum, question, remark=item.remark
+    )
+
+
+def _identity(model: Model, identity: Identity) -> Finding:
+    left, right = identity.left, identity.right
+    erratum = identity.status == "erratum"
+    if unknown := left.unknown or right.unknown:
+        return undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum)
+    verdict = verdict_at(right.location, model.robot, left.formula, right.formula)
+    question = Question(model.robot, right.formula, left.formula)
+    return Finding(left.text, 0, 0, Role.IDENTITY, right.text, verdict, left.text, right.location, erratum, question)
+
+
+def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:
+    whole, factors = model.quantity(item.of), [model.quantity(name) for name in item.factors]
+    shapes = [getattr(factor, "shape", (0, 0)) for factor in factors]
+    fits = all(a[1] == b[0] for a, b in pairwise(shapes))
+    if not fits or (shapes[0][0], shapes[-1][1]) != getattr(whole, "shape", None):
+        raise CheckError(f"factorisation of {item.of}: shapes {shapes} do not fit", remedy="check the names")
+    multiplied = reduce(lambda a, b: a * b, (sympy.Matrix(factor) for factor in factors))
+    text = "*".join(item.factors)
+    for i, j in product(range(whole.shape[0]), range(whole.shape[1])):
+        formula = expression_from_sympy(multiplied[i, j])
+        verdict = compare(model.robot, expression_from_sympy(whole[i, j]), formula)
+        yield Finding(item.of, i + 1, j + 1, Role.FACTORISATION, text, verdict, whole[i, j], item.location)

@@ -1,0 +1,211 @@
+"""Single changes of a printed formula: the slips that typists, scanners and tired authors make, undone.
+
+Each has a kind, and is said in words: ``sign of the 2nd term, -a2*c12``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+
+from derive.checking.spots import Spot, is_token
+from derive.lecture.shorthand import notation_text
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    add,
+    multiply,
+    negate,
+    number,
+    power,
+)
+from derive.robot.robot import Robot
+
+SWAPPED = {"cos": "sin", "sin": "cos"}
+
+
+class SlipKind(Enum):
+    """What kind of slip a change undoes, the likelier first; of several changes the first kind is reported."""
+
+    SIGN = "sign"
+    FUNCTION = "sine or cosine"
+    EXPONENT = "exponent"
+    INDEX = "index"
+    SYMBOL = "symbol"
+    NUMBER = "number"
+    MISSING_FACTOR = "missing factor"
+    EXTRA_FACTOR = "extra factor"
+    MISSING_TERM = "missing term"
+    EXTRA_TERM = "extra term"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edit:
+    """One change at one place.
+
+    Attributes:
+        kind: What it undoes.
+        place: Where.
+        node: What stands there then.
+        old: The part that is replaced.
+        new: What replaces it; None where a part is only negated or left out.
+    """
+
+    kind: SlipKind
+    place: Spot
+    node: Expression
+    old: Expression
+    new: Expression | None = None
+
+    @property
+    def formula(self) -> Expression:
+        """The whole formula with the change made."""
+        return self.place.formula(self.node)
+
+
+@dataclass(frozen=True, slots=True)
+class Replacements:
+    """What may stand in a formula.
+
+    Attributes:
+        names: Names that may stand for another.
+        angles: Joint variables of revolute joints, in their order.
+        factors: What a term may lack.
+        terms: What a sum may lack.
+    """
+
+    names: tuple[str, ...]
+    angles: tuple[str, ...]
+    factors: tuple[Expression, ...] = ()
+    terms: tuple[Expression, ...] = ()
+
+
+def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
+    """All changes of one kind at one place.
+
+    Args:
+        spot: The place.
+        may: What may stand in the formula.
+        kind: The kind.
+    """
+    node = spot.node
+    match kind, node:
+        case SlipKind.SIGN, _:
+            yield from _signs(spot)
+        case SlipKind.FUNCTION, Call(function, arguments) if function in SWAPPED:
+            yield _replaced(kind, spot, Call(SWAPPED[function], arguments))
+        case SlipKind.EXPONENT, Power(base, exponent):
+            exponents = {1, 2, 3, exponent + 1, exponent - 1} if exponent > 0 else {-1, -2}
+            yield from (_replaced(kind, spot, power(base, other)) for other in sorted(exponents - {0, exponent}))
+        case SlipKind.EXPONENT, Name() | Call() | Sum() if not isinstance(spot.parent, Power):
+            yield _replaced(kind, spot, power(node, 2))
+        case ((SlipKind.INDEX | SlipKind.SYMBOL), Name(own)):
+            stem, wants_relatives = _stem(own), kind is SlipKind.INDEX
+            fitting = (name for name in may.names if name != own and (_stem(name) == stem) is wants_relatives)
+            yield from (_replaced(kind, spot, Name(name)) for name in fitting)
+        case SlipKind.INDEX, Call(function, (angle,)) if is_token(node):
+            yield from (_replaced(kind, spot, Call(function, (a,))) for a in _other_angles(angle, may.angles))
+        case SlipKind.NUMBER, Number(value):
+            values = (value + 1, value - 1, value * 2, value / 2)
+            yield from (_replaced(kind, spot, number(other)) for other in values if other != value)
+        case SlipKind.NUMBER, _ if spot.is_term:
+            yield from (_replaced(kind, spot, multiply(number(k), node)) for k in (2, Fraction(1, 2)))
+        case SlipKind.MISSING_FACTOR, _ if spot.is_term:
+            yield from (Edit(kind, spot, multiply(node, factor), node, factor) for factor in may.factors)
+        case SlipKind.EXTRA_FACTOR, Product(factors):
+            for i, factor in enumerate(factors):
+                if not (isinstance(factor, Number) and factor.value == -1):
+                    yield Edit(kind, spot, multiply(*factors[:i], *factors[i + 1 :]), factor)
+        case SlipKind.MISSING_TERM, _ if not isinstance(spot.parent, Sum):
+            yield from (Edit(kind, spot, add(node, term), node, term) for term in may.terms)
+        case SlipKind.EXTRA_TERM, _ if isinstance(spot.parent, Sum):
+            yield Edit(kind, spot, number(0), node)
+
+
+def _replaced(kind: SlipKind, spot: Spot, new: Expression) -> Edit:
+    return Edit(kind, spot, new, spot.node, new)
+
+
+def _signs(spot: Spot) -> Iterator[Edit]:
+    """The sign of a term, and those inside the angle of a cosine or sine."""
+    node = spot.node
+    if spot.is_term:
+        yield Edit(SlipKind.SIGN, spot, negate(node), node)
+    if isinstance(node, Call) and is_token(node) and isinstance(angle := node.arguments[0], Sum):
+        for i, term in enumerate(angle.terms):
+            turned = add(*angle.terms[:i], negate(term), *angle.terms[i + 1 :])
+            yield _replaced(SlipKind.SIGN, spot, Call(node.function, (turned,)))
+
+
+def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expression]:
+    """One angle more, one less, one instead of another; for short arms any run of neighbours."""
+    terms = angle.terms if isinstance(angle, Sum) else (angle,)
+    present = {term.name for term in terms if isinstance(term, Name)}
+    absent = [Name(name) for name in angles if name not in present]
+    for i in range(len(terms)):
+        rest = (*terms[:i], *terms[i + 1 :])
+        if rest:
+            yield add(*rest)
+        yield from (add(*terms[:i], other, *terms[i + 1 :]) for other in absent)
+    yield from (add(*terms, other) for other in absent)
+    if len(angles) <= 8:
+        runs = (angles[i:j] for i in range(len(angles)) for j in range(i + 1, len(angles) + 1))
+        yield from (add(*map(Name, run)) for run in runs if set(run) != present)
+
+
+def _stem(name: str) -> str:
+    """A name without the number at its end."""
+    return name.rstrip("0123456789")
+
+
+def ordinal(i: int) -> str:
+    """``2nd`` for 2.
+
+    Args:
+        i: A number from 1.
+    """
+    plain = 10 < i % 100 < 14 or not 1 <= i % 10 <= 3
+    return f"{i}th" if plain else f"{i}{('st', 'nd', 'rd')[i % 10 - 1]}"
+
+
+def changes_text(made: Sequence[Edit], robot: Robot) -> str:
+    """One change, or several and how many, with formulas in the notation of the robot.
+
+    Args:
+        made: At least one.
+        robot: Whose formula it is.
+    """
+    texts = [_text(edit, robot) for edit in made]
+    return texts[0] if len(texts) == 1 else f"{len(texts)} changes: {'; '.join(texts)}"
+
+
+def _text(edit: Edit, robot: Robot) -> str:
+    place, parent = edit.place, edit.place.parent
+    shown_parent = notation_text(parent, robot) if parent is not None else ""
+    old, new = notation_text(edit.old, robot), notation_text(edit.new, robot) if edit.new is not None else ""
+    match edit.kind:
+        case SlipKind.SIGN if not new and parent is None:
+            whole = f"sign: {notation_text(edit.node, robot)} instead of {old}"
+            return "sign of the whole" if isinstance(edit.old, Sum) else whole
+        case SlipKind.SIGN if not new:
+            inside = f" of {shown_parent}" if place.depth > 1 else ""
+            return f"sign of the {ordinal(place.index + 1)} term{inside}, {old}"
+        case SlipKind.EXTRA_TERM:
+            return f"extra term: {old}"
+        case SlipKind.EXTRA_FACTOR:
+            return f"extra factor: {old} in {notation_text(place.node, robot)}"
+        case SlipKind.MISSING_FACTOR:
+            return f"missing factor: {new} of {old}"
+        case SlipKind.MISSING_TERM:
+            return f"missing term: {new}" + (f" beside {old}" if parent is not None else "")
+        case kind:
+            return f"{kind.value}: {new} instead of {old}" + (
+                f" in {shown_parent}" if isinstance(parent, Product) else ""
+            )

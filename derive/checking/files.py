@@ -1,0 +1,208 @@
+"""Files that `derive check` understands, told apart by their keys.
+
+Corpus files have a block ``robot:`` and the list ``expected:`` of what some notes print about it. Every formula is read
+here, so that a text that cannot be read is reported with its line and column. One with an unknown name is kept: nothing
+can be said about it, but about the others.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from derive.checking import reading
+from derive.checking.comparison import check_file
+from derive.checking.findings import FileReport
+from derive.checking.frames_file import NO_ROBOT, check_frames
+from derive.checking.methods_file import SETS, check_methods
+from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.checking.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
+from derive.checking.solutions import read_solutions
+from derive.errors import CheckError, Location, quoted
+from derive.robot.document import Node, YamlMapping, YamlScalar, read_tree
+from derive.robot.load import file_bytes
+from derive.robot.robot import Robot
+
+UNREAD = ("singularities", "trajectory")
+"""Blocks with printed results of a kind that is not compared here."""
+
+_BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
+_KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
+_CONTENT = ("matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated")
+_REMARKS = ("printed_as", "note", "duplicate", "implied")
+_PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
+
+
+def check_path(path: str) -> tuple[FileReport, Robot]:
+    """Compare everything that a file prints.
+
+    Args:
+        path: A corpus file with ``robot:``, a file of frames with ``items:``, or one of Newton-Euler equations.
+
+    Returns:
+        The comparisons, and the robot whose notation the file uses.
+
+    Raises:
+        DeriveError: The file cannot be read.
+    """
+    source, data = _shown(path), file_bytes(Path(path))
+    root = read_tree(data, source)
+    if isinstance(root, YamlMapping) and "robot" not in root.entries:
+        if "items" in root.entries:
+            return check_frames(root, source), NO_ROBOT
+        if any(name in root.entries for name in SETS):
+            return check_methods(root, source), NO_ROBOT
+    file = corpus_from_bytes(data, source)
+    return check_file(file), file.robot
+
+
+def read_corpus_file(path: str) -> CorpusFile:
+    """Read a robot and the formulas printed about it.
+
+    Args:
+        path: Path of the file.
+
+    Returns:
+        The robot and the formulas.
+
+    Raises:
+        RobotFileError: The file cannot be read, or its block ``robot:`` is no robot.
+        ExpressionError: A cell of the robot is outside the grammar.
+        CheckError: A printed formula, or the structure around it, cannot be read.
+    """
+    return corpus_from_bytes(file_bytes(Path(path)), _shown(path))
+
+
+def _shown(path: str) -> str:
+    return path if path.isprintable() else quoted(path, 200)
+
+
+def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
+    """Read the bytes of a corpus file; raises what `read_corpus_file` does.
+
+    Args:
+        data: YAML in UTF-8.
+        source: Name of the file for messages.
+
+    Returns:
+        The robot and the formulas.
+    """
+    robot = Robot.from_bytes(data, source)
+    node = read_tree(data, source)
+    if not isinstance(node, YamlMapping) or "robot" not in node.entries:
+        raise CheckError(
+            "no block 'robot:' beside the printed formulas",
+            allowed="allowed: robot: with the DH table, expected: with what is printed",
+            remedy="indent the robot under 'robot:' and add 'expected:'",
+            location=Location(source),
+        )
+    root = reading.mapping(node, "the file", ("robot",), _KEYS)
+    expected = reading.items(reading.child(root, "expected"), "expected")
+    identities = reading.items(reading.child(root, "identities"), "identities")
+    product = reading.child(root, "factorisation")
+    return CorpusFile(
+        source=source,
+        robot=robot,
+        expected=tuple(_quantity(item, robot) for item in expected),
+        identities=tuple(_identity(item, robot) for item in identities),
+        factorisation=_factorisation(product) if product else None,
+        unread=tuple(name for name in UNREAD if name in root.entries),
+        solutions=read_solutions(reading.child(root, "inverse_kinematics"), robot),
+        document=reading.printed_in(root),
+    )
+
+
+def _quantity(node: Node, robot: Robot) -> PrintedQuantity:
+    item = reading.mapping(node, "an item of expected", ("quantity",), (*_CONTENT, *_REMARKS))
+    name = required_text(item, "quantity").text
+    entries, shape = _content(item, robot)
+    corrections = tuple(_at_places(reading.pairs(item, "correct", "an entry"), "correct", robot))
+    for correction in corrections:
+        if (correction.row, correction.column) not in {(entry.row, entry.column) for entry in entries}:
+            raise CheckError(
+                f"correction of {correction.row},{correction.column}, which is not among the printed entries",
+                remedy="print the wrong entry too",
+                location=correction.location,
+            )
+    return PrintedQuantity(
+        quantity=name,
+        location=item.location,
+        entries=entries,
+        shape=shape,
+        abbreviated=_abbreviated(item, robot),
+        corrections=corrections,
+        rest_zero=reading.word(item, "rest", ("zero",), "") == "zero",
+        status=reading.status(item),
+        remark=reading.remark(item),
+        implied=reading.flag(item, "implied"),
+    )
+
+
+def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[Printed, ...], tuple[int, int] | None]:
+    """The printed entries, and rows and columns where the whole matrix is printed."""
+    matrix = reading.child(item, "matrix")
+    if (matrix is None) == ("entries" not in item.entries):
+        raise CheckError(
+            "an item of expected needs either 'matrix' or 'entries'",
+            remedy='write matrix: [["..."]] for all entries, or entries: {"1,4": "..."} for some',
+            location=item.location,
+        )
+    if matrix is None:
+        return tuple(_at_places(reading.pairs(item, "entries", "an entry"), "entries", robot)), None
+    rows = reading.rows(matrix, "matrix", "a row of the matrix")
+    if not rows or not rows[0] or len({len(row) for row in rows}) > 1:
+        raise CheckError(
+            "matrix whose rows differ in length or are empty",
+            remedy='write rows of equal length, a scalar as [["..."]]',
+            location=matrix.location,
+        )
+    return tuple(_matrix_entries(rows, robot)), (len(rows), len(rows[0]))
+
+
+def _matrix_entries(rows: list[list[Node]], robot: Robot, short: Abbreviations = NO_ABBREVIATIONS) -> Iterator[Printed]:
+    for i, row in enumerate(rows, 1):
+        for j, cell in enumerate(row, 1):
+            yield read_printed(reading.scalar(cell, "an entry"), robot, short, (i, j))
+
+
+def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot: Robot) -> Iterator[Printed]:
+    """Formulas under keys such as ``1,4``, or ``3`` for a vector."""
+    seen: set[tuple[int, int]] = set()
+    for key, text in pairs:
+        match = _PLACE.fullmatch(key.text)
+        place = (int(match[1]), int(match[2] or 1)) if match else (0, 0)
+        if 0 in place or place in seen:
+            raise CheckError(
+                f"{what}: place {quoted(key.text)}" + (" twice" if place in seen else ""),
+                allowed='allowed: row,column from 1, such as "1,4"; "3" in a vector',
+                location=key.location,
+            )
+        seen.add(place)
+        yield read_printed(text, robot, place=place)
+
+
+def _abbreviated(item: YamlMapping, robot: Robot) -> tuple[Printed, ...]:
+    """The entries as they are printed with the abbreviations of the notes."""
+    if "abbreviated" not in item.entries:
+        return ()
+    short = NO_ABBREVIATIONS
+    for key, text in reading.pairs(item, "abbreviations", "an abbreviation"):
+        short = short.defining(key.text, read_printed(text, robot, short))
+    rows = reading.rows(item.entries["abbreviated"][1], "abbreviated", "a row of 'abbreviated'")
+    return tuple(_matrix_entries(rows, robot, short))
+
+
+def _identity(node: Node, robot: Robot) -> Identity:
+    item = reading.mapping(node, "an identity", ("left", "right"), ("status", *_REMARKS))
+    left, right = (read_printed(required_text(item, side), robot) for side in ("left", "right"))
+    return Identity(left, right, reading.status(item))
+
+
+def _factorisation(node: Node) -> Factorisation:
+    item = reading.mapping(node, "factorisation", ("of", "factors"), _REMARKS)
+    factors = reading.items(item.entries["factors"][1], "factors")
+    if not factors:
+        raise CheckError("factorisation without factors", remedy="name two or more", location=item.location)
+    names = tuple(reading.scalar(factor, "a factor").text for factor in factors)
+    return Factorisation(required_text(item, "of").text, names, item.location)

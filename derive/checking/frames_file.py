@@ -1,0 +1,247 @@
+"""Files of printed frames: products of elementary rotations and translations, factor by factor and multiplied out.
+
+``items:`` holds one mapping for each product: ``factors`` such as ``Trans(l1, 0, 0)``, ``Rot(z, pi/2)``, ``Rot3(x, a)``
+(3x3), ``Vec(x, y, z)`` (a point) and ``Ref(id)`` (an earlier item), and the printed ``matrix``.
+
+It is what lectures draw before any table: Rot(z, pi/2), Trans(4, -3, 7), and a chain of them (Siciliano, Sciavicco,
+Villani, Oriolo, Robotics, sections 2.2 and 2.7). `rotation`, `translation` and `compose` give exact 4x4 matrices whose
+entries are plain SymPy; products are reduced by sin^2 + cos^2 = 1. Nothing is rounded: a float stands for the decimal
+that it prints.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+import sympy
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.from_sympy import expression_from_sympy
+from derive.checking import reading
+from derive.checking.diagnosis import Question
+from derive.checking.findings import FileReport, Finding, Role, verdict_at
+from derive.errors import CheckError, DeriveError, ExpressionError, Location, quoted
+from derive.lecture.form import LectureForm
+from derive.lecture.sympy_types import Expr, Matrix
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.robot.description import Convention
+from derive.robot.document import Node, YamlMapping, YamlScalar
+from derive.robot.expression import Expression
+from derive.robot.limits import FORMULA_LIMITS
+from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
+from derive.robot.robot import Robot
+
+NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
+"""Formulas about frames have symbols and no joints."""
+
+FUNCTIONS = ("Rot", "Rot3", "Trans", "Vec", "Ref")
+_FACTOR = re.compile(r"\s*([A-Za-z0-9]+)\((.*)\)\s*", re.DOTALL)
+_PLACE = re.compile(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*")
+_KEYS = ("source", "printed_factors", "forms", "at", "status", "kind", "correct", "note", "ocr", "duplicate", "implied")
+_FIRST_ROW = {"x": 1, "y": 2, "z": 0}
+"""The row from which a turn about the axis goes to the next one: y to z, z to x, x to y."""
+
+
+def rotation(axis: str, angle: Expr) -> Matrix:
+    """Rot(axis, angle), 4x4: the turn about a coordinate axis, counter-clockwise seen from its tip.
+
+    Args:
+        axis: ``x``, ``y`` or ``z``.
+        angle: Expr [rad], a number or a SymPy expression.
+
+    Raises:
+        ExpressionError: Another axis, or an angle that is neither.
+    """
+    if axis not in _FIRST_ROW:
+        raise ExpressionError(f"axis {axis!r}", allowed="x, y or z")
+    turn = _scalar(angle)
+    i = _FIRST_ROW[axis]
+    j = (i + 1) % 3
+    matrix = sympy.eye(4)
+    matrix[i, i] = matrix[j, j] = sympy.cos(turn)
+    matrix[i, j], matrix[j, i] = -sympy.sin(turn), sympy.sin(turn)
+    return sympy.ImmutableMatrix(matrix)
+
+
+def translation(x: Expr, y: Expr, z: Expr) -> Matrix:
+    """Trans(x, y, z), 4x4.
+
+    Args:
+        x: Displacement along x [m], a number or a SymPy expression.
+        y: Along y.
+        z: Along z.
+
+    Raises:
+        ExpressionError: A displacement that is neither.
+    """
+    matrix = sympy.eye(4)
+    matrix[:3, 3] = sympy.Matrix([_scalar(x), _scalar(y), _scalar(z)])
+    return sympy.ImmutableMatrix(matrix)
+
+
+def point(x: Expr, y: Expr, z: Expr) -> Matrix:
+    """The homogeneous coordinates (x, y, z, 1) of a point, 4x1.
+
+    Args:
+        x: Coordinate [m], a number or a SymPy expression.
+        y: Along y.
+        z: Along z.
+    """
+    return translation(x, y, z)[:, 3]
+
+
+def compose(*frames: Matrix) -> Matrix:
+    """The product of frames from left to right, exact and reduced.
+
+    Args:
+        frames: 4x4 matrices; the last may be a point, 4x1.
+
+    Returns:
+        4x4, or 4x1 after a point.
+
+    Raises:
+        ExpressionError: No frame, or shapes that do not fit.
+    """
+    shapes = [getattr(frame, "shape", None) for frame in frames]
+    if not frames or any(shape != (4, 4) for shape in shapes[:-1]) or shapes[-1] not in ((4, 4), (4, 1)):
+        raise ExpressionError(f"frames of shapes {shapes}", allowed="4x4 matrices, the last one 4x4 or a point 4x1")
+    factors = [[[expression_from_sympy(entry) for entry in row] for row in frame.tolist()] for frame in frames]
+    domain = PolynomialDomain(NO_ROBOT, [e for rows in factors for row in rows for e in row], rates=False)
+    product = [[domain.constant(e) for e in row] for row in factors[0]]
+    for factor in factors[1:]:
+        columns = list(zip(*([domain.constant(e) for e in row] for row in factor), strict=True))
+        product = [
+            [domain.ring.sum(x * y for x, y in zip(row, column, strict=True)) for column in columns] for row in product
+        ]
+    write = LectureForm(domain).kinematic
+    return sympy.ImmutableMatrix([[write(entry) for entry in row] for row in product])
+
+
+def _scalar(value: Expr) -> Expr:
+    try:
+        found = sympy.sympify(value, strict=True)
+    except sympy.SympifyError:
+        found = None
+    if not isinstance(found, sympy.Expr) or found.is_Matrix:
+        raise ExpressionError(f"value of type {type(value).__name__}", allowed="a number or a SymPy expression")
+    return expression_to_sympy(expression_from_sympy(found))
+
+
+def check_frames(root: YamlMapping, source: str) -> FileReport:
+    """Compare every printed product of a file with the product of its factors.
+
+    Args:
+        root: The file, with the key ``items``.
+        source: Its name.
+
+    Returns:
+        One finding for each printed entry.
+
+    Raises:
+        CheckError: A factor, a formula or the structure around it cannot be read.
+    """
+    top = reading.mapping(root, "the file", ("items",), ("source", "notes"))
+    known: dict[str, Matrix] = {}
+    findings = [f for item in reading.items(top.entries["items"][1], "items") for f in _item(item, known)]
+    return FileReport(source, "frames", tuple(findings), document=reading.printed_in(top))
+
+
+def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
+    """One product, as a whole, in its other printed forms and factor by factor; it becomes known by its id."""
+    item = reading.mapping(node, "an item", ("id", "factors", "matrix"), _KEYS)
+    name = reading.text_of(item, "id")
+    texts = [reading.scalar(f, "a factor") for f in reading.items(item.entries["factors"][1], "factors")]
+    factors = [_factor(text, known) for text in texts]
+    try:
+        # rotations alone are 3x3 and stand alone; everything else is composed
+        alone = len(factors) == 1 and factors[0].shape == (3, 3)
+        product = factors[0] if alone else compose(*factors)
+    except DeriveError as error:
+        raise error.at(item.location) from None
+    known[name] = product
+    at = {
+        sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner))
+        for key, text in reading.pairs(item, "at", "a value")
+    }
+    right, corrections = product.subs(at) if at else product, _corrections(item)
+    yield from _compared(item, name, reading.child(item, "matrix"), right, corrections)
+    for form in reading.items(reading.child(item, "forms"), "forms"):
+        yield from _compared(item, name, form, right, corrections)
+    printed = reading.items(reading.child(item, "printed_factors"), "printed_factors")
+    if printed and len(printed) != len(factors):
+        raise CheckError(f"{len(printed)} printed factors of {len(factors)}", location=item.location)
+    for i, (rows, factor) in enumerate(zip(printed, factors, strict=False), 1):
+        yield from _compared(item, f"{name} factor {i}", rows, factor, {})
+
+
+def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
+    """The matrix of a factor such as ``Rot(z, pi/2)``."""
+    match = _FACTOR.fullmatch(text.text)
+    if match is None or match[1] not in FUNCTIONS:
+        raise CheckError(
+            f"factor {quoted(text.text)}",
+            allowed="allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)",
+            location=text.location,
+        )
+    # formulas of frames have no commas of their own
+    arguments = [argument.strip() for argument in match[2].split(",")]
+    try:
+        return _elementary(match[1], arguments, text.location, known)
+    except (DeriveError, TypeError) as error:
+        shown = CheckError(f"factor {quoted(text.text)}: {error}") if isinstance(error, TypeError) else error
+        raise shown.at(text.location) from None
+
+
+def _elementary(name: str, arguments: list[str], where: Location, known: Mapping[str, Matrix]) -> Matrix:
+    if name == "Ref":
+        if arguments[0] not in known:
+            raise CheckError(f"Ref to {quoted(arguments[0])}", allowed="the id of an earlier item")
+        return known[arguments[0]]
+    turns = name.startswith("Rot")
+    numbers = [expression_to_sympy(_formula(argument, where)) for argument in (arguments[1:] if turns else arguments)]
+    if len(numbers) != (1 if turns else 3):
+        raise CheckError(f"{name} with {len(arguments)} arguments", allowed="Rot takes 2, Trans and Vec take 3")
+    if turns:
+        turn = rotation(arguments[0], numbers[0])
+        return turn if name == "Rot" else turn[:3, :3]
+    return translation(*numbers) if name == "Trans" else point(*numbers)
+
+
+def _corrections(item: YamlMapping) -> dict[tuple[int, int], YamlScalar]:
+    """Right formulas for wrong entries, by row and column from 1."""
+    found = {}
+    for key, text in reading.pairs(item, "correct", "a correction"):
+        match = _PLACE.fullmatch(key.text)
+        if match is None:
+            raise CheckError(f"place {quoted(key.text)}", allowed="row,column", location=key.location)
+        found[int(match[1]), int(match[2])] = text
+    return found
+
+
+def _compared(
+    item: YamlMapping,
+    name: str,
+    matrix: Node | None,
+    right: Matrix,
+    corrections: Mapping[tuple[int, int], YamlScalar],
+) -> Iterator[Finding]:
+    """Every entry of a printed matrix, and its correction where there is one."""
+    said = reading.remark(item)
+    rows = reading.rows(matrix, "matrix", "a row")
+    if (len(rows), *{len(row) for row in rows}) != right.shape:
+        raise CheckError(f"{name}: printed in another shape", allowed=f"{right.shape}", location=item.location)
+    for i, row in enumerate(rows, 1):
+        for j, cell in enumerate(row, 1):
+            correction, derived = corrections.get((i, j)), right[i - 1, j - 1]
+            texts = [(reading.scalar(cell, "an entry"), Role.PRODUCT, correction is not None)]
+            texts += [(correction, Role.CORRECTION, False)] if correction is not None else []
+            for text, role, erratum in texts:
+                question = Question(NO_ROBOT, _formula(text.text, text.inner), expression_from_sympy(derived))
+                verdict = verdict_at(text.location, NO_ROBOT, question.right, question.printed)
+                where = text.inner
+                yield Finding(name, i, j, role, text.text, verdict, derived, where, erratum, question, remark=said)
+
+
+def _formula(text: str, where: Location) -> Expression:
+    return parse_expression(text, where, FORMULA_FUNCTIONS, FORMULA_LIMITS)

@@ -1,0 +1,207 @@
+"""Files of printed Newton-Euler equations, in base coordinates or link by link, and the loop around them.
+
+Every link of some arms with revolute and prismatic joints, odd twists and full inertia tensors is a case: an equation
+is right when it gives, from what the recursion knows at that step, what the recursion computes there.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+
+from derive.checking import reading
+from derive.checking.diagnosis import Repair
+from derive.checking.edits import SlipKind
+from derive.checking.findings import FileReport, Finding, Role
+from derive.checking.reading import required_text
+from derive.checking.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
+from derive.errors import CheckError, listed, near_miss, quoted
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, newton_euler_base, newton_euler_link
+from derive.model.equality import Verdict
+from derive.robot.document import Node, YamlMapping, YamlScalar
+from derive.robot.expression import Name
+from derive.robot.robot import Robot
+
+Array = Any
+
+SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
+    "newton_euler_base": newton_euler_base,
+    "newton_euler_link": newton_euler_link,
+}
+RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")
+"""What an equation may compute."""
+
+
+ARMS = (("rpr", 1), ("rrp", 2), ("prrpr", 3))
+"""Joint types and seed of each arm: both kinds of joint as first, inner and last one."""
+
+UNREAD = ("initial_conditions", "textual", "lagrange")
+_KEYS = ("source", "algorithm", *SETS, *UNREAD)
+_EQUATION = ("correct", "kind", "note", "variants", "implied", "duplicate")
+_LOOP = ("id", "printed_stop", "correct_stop")
+_SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": "Newton-Euler, link frame"}
+_TOLERANCE = 1e-10
+"""Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses."""
+
+
+@dataclass(frozen=True, slots=True)
+class LinkCase:
+    """One link in motion.
+
+    Attributes:
+        joint: ``revolute`` or ``prismatic``.
+        values: What each name stands for.
+    """
+
+    joint: str
+    values: Mapping[str, Array]
+
+
+def check_methods(root: YamlMapping, source: str) -> FileReport:
+    """Compare every printed equation with what the recursion computes.
+
+    Args:
+        root: The file, with at least one set of equations.
+        source: Its name.
+
+    Returns:
+        One finding for each equation.
+
+    Raises:
+        CheckError: An equation, or the structure around it, cannot be read.
+    """
+    top = reading.mapping(root, "the file", (), _KEYS)
+    findings: list[Finding] = []
+    for name in SETS:
+        for node in reading.items(reading.child(top, name), name):
+            findings += _equation(name, node)
+    loop = reading.child(top, "algorithm")
+    if loop is not None:
+        block = reading.mapping(loop, "algorithm", (), ("steps", "errata"))
+        for node in reading.items(reading.child(block, "errata"), "errata"):
+            findings += _loop(node)
+    unread = tuple(name for name in UNREAD if name in top.entries)
+    return FileReport(source, "Newton-Euler recursion", tuple(findings), unread, reading.printed_in(top))
+
+
+def _equation(name: str, node: Node) -> Iterator[Finding]:
+    """A printed equation and its correction."""
+    item = reading.mapping(node, "an equation", ("id", "joint", "result", "printed", "status"), _EQUATION)
+    joint = reading.word(item, "joint", ("any", "revolute", "prismatic"), "any")
+    result = reading.word(item, "result", RESULTS, "")
+    erratum, said = reading.status(item) == "erratum", reading.remark(item)
+    known = [case for case in cases(name) if joint in ("any", case.joint)]
+    shown = f"{_SHOWN[name]}: {required_text(item, 'id').text} ({joint} joint)"
+    correction = reading.child(item, "correct")
+    for key, role in (("printed", Role.EQUATION), ("correct", Role.CORRECTION)):
+        text = reading.child(item, key)
+        if not isinstance(text, YamlScalar):
+            continue
+        printed = read_vector(text.text, text.inner)
+        for named in names_in(printed):
+            if named not in known[0].values:
+                raise CheckError(
+                    f"unknown name {quoted(named)}",
+                    allowed=f"allowed: {listed(known[0].values)}",
+                    remedy=near_miss(named, known[0].values),
+                    location=text.location,
+                )
+        holds = partial(_holds_for_all, cases=known, result=result)
+        equal = holds(printed)
+        repair = None if equal else diagnose_vector(printed, [n for n in known[0].values if n != result], holds)
+        right = correction.text if isinstance(correction, YamlScalar) else text.text
+        if right == text.text and repair is not None:
+            right = str(repair.formula)
+        wrong, where, verdict = erratum and role is Role.EQUATION, text.inner, Verdict(equal, False)
+        yield Finding(shown, 0, 0, role, text.text, verdict, right, where, wrong, repair=repair, remark=said)
+
+
+def _holds_for_all(e: Vector, cases: Sequence[LinkCase], result: str) -> bool:
+    """Whether an equation gives what the recursion computes, at every link."""
+    for case in cases:
+        try:
+            value = value_of(e, case.values)
+        except (ValueError, TypeError):
+            return False
+        expected = case.values[result]
+        if np.shape(value) != np.shape(expected) or not np.max(np.abs(value - expected)) < _TOLERANCE:
+            return False
+    return True
+
+
+def _loop(node: Node) -> Iterator[Finding]:
+    """The backward recursion starts at joint n; it must go on to joint 1 for every joint to get its torque."""
+    item = reading.mapping(node, "an entry of errata", _LOOP, ("status", "kind", "note"))
+    name, printed, correct = (required_text(item, key) for key in _LOOP)
+    said = reading.remark(item)
+    for text, role in ((printed, Role.EQUATION), (correct, Role.CORRECTION)):
+        shown = f"stop at i = {text.text}"
+        verdict = Verdict(text.text == "1", True)
+        erratum = role is Role.EQUATION and not verdict.equal
+        repair = None
+        if not verdict.equal:
+            repair = Repair((SlipKind.INDEX,), f"index: 1 instead of {text.text}", Name("1"))
+        yield Finding(name.text, 0, 0, role, shown, verdict, "stop at i = 1", text.inner, erratum, None, repair, said)
+
+
+# -- the cases
+
+
+@cache
+def cases(name: str) -> tuple[LinkCase, ...]:
+    """All links of the arms.
+
+    Args:
+        name: The set of equations, one of `SETS`.
+    """
+    found = []
+    for types, seed in ARMS:
+        robot = _arm(types, seed)
+        rng = random.Random(robot.name)
+        q, qd, qdd = ([rng.uniform(-1.5, 1.5) for _ in range(robot.n)] for _ in range(3))
+        links = SETS[name](robot, FloatDomain(robot, q), qd, qdd).links
+        found += [_case(links, i) for i in range(robot.n)]
+    return tuple(found)
+
+
+def _case(links: tuple[LinkStep[float], ...], i: int) -> LinkCase:
+    """What the names of printed equations stand for at one link; z_prev is in base coordinates in both sets."""
+    step = links[i]
+    data, before, now = step.data, step.previous, step.motion
+    values: dict[str, Any] = {"w": now.w, "wd": now.wd, "v": now.v, "vd": now.vd, "a": step.a, "F": step.F, "N": step.N}
+    values |= {"f": step.wrench.f, "n": step.wrench.n, "tau": step.tau}
+    values |= {"w_prev": before.w, "wd_prev": before.wd, "v_prev": before.v, "vd_prev": before.vd}
+    values |= {"p": data.p, "s": data.s, "m": data.mass, "I": data.inertia, "b": data.viscous}
+    values |= {"qd": data.qd, "qdd": data.qdd, "f_next": step.following.f, "n_next": step.following.n}
+    arrays = {name: np.array(value) for name, value in values.items()}
+    rotation, previous = np.array(data.rotation), np.array(data.before)
+    following = np.array(links[i + 1].data.before).T if i + 1 < len(links) else np.eye(3)
+    z0 = np.array([0.0, 0.0, 1.0])
+    arrays |= {"Rp": previous, "Rn": following, "R0": rotation.T, "z0": z0}
+    arrays |= {"z_prev": rotation @ previous @ z0, "p_in_next": following.T @ arrays["p"]}
+    return LinkCase("revolute" if data.revolute else "prismatic", arrays)
+
+
+def _arm(types: str, seed: int) -> Robot:
+    rng = random.Random(seed)
+
+    def _number(scale: float = 1.0) -> float:
+        return round(rng.uniform(0.2, 1.2) * scale, 3)
+
+    lines = [f"name: arm-{types}", "convention: standard", "joints:"]
+    for letter in types:
+        own, kind = {"r": ("d", "revolute"), "p": ("theta", "prismatic")}[letter]
+        lines.append(f"  - {{type: {kind}, {own}: {_number()}, a: {_number()}, alpha: {_number()}}}")
+    lines += ["gravity: [0, 0, -9.81]", "links:"]
+    for _ in types:
+        moments = ", ".join(f"{axes}: {2 + _number()}" for axes in ("xx", "yy", "zz"))
+        tensor = moments + "".join(f", {axes}: {_number(0.1)}" for axes in ("xy", "xz", "yz"))
+        body = f"mass: {_number()}, com: [{_number()}, {_number()}, {_number()}], inertia: {{{tensor}}}"
+        lines.append(f"  - {{{body}, friction: {{viscous: {_number()}}}}}")
+    return Robot.from_text("\n".join(lines) + "\n")

@@ -1,0 +1,249 @@
+"""Verdicts as lines of text and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from derive.checking.findings import FileReport, Finding, Role
+from derive.checking.verdicts import Judgement, Outcome, judge
+from derive.lecture.shorthand import notation_text
+from derive.model.equality import CounterExample
+
+Printer = Callable[[Any], str]
+"""Writes a derived formula in the notation of the file's robot."""
+
+LONGEST = 400
+"""Characters of a formula in a report; longer ones are cut."""
+
+MAX_SHOWN_TERMS = 6
+"""Terms of a difference that are shown; a longer one says little."""
+
+
+def report_lines(report: FileReport, printer: Printer) -> list[str]:
+    """The report of one file: what is wrong, the right formula and what repairs it, what is undecidable, the count.
+
+    Args:
+        report: The comparisons.
+        printer: Writes derived formulas.
+
+    Returns:
+        Lines without ends.
+    """
+    corrections = right_corrections(report)
+    lines: list[str] = []
+    for finding in report.wrong:
+        lines += finding_lines(finding, printer)
+        if finding.erratum and finding.entry in corrections:
+            lines.append(f"  its correction is right: {cut(corrections[finding.entry].text)}")
+    for finding in report.undecidable:
+        lines += finding_lines(finding, printer)
+    lines.append(f"{report.source}: {summary(report)}")
+    return lines
+
+
+def right_corrections(report: FileReport) -> dict[str, Finding]:
+    """The corrections that a file gives and that are right.
+
+    Args:
+        report: The comparisons.
+
+    Returns:
+        Entry, such as ``B[1,2]`` -> its correction.
+    """
+    return {f.entry: f for f in report.findings if f.role is Role.CORRECTION and f.verdict.equal}
+
+
+def summary(report: FileReport) -> str:
+    """``173 equal (120 in the same form), 6 wrong``, with what was compared at points only or not at all.
+
+    Args:
+        report: The comparisons of one file.
+    """
+    same = sum(judge(finding).outcome is Outcome.SAME_FORM for finding in report.findings)
+    known = sum(finding.erratum for finding in report.wrong)
+    numeric = sum(not finding.verdict.exact for finding in report.findings)
+    text = f"{report.equal} equal" + (f" ({same} in the same form)" if same else "") + f", {len(report.wrong)} wrong"
+    text += f" ({known} marked as errata)" if known else ""
+    text += f", {len(report.undecidable)} undecidable" if report.undecidable else ""
+    text += f"; {numeric} compared at random points only" if numeric else ""
+    return text + (f"; not compared: {', '.join(report.unread)}" if report.unread else "")
+
+
+def finding_lines(finding: Finding, printer: Printer) -> Iterator[str]:
+    """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers.
+
+    Args:
+        finding: The comparison.
+        printer: Writes derived formulas.
+
+    Yields:
+        Lines without ends.
+    """
+    verdict = judge(finding)
+    match verdict.outcome:
+        case Outcome.SAME_FORM:
+            yield f"{what(finding)}: same form"
+            return
+        case Outcome.EQUAL:
+            yield f"{what(finding)}: equal" + ("" if finding.verdict.exact else ", at random points")
+            yield f"  ours: {cut(right_text(finding, printer))}"
+            return
+        case Outcome.UNDECIDABLE:
+            yield f"{finding.location}: {what(finding)}: {verdict.outcome}: {unknown_name(finding)}"
+            return
+    yield f"{finding.location}: {what(finding)} is wrong: {cut(finding.text)}"
+    yield f"  right: {cut(right_text(finding, printer))}"
+    if verdict.repair is not None:
+        yield f"  change: {cut(verdict.repair.text)}"
+    if terms := difference_text(verdict, printer):
+        yield f"  printed - right: {cut(terms)}"
+    if finding.verdict.counter_example is not None:
+        yield f"  {numbers(finding.verdict.counter_example)}"
+
+
+def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
+    """The report of one file as plain data.
+
+    Args:
+        report: The comparisons.
+        printer: Writes derived formulas.
+
+    Returns:
+        Counts, and under ``entries`` one mapping for each formula; see `finding_dict`.
+    """
+    return {
+        "file": report.source,
+        "robot": report.robot,
+        "equal": report.equal,
+        "wrong": len(report.wrong),
+        "undecidable": len(report.undecidable),
+        "not_compared": list(report.unread),
+        "entries": [finding_dict(finding, printer) for finding in report.findings],
+    }
+
+
+def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
+    """One verdict as plain data.
+
+    Args:
+        finding: The comparison.
+        printer: Writes derived formulas.
+
+    Returns:
+        Strings, numbers, lists and mappings; the reasons only where the printed formula is wrong.
+    """
+    verdict = judge(finding)
+    entry: dict[str, Any] = {
+        "quantity": finding.entry,
+        "role": finding.role.value,
+        "printed": finding.text,
+        "verdict": verdict.outcome.value,
+        "equal": finding.verdict.equal,
+        "exact": finding.verdict.exact,
+        "erratum": finding.erratum,
+        "line": finding.location.line,
+        "column": finding.location.column,
+    }
+    if finding.unknown is not None:
+        return {**entry, "equal": None, "exact": None, "reason": str(finding.unknown)}
+    if verdict.outcome is not Outcome.SAME_FORM:
+        entry["right"] = right_text(finding, printer)
+    if not finding.verdict.equal:
+        entry["difference"] = [printer(term) for term in verdict.difference]
+        repair = verdict.repair
+        entry["change"] = repair and {
+            "kinds": [kind.value for kind in repair.kinds],
+            "text": repair.text,
+            "formula": repaired_text(finding),
+        }
+    example = finding.verdict.counter_example
+    if example is not None:
+        values = {name: float(value) for name, value in example.values}
+        entry["counter_example"] = {"values": values, "printed": example.printed, "right": example.right}
+    return entry
+
+
+def repaired_text(finding: Finding) -> str:
+    """The printed formula with the change made; empty where none was found.
+
+    Args:
+        finding: The comparison.
+    """
+    repair, question = judge(finding).repair, finding.question
+    if repair is None:
+        return ""
+    return notation_text(repair.formula, question.robot) if question else str(getattr(repair.formula, "name", ""))
+
+
+def difference_text(verdict: Judgement, printer: Printer) -> str:
+    """Printed minus right in one line; empty where it is not known or has many terms.
+
+    Args:
+        verdict: The verdict on a wrong formula.
+        printer: Writes the terms.
+    """
+    if not 0 < len(verdict.difference) <= MAX_SHOWN_TERMS:
+        return ""
+    first, *rest = [printer(term) for term in verdict.difference]
+    return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in rest)
+
+
+def unknown_name(finding: Finding) -> str:
+    """The name that the robot does not know, and the nearest known ones; empty where all are known.
+
+    Args:
+        finding: The comparison.
+    """
+    error = finding.unknown
+    return "; ".join(part for part in (error.found, error.allowed, error.remedy) if part) if error else ""
+
+
+def what(finding: Finding) -> str:
+    """What a formula is, in words.
+
+    Args:
+        finding: The comparison.
+    """
+    match finding.role:
+        case Role.CORRECTION:
+            return f"correction of {finding.entry}"
+        case Role.ABBREVIATED:
+            return f"abbreviated {finding.entry}"
+        case Role.IDENTITY:
+            return f"identity for {cut(finding.quantity)}"
+        case Role.REST:
+            return f"{finding.entry} of the rest"
+        case _:
+            return finding.entry + (" (marked as an erratum)" if finding.erratum else "")
+
+
+def right_text(finding: Finding, printer: Printer) -> str:
+    """The derived formula.
+
+    Args:
+        finding: The comparison.
+        printer: Writes it.
+    """
+    return finding.right if isinstance(finding.right, str) else printer(finding.right)
+
+
+def numbers(example: CounterExample) -> str:
+    """Numbers that show a difference.
+
+    Args:
+        example: A point and both values there.
+    """
+    values = ", ".join(f"{name} = {float(value):g}" for name, value in example.values)
+    compared = f"printed {example.printed:.6g}, right {example.right:.6g}"
+    return f"at {values}: {compared}" if values else compared
+
+
+def cut(text: str, length: int = LONGEST) -> str:
+    """The beginning of a text.
+
+    Args:
+        text: The text.
+        length: Characters that it may have, the dots at its end counted.
+    """
+    return text if len(text) <= length else f"{text[: length - 3]}..."

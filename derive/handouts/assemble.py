@@ -1,0 +1,184 @@
+"""From a robot to its handout, part by part; and from the handout to an exercise and its solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+from derive.errors import DeriveError
+from derive.handouts.context import Context
+from derive.handouts.document import Blank, Block, Document, Formula, Section, Steps
+from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.language import Text, text_for
+from derive.handouts.parts.bodies import link_jacobians
+from derive.handouts.parts.example import example
+from derive.handouts.parts.figure import arm, convention
+from derive.handouts.parts.inertia import energies, inertia
+from derive.handouts.parts.jacobian import jacobian
+from derive.handouts.parts.kinematics import end_effector, transforms
+from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
+from derive.handouts.parts.newton_euler import newton_euler
+from derive.handouts.parts.orientation import orientation
+from derive.handouts.parts.singularities import singularities
+from derive.handouts.parts.table import dh_table, parameters
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
+from derive.robot.robot import Robot
+from derive.robot.style import PARTS, HandoutOptions
+from derive.version import __version__
+
+
+class Part(NamedTuple):
+    """A part of the handout.
+
+    Attributes:
+        title: Its heading.
+        blocks: Its content; nothing where the robot has nothing to show.
+        needs_closed_dynamics: Whether it is left out where the closed form of the dynamics is not derived.
+    """
+
+    title: str
+    blocks: Callable[[Context], Iterable[Block]]
+    needs_closed_dynamics: bool = False
+
+
+def _parts(_: Text) -> dict[str, Part]:
+    """Every part by its name in ``handout: parts:``."""
+    return {
+        "figure": Part(_("The arm"), arm),
+        "table": Part(_("Denavit-Hartenberg table"), dh_table),
+        "convention": Part(_("Convention"), convention),
+        "parameters": Part(_("Parameters"), parameters),
+        "transforms": Part(_("Transforms of the rows"), transforms),
+        "kinematics": Part(_("End effector"), end_effector),
+        "orientation": Part(_("Position and orientation"), orientation),
+        "jacobian": Part(_("Geometric Jacobian"), jacobian),
+        "singularities": Part(_("Singularities"), singularities),
+        "link-jacobians": Part(_("Jacobians of links and motors"), link_jacobians, True),
+        "energies": Part(_("Energies"), energies, True),
+        "inertia": Part(_("Inertia matrix"), inertia),
+        "christoffel": Part(_("Christoffel symbols"), christoffel, True),
+        "coriolis": Part(_("Coriolis matrix"), coriolis, True),
+        "skew": Part(_("Skew symmetry"), skew, True),
+        "gravity": Part(_("Gravity"), gravity, True),
+        "motion": Part(_("Equations of motion"), equations_of_motion, True),
+        "newton-euler": Part(_("Newton-Euler recursion"), newton_euler, True),
+        "example": Part(_("Example in numbers"), example),
+    }
+
+
+def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
+    """What the handout of a robot is made from.
+
+    Args:
+        robot: The robot.
+        options: What is shown; None for what the robot file says.
+
+    Returns:
+        The context; it has no poses where no numbers are found with which the robot could be drawn.
+
+    Raises:
+        TargetError: There is no message catalogue for the language.
+    """
+    chosen = options or robot.handout
+    text = text_for(chosen.language)
+    try:
+        poses = RobotPoses(robot)
+    except DeriveError:
+        poses = None
+    return Context(ModelEntries(Model(robot)), chosen, text, __version__, poses)
+
+
+def section_of(context: Context, name: str) -> Section | None:
+    """One part.
+
+    Args:
+        context: The handout.
+        name: The part, one of `PARTS`.
+
+    Returns:
+        Its section; None where the robot has nothing to show there.
+    """
+    part = _parts(context.text)[name]
+    if part.needs_closed_dynamics and not context.has_closed_dynamics:
+        return None
+    blocks = tuple(part.blocks(context))
+    return Section(name, part.title, blocks) if blocks else None
+
+
+def document(context: Context) -> Document:
+    """The handout of a robot: the parts that are asked for, in the order of `PARTS`.
+
+    Args:
+        context: The handout.
+
+    Returns:
+        The document.
+    """
+    robot = context.robot
+    sections = (section_of(context, name) for name in PARTS if name in context.options.parts)
+    return Document(
+        title=robot.title,
+        subtitle="",
+        name=robot.name,
+        language=context.text.language,
+        digest=robot.digest,
+        version=context.version,
+        footer=context.text(
+            "derive %(version)s, robot file `%(digest)s`", version=context.version, digest=robot.digest[:16]
+        ),
+        sections=tuple(section for section in sections if section is not None),
+    )
+
+
+# -- exercise and solutions
+
+_LEAST_LINES = 2
+_MOST_LINES = 24
+"""Lines of room for one answer: less than half a page, however long the solution is."""
+
+_HANDWRITING = 1.5
+"""Lines by hand for one in print."""
+
+
+def exercise(document: Document, text: Text) -> Document:
+    """The handout with room for the answers in place of the results; derivations are left out.
+
+    Args:
+        document: The handout.
+        text: Translates the subtitle.
+
+    Returns:
+        The exercise.
+    """
+    sections = []
+    for section in document.sections:
+        blocks = tuple(
+            Blank(block.blanks, _room(block)) if isinstance(block, Formula) and block.blanks else block
+            for block in section.blocks
+            if not isinstance(block, Steps)
+        )
+        if blocks:
+            sections.append(replace(section, blocks=blocks))
+    return replace(document, subtitle=text("Exercise"), sections=tuple(sections))
+
+
+def solutions(document: Document, text: Text) -> Document:
+    """The same handout as the sheet of solutions.
+
+    Args:
+        document: The handout.
+        text: Translates the subtitle.
+
+    Returns:
+        The solutions.
+    """
+    return replace(document, subtitle=text("Solutions"))
+
+
+def _room(formula: Formula) -> int:
+    r"""Lines that an answer needs by hand; a matrix takes one for each of its rows, which ``\\`` ends."""
+    rows = sum(line.count("\\\\") + 1 for part in formula.rows for line in part.lines)
+    printed = rows + len(formula.named) + len(formula.omitted)
+    return max(_LEAST_LINES, min(_MOST_LINES, round(_HANDWRITING * printed)))

@@ -1,0 +1,266 @@
+"""The handout as data: sections made of blocks, the same for paper and for the web page.
+
+Texts are plain Unicode in the language of the handout. Inside a text, mathematics stands between dollar signs as LaTeX
+and code between backticks; a writer escapes everything else. Mathematics is LaTeX that pdflatex with amsmath and KaTeX
+both understand.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple, TypeAlias
+
+from derive.handouts.figure.drawing import Drawing
+
+
+@dataclass(frozen=True, slots=True)
+class Paragraph:
+    """Running text.
+
+    Attributes:
+        text: With ``$mathematics$`` and `` `code` ``.
+    """
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Displayed mathematics, line by line.
+
+    Attributes:
+        lines: LaTeX of each line, broken to fit.
+        landscape: Whether the lines are as long as a page turned on its side.
+    """
+
+    lines: tuple[str, ...]
+    landscape: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry of a quantity, to be copied.
+
+    Attributes:
+        name: Its symbol as LaTeX.
+        latex: Its expression as LaTeX on one line.
+        python: The same as a Python expression in the names of the robot file.
+    """
+
+    name: str
+    latex: str
+    python: str
+
+
+@dataclass(frozen=True, slots=True)
+class Formula:
+    """The result for one quantity: what an exercise leaves blank.
+
+    Attributes:
+        rows: The matrix, or its entries one by one.
+        named: Definitions of intermediate terms that the entries use.
+        omitted: Entries that are too long, with their numbers of terms.
+        note: What else a reader must know: which entries are left out because they are zero, that it is symmetric.
+        function: The generated function that computes it, empty if none does.
+        entries: Every printed entry for copying.
+        blanks: What an exercise prints in its place: the left sides, with room for the answers.
+    """
+
+    rows: tuple[Rows, ...]
+    named: tuple[str, ...] = ()
+    omitted: tuple[str, ...] = ()
+    note: str = ""
+    function: str = ""
+    entries: Sequence[Entry] = ()
+    blanks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Blank:
+    """Room for an answer in an exercise.
+
+    Attributes:
+        names: LaTeX of the left sides.
+        lines: Lines of room below.
+    """
+
+    names: tuple[str, ...]
+    lines: int
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table.
+
+    Attributes:
+        header: Texts of the head, mathematics between dollars.
+        rows: Texts of the cells.
+        long: Whether it may need more than a page.
+    """
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    long: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A drawing with its caption.
+
+    Attributes:
+        drawing: Lines, areas and labels in the plane.
+        caption: Text below.
+    """
+
+    drawing: Drawing
+    caption: str
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """Intermediate steps: printed on paper, folded on the web page, left out of an exercise.
+
+    Attributes:
+        title: What is derived.
+        blocks: The steps.
+    """
+
+    title: str
+    blocks: tuple[Block, ...]
+
+
+Block: TypeAlias = Paragraph | Rows | Formula | Blank | Table | Figure | Steps
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A part of the handout.
+
+    Attributes:
+        part: Its name in ``handout: parts:``, also its anchor.
+        title: Its heading.
+        blocks: Its content.
+    """
+
+    part: str
+    title: str
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A handout.
+
+    Attributes:
+        title: The robot's title: the user's text, to be escaped whole, dollars and backticks included.
+        subtitle: What kind of sheet it is, such as an exercise.
+        name: The robot's name.
+        language: Code of the language, such as ``it``.
+        digest: SHA-256 of the robot file.
+        version: Version of the tool.
+        footer: One line for every page.
+        sections: The parts, in their order.
+    """
+
+    title: str
+    subtitle: str
+    name: str
+    language: str
+    digest: str
+    version: str
+    footer: str
+    sections: tuple[Section, ...]
+
+    def section(self, part: str) -> Section:
+        """The section of that name.
+
+        Args:
+            part: A name in ``handout: parts:``.
+
+        Returns:
+            The section.
+
+        Raises:
+            KeyError: The document has no such part.
+        """
+        for section in self.sections:
+            if section.part == part:
+                return section
+        raise KeyError(part)
+
+
+def blocks_of(section: Section) -> Iterator[Block]:
+    """All blocks of a section, those inside of steps included.
+
+    Args:
+        section: The section.
+
+    Yields:
+        Each block, before the blocks inside of it.
+    """
+    pending = list(reversed(section.blocks))
+    while pending:
+        block = pending.pop()
+        yield block
+        if isinstance(block, Steps):
+            pending += reversed(block.blocks)
+
+
+def rows_of(block: Block) -> tuple[Rows, ...]:
+    """The displayed mathematics of a block.
+
+    Args:
+        block: Any block.
+
+    Returns:
+        Its rows; none for a block without any, or whose rows stand in the blocks inside of it.
+    """
+    if isinstance(block, Formula):
+        return block.rows
+    return (block,) if isinstance(block, Rows) else ()
+
+
+_SPAN = re.compile(r"\$([^$]*)\$|`([^`]*)`")
+
+
+class Kind(Enum):
+    """What a span of text is."""
+
+    WORDS = "words"
+    MATHEMATICS = "mathematics"
+    CODE = "code"
+
+
+class Span(NamedTuple):
+    """A part of a text.
+
+    Attributes:
+        kind: What it is.
+        text: Its contents without the marks.
+    """
+
+    kind: Kind
+    text: str
+
+
+def spans(text: str) -> Iterator[Span]:
+    """The parts of a text.
+
+    Args:
+        text: With ``$mathematics$`` and `` `code` ``.
+
+    Yields:
+        Its spans, in their order.
+    """
+    end = 0
+    for match in _SPAN.finditer(text):
+        if match.start() > end:
+            yield Span(Kind.WORDS, text[end : match.start()])
+        mathematics, code = match.groups()
+        yield Span(Kind.CODE, code) if mathematics is None else Span(Kind.MATHEMATICS, mathematics)
+        end = match.end()
+    if end < len(text):
+        yield Span(Kind.WORDS, text[end:])

@@ -1,0 +1,270 @@
+"""The dynamics of one robot on its way to the page: B, Christoffel symbols, C, N, energies, g and tau.
+
+What is short is printed multiplied out. Of longer robots C, N and tau are given in named terms, which are the entries
+of B, the Christoffel symbols and the components of g.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import sympy
+
+from derive.handouts import groups
+from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines
+from derive.handouts.layout.quantity import Item, LaidOut, Layouter, Namer
+from derive.handouts.notation.names import Glyph
+from derive.handouts.notation.pieces import Box, Break, Piece, binary, concatenate, italic, script
+from derive.handouts.notation.printer import MINUS, LatexPrinter
+from derive.handouts.notation.symbols import EntryNamer, Symbols
+from derive.lecture.sympy_types import Expr
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import Entries
+from derive.robot.names import acceleration_name, velocity_name
+
+Signed = tuple[int, tuple[Box, ...]]
+"""A product of boxes with its sign."""
+
+
+@dataclass(frozen=True)
+class DynamicsLayout:
+    """Lays out the dynamics of one robot.
+
+    Attributes:
+        entries: Its closed forms.
+        layouter: How a quantity is laid out.
+        symbols: Names of entries.
+    """
+
+    entries: ModelEntries
+    layouter: Layouter
+    symbols: Symbols
+
+    @property
+    def letter(self) -> str:
+        """Letter of the inertia matrix."""
+        return self.symbols.inertia_letter
+
+    @property
+    def inertia_symbol(self) -> Box:
+        """B(q)."""
+        return Box(f"\\mathbf{{{self.letter}}}(\\mathbf{{q}})", 30.0)
+
+    def inertia_entry(self, row: int, column: int) -> Box:
+        """b_ij, always that above the diagonal.
+
+        Args:
+            row: Row from 1.
+            column: Column from 1.
+
+        Returns:
+            Its name.
+        """
+        return self.symbols.entry(self.letter.lower(), min(row, column), max(row, column))
+
+    def is_compact(self, quantity: Entries) -> bool:
+        """Whether a closed form is short enough to be printed multiplied out.
+
+        Args:
+            quantity: The closed form.
+
+        Returns:
+            True if it is.
+        """
+        return quantity.is_short(self.layouter.policy.compact_terms)
+
+    # -- closed forms
+
+    def closed(self, name: str) -> LaidOut:
+        """A quantity of the dynamics multiplied out.
+
+        Args:
+            name: B, Bdot, C, N, g, tau, kinetic or potential.
+
+        Returns:
+            The matrix, or its entries one by one.
+        """
+        entries, symbols, letter = self.entries, self.symbols, self.letter
+        match name:
+            case "B":
+                return self._matrix(self.inertia_symbol, self.inertia_entry, entries.B, groups.B, symmetric=True)
+            case "Bdot":
+                symbol = Box(f"\\dot{{\\mathbf{{{letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 44.0)
+                return self._matrix(symbol, self._inertia_rate, entries.Bdot, groups.DERIVATIVE, symmetric=True)
+            case "C" | "N":
+                symbol = Box(f"\\mathbf{{{name}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 36.0)
+                quantity, group = (entries.C, groups.C) if name == "C" else (entries.N, groups.N)
+                return self._matrix(symbol, EntryNamer(symbols, name), quantity, group)
+            case "g":
+                symbol = Box("\\mathbf{g}(\\mathbf{q})", 36.0)
+                return self._matrix(symbol, lambda row, _: symbols.component("g", row), entries.g, groups.TORQUE)
+            case "tau":
+                return self._matrix(
+                    Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row), entries.tau, groups.TORQUE
+                )
+            case "kinetic":
+                return self._scalar(Box("\\mathcal{T}", 8.0), entries.kinetic, groups.KINETIC)
+            case "potential":
+                return self._scalar(Box("\\mathcal{U}", 8.0), entries.potential, groups.POTENTIAL)
+        raise KeyError(name)
+
+    def _inertia_rate(self, row: int, column: int) -> Box:
+        box = self.inertia_entry(row, column)
+        return Box(f"\\dot{{{box.tex}}}", box.width)
+
+    def _matrix(self, symbol: Box, name: Namer, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
+        limit = self.layouter.policy.grouped_terms
+        return self.layouter.lay_out(symbol, name, quantity, group=group, symmetric=symmetric, limit=limit)
+
+    def _scalar(self, letter: Box, quantity: Entries, group: int) -> LaidOut:
+        terms = quantity.terms(1, 1)
+        if not terms:
+            return LaidOut((letter.tex + " = 0",), blanks=(letter.tex,))
+        item = Item(letter, terms, lambda: quantity.entry(1, 1))
+        laid_out = self.layouter.entries([item], group=group, limit=self.layouter.policy.grouped_terms)
+        return replace(laid_out, by_entry=False)
+
+    def body(self, symbol: Box, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
+        """A quantity of one link or rotor, within a budget that leaves room for those of all the others.
+
+        Args:
+            symbol: What it is called.
+            quantity: The quantity.
+            group: Which letter its intermediate terms have.
+            symmetric: Whether the entries below the diagonal may be left out.
+
+        Returns:
+            Its lines.
+        """
+        held = concatenate(Box("(", 5.0), symbol, Box(")", 5.0))
+        policy = replace(
+            self.layouter.policy,
+            flat_terms=40,
+            quantity_entries=4,
+            entry_lines=6,
+            quantity_lines=24,
+            landscape_total=0,
+        )
+        layouter = replace(self.layouter, policy=policy)
+        return layouter.lay_out(
+            symbol,
+            lambda row, column: script(held, italic(f"{row}{column}")),
+            quantity,
+            group=group,
+            symmetric=symmetric,
+            limit=policy.flat_terms,
+        )
+
+    # -- by Christoffel symbols
+
+    def christoffel(self) -> LaidOut:
+        """Each symbol by its expression, or by an earlier symbol that is the same up to the sign."""
+        triples = {self.symbols.christoffel(*triple): triple for triple in self.entries.triples}
+        aliases = {box: sympy.Symbol(f"_c{index}") for index, box in enumerate(triples)}
+        quantities = {box: self.entries.christoffel(*triple) for box, triple in triples.items()}
+        known: dict[Expr, Expr] = {}
+        items = [
+            Item(box, quantity.terms(1, 1), partial(_once, quantity, aliases[box], known))
+            for box, quantity in quantities.items()
+        ]
+        notation = self.layouter.printer.notation.with_terms({alias.name: Glyph(box) for box, alias in aliases.items()})
+        layouter = replace(self.layouter, printer=LatexPrinter(notation))
+        laid_out = layouter.entries(items, group=groups.CHRISTOFFEL, limit=self.layouter.policy.grouped_terms)
+        spelled_out = tuple((box, quantities[box].entry(1, 1)) for box, _ in laid_out.values)
+        return replace(laid_out, has_zeros=True, values=spelled_out)
+
+    def rate_sums(self, name: str) -> LaidOut:
+        """C, or the entries of N above the diagonal, as sums of Christoffel symbols times velocities.
+
+        Args:
+            name: C or N.
+
+        Returns:
+            The entries that are not zero; to be copied, those that are short with the symbols put in.
+        """
+        n, namer = self.entries.robot.n, EntryNamer(self.symbols, name)
+        if name == "C":
+            sums = {place: self.entries.coriolis_sum(*place) for place in self.entries.C.places}
+        else:
+            sums = {(i, j): self.entries.skew_sum(i, j) for i, j in self.entries.N.places if i < j}
+        sums = {place: terms for place, terms in sums.items() if terms}
+        equations, values = [], []
+        for place, terms in sums.items():
+            products = ((sign, (self.symbols.christoffel(*triple), self._rates[k].box)) for sign, triple, k in terms)
+            equations.append(Equation(namer(*place), _signed_sum(products)))
+            size = sum(self.entries.christoffel(*term.triple).terms(1, 1) for term in terms)
+            if size <= self.layouter.policy.flat_terms:
+                values.append((namer(*place), self.entries.rate_value(terms)))
+        return LaidOut(
+            tuple(equation_lines(equations)),
+            by_entry=True,
+            has_zeros=len(equations) < n**2,
+            values=tuple(values),
+            blanks=tuple(equation.left.tex for equation in equations),
+        )
+
+    def named_torque(self) -> LaidOut:
+        """Each equation of motion by entries of B, Christoffel symbols, g and friction."""
+        joints = range(1, self.entries.robot.n + 1)
+        names = {i: self.symbols.torque(i) for i in joints}
+        equations = [break_lines(concatenate(names[i], EQUALS), self._torque_pieces(i)) for i in joints]
+        short = [i for i in joints if self.entries.tau.terms(i, 1) <= self.layouter.policy.flat_terms]
+        return LaidOut(
+            tuple(line for lines in equations for line in lines),
+            values=tuple((names[i], self.entries.torque_value(i)) for i in short),
+            blanks=tuple(name.tex for name in names.values()),
+        )
+
+    def _torque_pieces(self, i: int) -> tuple[Piece, ...]:
+        entries, rates, two = self.entries, self._rates, italic("2")
+        glyph = self.layouter.printer.notation.glyph
+        terms: list[Signed] = [
+            (1, (self.inertia_entry(i, j), glyph(acceleration_name(joint.variable)).box))
+            for j, joint in enumerate(entries.robot.joints, 1)
+            if entries.B.terms(min(i, j), max(i, j))
+        ]
+        for row, j, k in entries.triples:
+            if row == i:
+                symbol = self.symbols.christoffel(i, j, k)
+                square = (symbol, rates[j].power(two))
+                terms.append((1, square if j == k else (two, symbol, rates[j].box, rates[k].box)))
+        if entries.g.terms(i, 1):
+            terms.append((1, (self.symbols.component("g", i),)))
+        value = entries.friction(i)
+        friction = self.layouter.printer.pieces(value) if value != 0 else []
+        if not terms:
+            return tuple(friction) or (Piece(italic("0")),)
+        if friction:
+            friction = [binary("-", 0), *friction[1:]] if friction[0] == MINUS else [binary("+", 0), *friction]
+        return (*_signed_sum(terms), *friction)
+
+    @cached_property
+    def _rates(self) -> dict[int, Glyph]:
+        """The velocity of each joint."""
+        glyph = self.layouter.printer.notation.glyph
+        return {k: glyph(velocity_name(joint.variable)) for k, joint in enumerate(self.entries.robot.joints, 1)}
+
+
+def _once(quantity: Entries, alias: Expr, known: dict[Expr, Expr]) -> Expr:
+    """The expression of a scalar, or the alias of an earlier one that is the same up to the sign."""
+    entry = quantity.entry(1, 1)
+    if entry in known:
+        return known[entry]
+    if -entry in known:
+        return -known[-entry]
+    known[entry] = alias
+    return entry
+
+
+def _signed_sum(terms: Iterable[Signed]) -> tuple[Piece, ...]:
+    """Pieces of a sum of products, to be broken before a sign or between factors; 0 for an empty sum."""
+    row: list[Piece] = []
+    for sign, factors in terms:
+        if row:
+            row.append(binary("+" if sign > 0 else "-", 0))
+        elif sign < 0:
+            row.append(MINUS)
+        row += [Piece(factor, Break.FACTOR if k else Break.NEVER) for k, factor in enumerate(factors)]
+    return tuple(row) or (Piece(italic("0")),)

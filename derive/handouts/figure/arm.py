@@ -1,0 +1,207 @@
+"""The drawing of an arm: shaded joints and links in depth, and what is written on top of them.
+
+These are the axes of the frames with their names, dimension lines with the lengths of the table, and the joint
+variables.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+
+from derive.handouts.data_printer import DataPrinter
+from derive.handouts.figure.drawing import Array, Drawing, Item, Path, Point, label_width
+from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, bounds, moved, resized
+from derive.handouts.figure.projection import View, best_view, paint
+from derive.handouts.figure.scene import LETTERS, Scene, Segment, arm_scene
+from derive.handouts.figure.solids import Sizes, joint_centers, solid_faces
+from derive.handouts.notation.pieces import joined
+from derive.robot.description import Convention
+from derive.robot.expression import Name, Number, Product, Sum, names
+from derive.robot.robot import Robot
+
+WIDTH = 380.0
+"""Largest width of a drawing [pt]."""
+
+HEIGHT = 300.0
+"""Largest height of a drawing [pt]."""
+
+LONGEST_LINK = 130.0
+"""A link is drawn no longer than this [pt]."""
+
+LONGEST_LABEL = 70.0
+"""A wider length is labelled by its symbol of the table, such as a_2 [pt]."""
+
+_MARGIN = 3.0
+_ROOM = 36.0
+"""Room for axes and labels at each side of the arm, as a first guess [pt]."""
+
+_TRIES = 6
+_SHORT = 15.0
+"""A shorter length has its name beside it and no dimension line [pt]."""
+
+_OFFSETS = (14.0, -14.0, 20.0, -20.0, 28.0, -28.0, 38.0, -38.0)
+"""Distances of a dimension line from what it measures, the best first [pt]."""
+
+_MOST_NAMES = 8
+"""Joints up to which every joint variable is written beside its joint."""
+
+
+def arm_drawing(
+    robot: Robot,
+    data: DataPrinter,
+    frames: Sequence[Sequence[Sequence[float]]],
+    title: str = "",
+    view: View | None = None,
+) -> Drawing:
+    """The drawing of a robot whose frames are known.
+
+    Args:
+        robot: The robot.
+        data: Prints the lengths of its table.
+        frames: Frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
+        title: What the drawing shows.
+        view: From where it is seen; chosen if not given.
+    """
+    scene = arm_scene(robot, frames)
+    view = view or arm_view(scene)
+    scale = _first_scale(scene, view)
+    for _ in range(_TRIES):  # arrows and labels do not shrink with the arm: a smaller scale until all fits
+        items = _Stage(robot, data, scene, view, scale).drawn()
+        left, bottom, right, top = bounds(items)
+        excess = max((right - left + 2 * _MARGIN) / WIDTH, (top - bottom + 2 * _MARGIN) / HEIGHT)
+        if excess <= 1.0:
+            break
+        scale *= 0.97 / excess
+    return moved(items if excess <= 1.0 else resized(items, 0.999 / excess), _MARGIN, title)
+
+
+def arm_view(scene: Scene) -> View:
+    """From where an arm is best seen.
+
+    Args:
+        scene: The arm.
+    """
+    stars = []
+    for place in scene.places:
+        directions: list[Array] = []
+        for axis in scene.axes:
+            here = np.linalg.norm(axis.origin - place) < 1e-3 * scene.size
+            if here and all(axis.direction @ other < 0.999 for other in directions):
+                directions.append(axis.direction)
+        if directions:
+            stars.append(np.stack(directions))
+    segments = [np.stack([segment.start, segment.end]) for segment in scene.segments]
+    return best_view(scene.places, stars, segments, scene.up)
+
+
+def _first_scale(scene: Scene, view: View) -> float:
+    """Points per metre with which links are not too long and the arm without its labels fits."""
+    flat = view.project(scene.places)[:, :2]
+    width, height = flat.max(axis=0) - flat.min(axis=0)
+    fitting = [LONGEST_LINK / max((segment.length for segment in scene.segments), default=1.0)]
+    if width > 0:
+        fitting.append((WIDTH - 2 * _ROOM) / width)
+    if height > 0:
+        fitting.append((HEIGHT - 2 * _ROOM) / height)
+    return float(min(fitting))
+
+
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """A scene on its way to the page, at a scale in points per metre."""
+
+    robot: Robot
+    data: DataPrinter
+    scene: Scene
+    view: View
+    scale: float
+    paper: Paper = field(default_factory=Paper)
+
+    def drawn(self) -> list[Item]:
+        """All items: the solid arm, then axes and their names, lengths, joint variables."""
+        gaps = sorted(s.length * self.scale for s in self.scene.segments if s.length > 0.05 * self.scene.size)
+        typical = gaps[len(gaps) // 3] if gaps else 80.0
+        sizes = Sizes(float(np.clip(typical / 62.0, 0.55, 1.0)))  # smaller joints and arrows where places are close
+        faces, outlines = solid_faces(self.scene, self.scale, sizes)
+        self.paper.items.extend(paint(faces, self.view))
+        for line in outlines:
+            flat = self.view.project(line)[:, :2]
+            self.paper.line([(float(x), float(y)) for x, y in flat], weight=0.8)
+        self._draw_axes(sizes)
+        for segment in self.scene.segments:
+            self._draw_length(segment)
+        if self.robot.n <= _MOST_NAMES:
+            centers = joint_centers(self.scene, self.scale, sizes)
+            for joint, center in zip(self.robot.joints, centers, strict=True):
+                latex = self.data.notation.glyph(joint.variable).box.tex.strip()
+                places = around(self.view.flat(center), (1.0, 0.3), 11.0 + 4.0 * sizes.factor)
+                self.paper.label(latex, places, DIMENSION)
+        return self.paper.items
+
+    def _draw_axes(self, sizes: Sizes) -> None:
+        """Arrows first, the longest at the back, then names of x and z: y follows from them."""
+        arrows = []
+        for axis in sorted(self.scene.axes, key=lambda axis: (-sizes.arrow[axis.letter], axis.frames)):
+            origin = axis.origin * self.scale
+            end = origin + axis.direction * sizes.arrow[axis.letter]
+            arrows.append((axis, self.view.flat(origin), self.view.flat(end)))
+        for axis, (x, y), tip in arrows:
+            self.paper.arrow((x, y), tip, AXIS_COLORS[axis.letter], 0.9)
+        for axis, (x, y), tip in arrows:
+            if LETTERS[axis.letter] == "y":
+                continue
+            latex = ",".join(f"{LETTERS[axis.letter]}_{{{'e' if k < 0 else k}}}" for k in axis.frames)
+            direction = (tip[0] - x, tip[1] - y)
+            sideways = abs(direction[0]) / (math.hypot(*direction) + 1e-9) + 0.3
+            reach = 6.5 + 0.3 * max(0.0, label_width(latex) - 9.0) * sideways
+            self.paper.label(latex, around(tip, direction, reach), AXIS_COLORS[axis.letter])
+
+    def _draw_length(self, segment: Segment) -> None:
+        """A dimension line beside a link, where it crosses least; only the name beside a short one."""
+        latex = _length(self.robot, self.data, segment)
+        if not latex:
+            return
+        start, end = self.view.flat(segment.start * self.scale), self.view.flat(segment.end * self.scale)
+        length = math.hypot(end[0] - start[0], end[1] - start[1])
+        middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
+        if length < _SHORT:
+            direction = (-(end[1] - start[1]), end[0] - start[0]) if length > 1e-6 else (0.0, 1.0)
+            self.paper.label(latex, around(middle, direction, 9.0 + 0.3 * label_width(latex)), DIMENSION)
+            return
+        nx, ny = -(end[1] - start[1]) / length, (end[0] - start[0]) / length
+
+        def _beside(point: Point, by: float) -> Point:
+            return (point[0] + by * nx, point[1] + by * ny)
+
+        costs = [self.paper.crossing(_beside(start, o), _beside(end, o)) + 0.12 * abs(o) for o in _OFFSETS]
+        offset = _OFFSETS[int(np.argmin(np.round(costs, 6)))]
+        for point in (start, end):
+            ends = _beside(point, math.copysign(4.0, offset)), _beside(point, offset + math.copysign(2.5, offset))
+            self.paper.draw(Path(ends, stroke=DIMENSION, width=0.3), weight=0.4)
+        a, b = _beside(start, offset), _beside(end, offset)
+        self.paper.arrow(a, b, DIMENSION, 0.45, both=True)
+        outward = (math.copysign(1.0, offset) * nx, math.copysign(1.0, offset) * ny)
+        reach = 6.0 + abs(outward[0]) * label_width(latex) / 2
+        self.paper.label(latex, around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), outward, reach), DIMENSION)
+
+
+def _length(robot: Robot, data: DataPrinter, segment: Segment) -> str:
+    """The cell of the table that a segment shows, as LaTeX; its symbol where the cell is too wide."""
+    if segment.cell == "tool":
+        return ""
+    joint = robot.joints[segment.row]
+    cell = joint.a if segment.cell == "a" else joint.d
+    if segment.cell == "d" and not joint.is_revolute:
+        cell = Sum((Product((Number(Fraction(joint.sign)), Name(joint.variable))), cell))
+    latex = joined(data.value(cell)).tex.strip()
+    if not any(True for _ in names(cell)):
+        latex += r"\,\mathrm{m}"
+    if label_width(latex) <= LONGEST_LABEL and "\\frac" not in latex and "\\sqrt" not in latex:
+        return latex
+    behind = segment.cell == "a" and robot.convention is Convention.MODIFIED
+    return f"{segment.cell}_{{{segment.row + (0 if behind else 1)}}}"

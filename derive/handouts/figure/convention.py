@@ -1,0 +1,144 @@
+"""The four Denavit-Hartenberg parameters between two frames, for both conventions.
+
+Source: the figures in Siciliano et al., Robotics: Modelling, Planning and Control, ch. 2.8 (standard), and Craig,
+Introduction to Robotics, ch. 3.4 (modified).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from derive.handouts.figure.drawing import BLACK, Array, Color, Drawing, Path
+from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, arrow_head, moved
+from derive.handouts.figure.projection import View, paint
+from derive.handouts.figure.solids import REVOLUTE, prism
+from derive.robot.description import Convention
+
+_X, _Z = np.array((1.0, 0.0, 0.0)), np.array((0.0, 0.0, 1.0))
+_ALPHA, _THETA = math.radians(38), math.radians(52)
+_A, _D = 150.0, 78.0
+_AXIS = 58.0
+_ARC = 34.0
+_GREY: Color = (0.45, 0.45, 0.45)
+_VIEW = View(math.radians(-58), math.radians(24))
+
+
+def convention_drawing(convention: Convention) -> Drawing:
+    """Frames i-1 and i with a, alpha, d and theta of row i.
+
+    Args:
+        convention: Standard or modified.
+    """
+    paper = Paper()
+    if convention is Convention.STANDARD:
+        _standard(paper)
+        title = "d_i, theta_i, a_i, alpha_i between frames i-1 and i"
+    else:
+        _modified(paper)
+        title = "alpha_{i-1}, a_{i-1}, d_i, theta_i between frames i-1 and i"
+    return moved(paper.items, 4.0, title)
+
+
+def _standard(paper: Paper) -> None:
+    """d along z_{i-1} to the common normal, a along it; theta turns x_{i-1} into x_i, alpha z_{i-1} into z_i."""
+    origin, foot = np.zeros(3), _D * _Z
+    second = foot + _A * _X
+    x_before, z_after = _turned(_X, _Z, -_THETA), _turned(_Z, _X, _ALPHA)
+    _joint(paper, origin - 34 * _Z, _Z)
+    _joint(paper, second - 42 * z_after, z_after)
+    _dashes(paper, origin - 62 * _Z, foot + 62 * _Z)
+    _dashes(paper, second - 68 * z_after, second + 44 * z_after)
+    _dashes(paper, second, second + 52 * _Z)
+    _dashes(paper, foot, foot + 60 * x_before)
+    _line(paper, foot, second)
+    _axis(paper, origin, _Z, 2, "z_{i-1}")
+    _axis(paper, origin, x_before, 0, "x_{i-1}")
+    _axis(paper, second, z_after, 2, "z_{i}")
+    _axis(paper, second, _X, 0, "x_{i}")
+    _arc(paper, foot, x_before, _Z, _THETA, r"\theta_{i}")
+    _arc(paper, second, _Z, _X, _ALPHA, r"\alpha_{i}")
+    _length(paper, origin, foot, -24.0, "d_{i}")
+    _length(paper, foot, second, -20.0, "a_{i}")
+
+
+def _modified(paper: Paper) -> None:
+    """a along x_{i-1}, the common normal, d along z_i; alpha turns z_{i-1} into z_i, theta x_{i-1} into x_i."""
+    origin, foot = np.zeros(3), _A * _X
+    z_after = _turned(_Z, _X, _ALPHA)
+    second, x_after = foot + _D * z_after, _turned(_X, z_after, _THETA)
+    _joint(paper, origin - 34 * _Z, _Z)
+    _joint(paper, foot - 42 * z_after, z_after)
+    _dashes(paper, origin - 62 * _Z, origin + 84 * _Z)
+    _dashes(paper, foot - 68 * z_after, second + 80 * z_after)
+    _dashes(paper, foot, foot + 62 * _Z)
+    _dashes(paper, second, second + 60 * _X)
+    _line(paper, origin, foot)
+    _line(paper, foot, second)
+    _beside(paper, foot, second, "d_{i}")
+    _axis(paper, origin, _Z, 2, "z_{i-1}")
+    _axis(paper, origin, _X, 0, "x_{i-1}")
+    _axis(paper, second, z_after, 2, "z_{i}")
+    _axis(paper, second, x_after, 0, "x_{i}")
+    _arc(paper, second, _X, z_after, _THETA, r"\theta_{i}")
+    _arc(paper, foot, _Z, _X, _ALPHA, r"\alpha_{i-1}")
+    _length(paper, origin, foot, 18.0, "a_{i-1}")
+
+
+def _joint(paper: Paper, center: Array, axis: Array) -> None:
+    """A revolute joint."""
+    for path in paint(list(prism(center - 13 * axis, center + 13 * axis, 10.0, REVOLUTE, sides=28)), _VIEW):
+        paper.draw(path, weight=0.2)
+
+
+def _dashes(paper: Paper, start: Array, end: Array) -> None:
+    """An axis, or a direction carried over from elsewhere."""
+    paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), stroke=_GREY, width=0.5, dashed=True), weight=0.7)
+
+
+def _line(paper: Paper, start: Array, end: Array) -> None:
+    """The common normal, or the offset along an axis."""
+    paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), width=1.1))
+
+
+def _axis(paper: Paper, origin: Array, direction: Array, letter: int, latex: str) -> None:
+    """An axis of a frame with its name."""
+    start, tip = _VIEW.flat(origin), _VIEW.flat(origin + _AXIS * direction)
+    paper.arrow(start, tip, AXIS_COLORS[letter], 1.3)
+    paper.label(latex, around(tip, (tip[0] - start[0], tip[1] - start[1]), 10.0), AXIS_COLORS[letter])
+
+
+def _arc(paper: Paper, center: Array, start: Array, axis: Array, angle: float, latex: str) -> None:
+    """An angle about an axis, with its arrow and its name."""
+    points = [_VIEW.flat(center + _ARC * _turned(start, axis, angle * k / 24)) for k in range(25)]
+    paper.draw(Path(tuple(points[:-2]), width=0.8))
+    paper.draw(arrow_head(points[-6], points[-1], BLACK, 0.8))
+    middle, heart = points[12], _VIEW.flat(center)
+    paper.label(latex, around(middle, (middle[0] - heart[0], middle[1] - heart[1]), 9.0))
+
+
+def _beside(paper: Paper, start: Array, end: Array, latex: str) -> None:
+    """The name of a part of a line, to its left."""
+    a, b = _VIEW.flat(start), _VIEW.flat(end)
+    across = (-(b[1] - a[1]), b[0] - a[0])
+    paper.label(latex, around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), across, 9.0))
+
+
+def _length(paper: Paper, start: Array, end: Array, offset: float, latex: str) -> None:
+    """A dimension line beside what it measures, with its name."""
+    a, b = _VIEW.flat(start), _VIEW.flat(end)
+    size = math.hypot(b[0] - a[0], b[1] - a[1])
+    nx, ny = -(b[1] - a[1]) / size * -offset, (b[0] - a[0]) / size * -offset
+    c, d = (a[0] + nx, a[1] + ny), (b[0] + nx, b[1] + ny)
+    for near, far in ((a, c), (b, d)):
+        paper.draw(Path((near, far), stroke=DIMENSION, width=0.3), weight=0.4)
+    paper.arrow(c, d, DIMENSION, 0.5, both=True)
+    paper.label(latex, around(((c[0] + d[0]) / 2, (c[1] + d[1]) / 2), (nx, ny), 9.0))
+
+
+def _turned(vector: Array, axis: Array, angle: float) -> Array:
+    """A vector turned about a unit axis (Rodrigues)."""
+    along = axis * (axis @ vector)
+    turned: Array = along + math.cos(angle) * (vector - along) + math.sin(angle) * np.cross(axis, vector)
+    return turned

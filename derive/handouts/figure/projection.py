@@ -1,0 +1,151 @@
+"""Orthographic views: the choice of the direction from which an arm is drawn, and its faces as areas on the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from derive.handouts.figure.drawing import Array, Path, Point
+from derive.handouts.figure.solids import OUTLINE, Face, shade
+
+ELEVATIONS = (20, 28, 36)
+"""Candidate heights of the viewer above the horizon [degrees]."""
+
+AZIMUTHS = tuple(range(-170, 190, 10))
+"""Candidate directions of the viewer around the vertical [degrees]."""
+
+_LIKED_AZIMUTHS = ((-75, -30), (20, 65))
+_LIKED_ELEVATION = 24
+_NARROW = math.radians(16.0)
+"""Axes nearer to each other on the page are hard to tell apart."""
+
+_GRAZING = 1e-6
+"""A face whose normal points less towards the viewer is not seen."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A direction to look from; parallel lines stay parallel.
+
+    Attributes:
+        azimuth: Of the viewer around ``up``, from the world's x axis [rad].
+        elevation: Of the viewer above the plane normal to ``up`` [rad].
+        up: Unit vector that points up on the page.
+    """
+
+    azimuth: float
+    elevation: float
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    @cached_property
+    def rows(self) -> Array:
+        """Unit vectors to the right, upwards on the page and towards the viewer, (3, 3)."""
+        up = np.array(self.up)
+        first = np.array((1.0, 0.0, 0.0)) if abs(up[0]) < 0.9 else np.array((0.0, 1.0, 0.0))
+        first = first - up * (first @ up)
+        first = first / np.linalg.norm(first)
+        second = np.cross(up, first)
+        flat = math.cos(self.azimuth) * first + math.sin(self.azimuth) * second
+        toward = math.cos(self.elevation) * flat + math.sin(self.elevation) * up
+        right = np.cross(up, toward)
+        right = right / np.linalg.norm(right)
+        return np.stack([right, np.cross(toward, right), toward])
+
+    def project(self, points: Any) -> Array:
+        """Right, up and depth (larger is nearer) of points or directions.
+
+        Args:
+            points: (..., 3) in the world.
+
+        Returns:
+            (..., 3) in the unit of the points.
+        """
+        projected: Array = np.asarray(points, dtype=float) @ self.rows.T
+        return projected
+
+    def flat(self, point: Array) -> Point:
+        """Where a point is on the page.
+
+        Args:
+            point: (3,) in the world.
+        """
+        x, y, _ = self.project(point)
+        return float(x), float(y)
+
+
+def best_view(
+    origins: Array, stars: Sequence[Array], segments: Sequence[Array], up: tuple[float, float, float]
+) -> View:
+    """The view in which axes, links and origins are told apart best; ties go to the usual directions.
+
+    Args:
+        origins: (k, 3) distinct origins.
+        stars: For each place, (m, 3) the distinct unit vectors of axes that start there.
+        segments: (2, 3) each, the links with a length.
+        up: What points up on the page.
+    """
+    views = [View(math.radians(a), math.radians(e), up) for e in ELEVATIONS for a in AZIMUTHS]
+    return min(views, key=lambda view: round(_badness(view, origins, stars, segments), 6))
+
+
+def _badness(view: View, origins: Array, stars: Sequence[Array], segments: Sequence[Array]) -> float:
+    axes = sum(_crowding(view.project(star)[:, :2]) for star in stars) / max(1, len(stars))
+    links = sum(_foreshortening(view, segment) for segment in segments) / max(1, len(segments))
+    azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
+    away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
+    unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
+    return axes + 2.0 * links + 1.5 * _meeting(view, origins) + unusual
+
+
+def _crowding(star: Array) -> float:
+    """Of arrows from one point: small angles between them, and arrows that point at the reader."""
+    lengths = np.hypot(star[:, 0], star[:, 1])
+    short = float(np.sum(np.exp(-((lengths / 0.3) ** 2))))
+    angles = np.sort(np.arctan2(star[:, 1], star[:, 0]))
+    gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
+    close = float(np.sum(np.exp(-((gaps / _NARROW) ** 2)))) if len(star) > 1 else 0.0
+    return short + close
+
+
+def _foreshortening(view: View, segment: Array) -> float:
+    along = segment[1] - segment[0]
+    flat = view.project(along)[:2]
+    ratio = float(np.hypot(*flat) / np.linalg.norm(along))
+    return math.exp(-((ratio / 0.45) ** 2)) + 0.3 * (1.0 - ratio)
+
+
+def _meeting(view: View, origins: Array) -> float:
+    """Different origins that nearly meet on the page."""
+    if len(origins) < 2:
+        return 0.0
+    size = float(np.max(np.linalg.norm(origins - origins[0], axis=1))) or 1.0
+    flat = view.project(origins)[:, :2] / size
+    apart = np.linalg.norm(flat[:, None] - flat[None, :], axis=-1)[np.triu_indices(len(origins), 1)]
+    return float(np.mean(np.exp(-((apart / 0.12) ** 2)))) * len(origins) / 3
+
+
+def paint(faces: Sequence[Face], view: View) -> Iterator[Path]:
+    """Faces as areas from back to front, those seen from behind left out.
+
+    Args:
+        faces: In points.
+        view: From where they are seen.
+    """
+    seen = []
+    for index, face in enumerate(faces):
+        normal = None if face.normal is None else view.project(face.normal)
+        if normal is not None and normal[2] <= _GRAZING:
+            continue
+        corners = view.project(face.corners)
+        color = shade(face.color, normal)
+        points = tuple((float(x), float(y)) for x, y in corners[:, :2])
+        edge, width = (OUTLINE, 0.5) if face.edge else (color, 0.3)
+        path = Path(points, closed=True, stroke=edge, fill=color, width=width)
+        seen.append((round(float(corners[:, 2].mean()), 4), index, path))
+    for _, _, path in sorted(seen, key=lambda entry: entry[:2]):
+        yield path

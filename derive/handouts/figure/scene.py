@@ -1,0 +1,226 @@
+"""What there is to draw of an arm: axes of frames, joints, links and lengths, in space and still without a view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.handouts.figure.drawing import Array
+from derive.robot.description import Convention
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import names
+from derive.robot.robot import Robot
+
+LETTERS = "xyz"
+
+SAME_PLACE = 1e-3
+"""Origins nearer to each other than this part of the arm's size are one place."""
+
+_SAME_DIRECTION = 0.9998
+
+
+@dataclass(frozen=True, eq=False)
+class FrameAxis:
+    """Axes of frames that start at one place, with one direction and one letter.
+
+    Attributes:
+        origin: Where they start.
+        direction: Unit vector.
+        letter: 0, 1 or 2 for x, y or z.
+        frames: Indices of the frames; -1 for an end effector with a frame of its own.
+    """
+
+    origin: Array
+    direction: Array
+    letter: int
+    frames: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A straight part of a link.
+
+    Attributes:
+        start: Its first point.
+        end: Its last point.
+        row: Row of the table, from 0; n for the tool.
+        cell: ``d``, ``a`` or ``tool``.
+    """
+
+    start: Array
+    end: Array
+    row: int
+    cell: str
+
+    @property
+    def length(self) -> float:
+        """Its length."""
+        return float(np.linalg.norm(self.end - self.start))
+
+
+@dataclass(frozen=True, eq=False)
+class JointAxis:
+    """Where a joint is.
+
+    Attributes:
+        anchor: A point on its axis: o_{i-1} (standard) or the foot of the common normal (modified).
+        offset_end: The other end of its offset d.
+        direction: Unit vector of z.
+        revolute: Whether it turns.
+    """
+
+    anchor: Array
+    offset_end: Array
+    direction: Array
+    revolute: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """An arm in space.
+
+    Attributes:
+        axes: Axes of all frames.
+        joints: The joints from the base outwards.
+        segments: Links with a length.
+        places: (k, 3) distinct origins and corners of links.
+        up: What points up.
+        approach: Direction in which the hand points.
+        opening: Direction in which the hand opens.
+        end: Where the hand is.
+        base_axis: Direction of z of frame 0, along which the pedestal stands.
+    """
+
+    axes: tuple[FrameAxis, ...]
+    joints: tuple[JointAxis, ...]
+    segments: tuple[Segment, ...]
+    places: Array
+    up: tuple[float, float, float]
+    approach: Array
+    opening: Array
+    end: Array
+    base_axis: Array
+
+    @property
+    def size(self) -> float:
+        """Largest distance from the base, 1 for an arm without lengths."""
+        return float(np.max(np.linalg.norm(self.places - self.places[0], axis=1))) or 1.0
+
+
+def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scene:
+    """The scene of a robot whose frames are known.
+
+    Args:
+        robot: The robot.
+        frames: Frame 0, frames 1 to n and the end effector in the world, 4x4 each.
+    """
+    poses = np.array(frames, dtype=float)
+    joints = tuple(_joint(robot, poses, row) for row in range(robot.n))
+    points = np.concatenate([poses[:, :3, 3], np.stack([joint.offset_end for joint in joints])])
+    size = float(np.max(np.linalg.norm(points - points[0], axis=1))) or 1.0
+    segments = tuple(s for s in _segments(robot, poses, joints) if s.length > SAME_PLACE * size)
+    approach, opening = _hand(poses, segments, robot.n)
+    return Scene(
+        axes=_axes(poses, SAME_PLACE * size),
+        joints=joints,
+        segments=segments,
+        places=_distinct(points, SAME_PLACE * size),
+        up=upwards(robot),
+        approach=approach,
+        opening=opening,
+        end=poses[-1, :3, 3],
+        base_axis=poses[0, :3, 2],
+    )
+
+
+def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[float, float, float]:
+    """Against gravity where it has a direction, else the world's z axis.
+
+    Args:
+        robot: The robot.
+        values: Numbers of symbols; 1 for one that has none here and none in the robot file.
+
+    Returns:
+        A unit vector in the world.
+    """
+    vertical = (0.0, 0.0, 1.0)
+    cells = robot.gravity or ()
+    known = {name: 1.0 for cell in cells for name in names(cell)}
+    known |= {name: evaluate(value, {}) for name, value in robot.parameters}
+    try:
+        gravity = np.array([evaluate(cell, known | dict(values or {})) for cell in cells])
+    except ArithmeticError:
+        return vertical
+    size = float(np.linalg.norm(gravity))
+    if size < 1e-9:
+        return vertical
+    x, y, z = (float(-part / size) for part in gravity)
+    return (x, y, z)
+
+
+def _joint(robot: Robot, poses: Array, row: int) -> JointAxis:
+    """The axis of a joint, from the frames alone: the offset d is what lies along z between them."""
+    before, after = poses[row], poses[row + 1]
+    gap = after[:3, 3] - before[:3, 3]
+    revolute = robot.joints[row].is_revolute
+    if robot.convention is Convention.STANDARD:
+        z = before[:3, 2]
+        return JointAxis(before[:3, 3], before[:3, 3] + z * (z @ gap), z, revolute)
+    z = after[:3, 2]
+    return JointAxis(after[:3, 3] - z * (z @ gap), after[:3, 3], z, revolute)
+
+
+def _segments(robot: Robot, poses: Array, joints: Sequence[JointAxis]) -> Iterator[Segment]:
+    """Along z by d, then along x by a (standard); along x by a, then along z by d (modified)."""
+    for row, joint in enumerate(joints):
+        start, end = poses[row, :3, 3], poses[row + 1, :3, 3]
+        if robot.convention is Convention.STANDARD:
+            yield Segment(start, joint.offset_end, row, "d")
+            yield Segment(joint.offset_end, end, row, "a")
+        else:
+            yield Segment(start, joint.anchor, row, "a")
+            yield Segment(joint.anchor, end, row, "d")
+    yield Segment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")
+
+
+def _axes(poses: Array, near: float) -> tuple[FrameAxis, ...]:
+    """Axes that would cover each other are one axis with several names."""
+    own_end = not np.allclose(poses[-1], poses[-2], atol=1e-9)
+    numbered = [*enumerate(poses[:-1]), *([(-1, poses[-1])] if own_end else [])]
+    found: list[FrameAxis] = []
+    for index, pose in numbered:
+        for letter in range(3):
+            origin, direction = pose[:3, 3], pose[:3, letter]
+            for k, old in enumerate(found):
+                along = old.letter == letter and float(old.direction @ direction) > _SAME_DIRECTION
+                if along and float(np.linalg.norm(old.origin - origin)) <= near:
+                    found[k] = FrameAxis(old.origin, old.direction, letter, (*old.frames, index))
+                    break
+            else:
+                found.append(FrameAxis(origin, direction, letter, (index,)))
+    return tuple(found)
+
+
+def _hand(poses: Array, segments: Sequence[Segment], n: int) -> tuple[Array, Array]:
+    """The hand continues the last link along an axis of the end effector, or points along z; it opens along y or x."""
+    end = poses[-1, :3, :3]
+    last = [s for s in segments if s.row >= n - 1]
+    approach = end[:, 2]
+    if last:
+        along = (last[-1].end - last[-1].start) / last[-1].length
+        parts = end.T @ along
+        best = int(np.argmax(np.abs(np.round(parts, 9))))
+        if abs(parts[best]) > _SAME_DIRECTION:
+            approach = end[:, best] * np.sign(parts[best])
+    opening = end[:, 1] if abs(approach @ end[:, 1]) < 0.5 else end[:, 0]
+    return approach, opening
+
+
+def _distinct(points: Array, near: float) -> Array:
+    kept: list[Array] = []
+    for point in points:
+        if all(np.linalg.norm(point - other) > near for other in kept):
+            kept.append(point)
+    return np.stack(kept)

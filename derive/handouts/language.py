@@ -1,0 +1,110 @@
+"""Texts of the handout in the reader's language: English, and one message catalogue for each other.
+
+Every text is written in English where it is used, as ``_("Link %(index)s", index=3)``.
+``derive/handouts/locale/<language>.po`` holds the translations in the format of gettext. A new language is one such
+file, made from ``locale/derive.pot``; ``make messages`` keeps all of them complete. A language with a country,
+``pt_BR``, has its own file or the one of the language.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+
+from derive.errors import TargetError, listed, near_miss, quoted
+
+
+@dataclass(frozen=True)
+class Text:
+    """Translates the handout's messages.
+
+    Attributes:
+        language: Code of the language.
+        messages: English text -> translation.
+    """
+
+    language: str = "en"
+    messages: Mapping[str, str] = field(default_factory=dict)
+
+    def __call__(self, message: str, **values: object) -> str:
+        """The message in the language; English where there is no translation.
+
+        Args:
+            message: The text in English.
+            values: What its ``%(name)s`` places are filled with.
+
+        Returns:
+            The text.
+        """
+        return (self.messages.get(message) or message) % values
+
+
+ENGLISH = "en"
+"""The language of the messages in the code."""
+
+_SUFFIX = ".po"
+
+
+def languages(folder: Traversable | None = None) -> tuple[str, ...]:
+    """Codes of all languages, sorted.
+
+    Args:
+        folder: Where the catalogues are; None for those of the package.
+
+    Returns:
+        The codes, English among them.
+    """
+    names = (entry.name for entry in (folder or _locale_folder()).iterdir())
+    found = {name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)}
+    return tuple(sorted(found | {ENGLISH}))
+
+
+def text_for(language: str, folder: Traversable | None = None) -> Text:
+    """Translates messages into a language.
+
+    Args:
+        language: Its code, such as ``it`` or ``pt_BR``.
+        folder: Where the catalogues are; None for those of the package.
+
+    Returns:
+        What translates.
+
+    Raises:
+        TargetError: There is no catalogue for it, or Babel is missing that reads it.
+    """
+    known = languages(folder)
+    for code in (language, language.partition("_")[0]):
+        if code == ENGLISH:
+            return Text(language)
+        if code in known:
+            return _read(folder or _locale_folder(), code, language)
+    raise TargetError(
+        f"no message catalogue for the language {quoted(language)}",
+        allowed=f"allowed: {listed(known)}",
+        remedy=near_miss(language, known) or "a new language is one file in derive/handouts/locale",
+    )
+
+
+def _locale_folder() -> Traversable:
+    """Where the package has its catalogues."""
+    return files("derive.handouts") / "locale"
+
+
+def _read(folder: Traversable, code: str, language: str) -> Text:
+    """The catalogue without messages that nobody has confirmed yet."""
+    try:
+        from babel.messages.pofile import PoFileError, read_po
+    except ImportError:
+        raise TargetError(
+            f"the language {quoted(language)} needs Babel", remedy="pip install 'derive-robot[handout]'"
+        ) from None
+    try:
+        with (folder / f"{code}{_SUFFIX}").open("rb") as file:
+            messages = read_po(file, abort_invalid=True)
+    except (PoFileError, UnicodeDecodeError) as error:
+        found = f"the catalogue {code}{_SUFFIX} cannot be read: {error}"
+        raise TargetError(found, remedy="compare it with derive.pot") from None
+    pairs = ((message.id, message.string) for message in messages if message.id and not message.fuzzy)
+    return Text(language, {str(source): str(target) for source, target in pairs if target})

@@ -1,0 +1,164 @@
+"""A document as LaTeX that stands alone: pdflatex, amsmath, longtable, booktabs and nothing beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from derive.handouts.document import (
+    Blank,
+    Block,
+    Document,
+    Figure,
+    Formula,
+    Kind,
+    Paragraph,
+    Rows,
+    Section,
+    Steps,
+    Table,
+    blocks_of,
+    rows_of,
+    spans,
+)
+from derive.handouts.figure.latex_writer import PREAMBLE, latex_drawing
+from derive.handouts.language import Text
+from derive.handouts.layout.lines import displays
+from derive.handouts.textbook import latex_template, macros
+from derive.targets.escape import latex_text
+
+_LONGEST_WORD = 16
+"""Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
+
+_DISPLAY = "\\begin{align*}"
+_OPEN = "%"
+"""Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph."""
+
+_SHARED_ROOM = 6
+"""Blanks of an exercise that share the room of one answer."""
+
+
+def latex(document: Document, text: Text) -> str:
+    """The document as ``sheet.tex``.
+
+    Args:
+        document: The handout.
+        text: The language of the writer's own words.
+
+    Returns:
+        The LaTeX source.
+    """
+    blocks = [block for section in document.sections for block in blocks_of(section)]
+    rows = [part for block in blocks for part in rows_of(block)]
+    sections = [{"title": _words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
+    return latex_template("document.tex.jinja").render(
+        name=document.name,
+        version=document.version,
+        digest=document.digest,
+        title=_breakable(document.title),
+        subtitle=_words(document.subtitle),
+        footer=_words(document.footer),
+        landscape=any(part.landscape for part in rows),
+        figures=any(isinstance(block, Figure) for block in blocks),
+        figure_preamble=PREAMBLE.rstrip(),
+        sections=sections,
+    )
+
+
+def fragment(section: Section, text: Text) -> str:
+    r"""One section for ``\input`` into other notes; formulas need amsmath alone.
+
+    Args:
+        section: The section.
+        text: The language of the writer's own words.
+
+    Returns:
+        Its LaTeX without a heading.
+    """
+    return "\n".join(_joined(section.blocks, text)) + "\n"
+
+
+# -- texts
+
+
+def _words(text: str) -> str:
+    """A text with its marks."""
+    written = []
+    for kind, part in spans(text):
+        if kind is Kind.MATHEMATICS:
+            written.append(f"${part}$")
+        elif kind is Kind.CODE:
+            written.append("\\texttt{" + latex_text(part).replace("\\_", "\\_\\allowbreak{}") + "}")
+        else:
+            before, after = (" " if edge.isspace() else "" for edge in (part[:1], part[-1:]))
+            body = latex_text(part)
+            written.append(f"{before}{body}{after}" if body else " ")
+    return "".join(written)
+
+
+def _breakable(text: str) -> str:
+    """Escaped text in which even a word without end can be broken."""
+    pieces = ([word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in text.split())
+    return " ".join("\\allowbreak{}".join(latex_text(part) for part in parts) for parts in pieces)
+
+
+# -- blocks
+
+
+def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[str]:
+    """Blocks one after the other; a display joins the paragraph before it, which may be that of a title."""
+    written: list[str] = []
+    for block in blocks:
+        source = _written(block, text)
+        is_display = source.startswith(_DISPLAY)
+        if is_display and not is_open:
+            source = f"\\begingroup\\abovedisplayskip=0pt\n{source}\n\\endgroup"
+        elif is_open and not is_display:
+            source = f"\\par\n{source}"
+        written.append(source)
+        is_open = source.endswith(_OPEN)
+    return [*written, "\\par"] if is_open else written
+
+
+def _written(block: Block, _: Text) -> str:
+    """One block by its macro."""
+    match block:
+        case Paragraph(text):
+            return _words(text) + _OPEN
+        case Rows(lines, landscape):
+            return _macro("rows", displays=displays(lines), landscape=landscape)
+        case Formula():
+            sentences = {
+                "named": _words(_("With the abbreviations")),
+                "entries": _words(_("the entries are as follows.")),
+                "omitted": _words(
+                    _(
+                        "Too long to print; multiplied out the numbers of terms are as follows, and `model_numpy.py` "
+                        "computes them in `%(function)s`:",
+                        function=block.function,
+                    )
+                ),
+            }
+            return _macro(
+                "formula",
+                named=displays(block.named),
+                rows=[_written(rows, _) for rows in block.rows if rows.lines],
+                omitted=displays(block.omitted),
+                note=_words(block.note),
+                words=sentences,
+            )
+        case Blank(names, lines):
+            height = max(1.2, 1.4 * lines / max(1, min(len(names), _SHARED_ROOM)))
+            room = f"\\rule[-{height:.1f}\\baselineskip]{{0pt}}{{{height:.1f}\\baselineskip}}"
+            return "\n".join(displays([f"{name} = {room}" for name in names]))
+        case Table(header, rows, long):
+            head, *body = (" & ".join(map(_words, row)) for row in (header, *rows))
+            return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
+        case Figure(drawing, caption):
+            return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
+        case Steps(title, blocks):
+            return _macro("steps", title=_words(title), blocks=_joined(blocks, _, is_open=True))
+
+
+def _macro(name: str, **values: object) -> str:
+    source: str = getattr(macros("blocks.tex.jinja"), name)(**values)
+    return source.removesuffix("\n")

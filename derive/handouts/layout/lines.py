@@ -1,0 +1,186 @@
+"""Places equations and matrices on lines of the page's width.
+
+What is short shares a line, a matrix that fits is printed as a matrix, a long sum is broken over lines: before a plus
+or minus, outermost brackets first, and between two factors only where nothing else fits. The lines of one expression
+continue at an indentation that shows how deep in brackets they start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, Piece, concatenate
+
+LINE_WIDTH = 455.0
+"""Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve."""
+
+LANDSCAPE_WIDTH = 710.0
+"""Width of a line on a page turned on its side [pt]."""
+
+DEPTH_COST = 0.25
+"""Part of the line that may stay empty to break one bracket further out."""
+
+FACTOR_COST = 0.45
+"""Part of the line that may stay empty to break at a sum rather than between two factors."""
+
+TALLEST_MATRIX = 40
+"""Rows of a matrix that a page can hold."""
+
+BREAK_AFTER = 250
+"""Rows in one display; TeX sets a display as a whole, and its memory is finite."""
+
+GAP = Box(" \\qquad ", 20.0)
+"""Between two equations on one line."""
+
+EQUALS = Box(" = ", RELATION_WIDTH)
+
+_INDENTS = (Box("\\quad ", 10.0), Box("\\qquad ", 20.0), Box("\\qquad\\quad ", 30.0))
+_COLUMN_GAP = 10.0
+_DELIMITERS = 15.0
+
+
+@dataclass(frozen=True, slots=True)
+class Equation:
+    """``left = right``.
+
+    Attributes:
+        left: The symbol that is defined.
+        right: The expression.
+    """
+
+    left: Box
+    right: tuple[Piece, ...]
+
+    @property
+    def width(self) -> float:
+        """Width on one line [pt]."""
+        return self.left.width + RELATION_WIDTH + sum(piece.box.width for piece in self.right)
+
+
+def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -> list[str]:
+    """The expression on as many lines as it needs.
+
+    Args:
+        head: What stands on the first line before the expression, such as ``b_{11} = ``.
+        pieces: The expression.
+        width: Room on a line [pt].
+
+    Returns:
+        LaTeX of each line, without alignment marks.
+    """
+    lines: list[str] = []
+    start, lead = 0, head
+    while True:
+        end = _line_end(pieces, start, width - lead.width)
+        opening = _continued(pieces[start]) if lines else pieces[start].box
+        lines.append(concatenate(lead, opening, *(piece.box for piece in pieces[start + 1 : end])).tex)
+        if end == len(pieces):
+            return lines
+        start, lead = end, _INDENTS[min(pieces[end].depth, len(_INDENTS) - 1)]
+
+
+def _line_end(pieces: Sequence[Piece], start: int, room: float) -> int:
+    """Index of the piece that starts the next line: the cheapest break that fits, else the first one."""
+    used = _continued(pieces[start]).width
+    best, best_cost = 0, 2.0
+    for index in range(start + 1, len(pieces)):
+        piece = pieces[index]
+        if piece.before is not Break.NEVER:
+            factor = FACTOR_COST if piece.before is Break.FACTOR else 0.0
+            cost = (1.0 - used / room) + DEPTH_COST * piece.depth + factor
+            if (used <= room and cost <= best_cost) or not best:
+                best, best_cost = index, cost
+        used += piece.box.width
+        if used > room and best:
+            return best
+    return len(pieces)
+
+
+def _continued(piece: Piece) -> Box:
+    """The piece at the start of a line that continues another; TeX spaces a sign as between terms after ``{}``."""
+    if piece.before is Break.BINARY:
+        return Box("{}" + piece.box.tex.strip() + " ", piece.box.width)
+    if piece.before is Break.FACTOR:
+        return Box("{}\\cdot " + piece.box.tex, piece.box.width + DOT_WIDTH)
+    return piece.box
+
+
+def displays(lines: Sequence[str]) -> list[str]:
+    """Rows of displayed mathematics, a few dozen in each display.
+
+    Args:
+        lines: LaTeX of each row.
+
+    Returns:
+        ``align*`` environments of amsmath.
+    """
+    parts = (lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER))
+    bodies = (" \\\\\n".join(f"& {line.rstrip()}" for line in part) for part in parts)
+    return [f"\\begin{{align*}}\n{body}\n\\end{{align*}}" for body in bodies]
+
+
+def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> list[str]:
+    """Equations in their order; neighbours that fit share a line.
+
+    Args:
+        equations: The equations.
+        width: Room on a line [pt].
+
+    Returns:
+        LaTeX of each line.
+    """
+    lines: list[str] = []
+    row: list[Box] = []
+    for equation in equations:
+        head = concatenate(equation.left, EQUALS)
+        if equation.width > width / 2:
+            lines += [*pack(row, width), *break_lines(head, equation.right, width)]
+            row = []
+        else:
+            row.append(concatenate(head, *(piece.box for piece in equation.right)))
+    return lines + pack(row, width)
+
+
+def pack(boxes: Iterable[Box], width: float = LINE_WIDTH) -> list[str]:
+    """As many boxes on each line as fit; a box is never broken.
+
+    Args:
+        boxes: The boxes in their order.
+        width: Room on a line [pt].
+
+    Returns:
+        LaTeX of each line.
+    """
+    lines: list[str] = []
+    row: list[Box] = []
+    for box in boxes:
+        if row and sum(item.width + GAP.width for item in row) + box.width > width:
+            lines.append(GAP.tex.join(item.tex for item in row))
+            row = []
+        row.append(box)
+    return [*lines, GAP.tex.join(item.tex for item in row)] if row else lines
+
+
+def matrix(rows: Sequence[Sequence[Box]]) -> Box:
+    """A matrix in brackets, with the width that it takes.
+
+    Args:
+        rows: Its cells, row by row.
+    """
+    columns = zip(*rows, strict=True)
+    width = sum(max(cell.width for cell in column) for column in columns)
+    width += _COLUMN_GAP * (len(rows[0]) - 1) + _DELIMITERS
+    body = " \\\\ ".join(" & ".join(cell.tex.strip() for cell in row) for row in rows)
+    return Box(f"\\begin{{bmatrix}} {body} \\end{{bmatrix}}", width)
+
+
+def fits(box: Box, rows: int, width: float = LINE_WIDTH) -> bool:
+    """Whether a matrix can be printed as a whole.
+
+    Args:
+        box: The matrix, with its name.
+        rows: Number of its rows.
+        width: Room on a line [pt].
+    """
+    return box.width <= width and rows <= TALLEST_MATRIX

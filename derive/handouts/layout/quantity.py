@@ -1,0 +1,287 @@
+"""Lays out one quantity: as a matrix if it fits, else entry by entry, the rest by its number of terms.
+
+Where entries are printed one by one, brackets that they share get a symbol of their own, a named intermediate term.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+import sympy
+
+from derive.handouts.layout.lines import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.layout.policy import SheetPolicy
+from derive.handouts.notation.names import Glyph
+from derive.handouts.notation.numbers import magnitude
+from derive.handouts.notation.pieces import Box, concatenate, italic, joined
+from derive.handouts.notation.printer import LatexPrinter
+from derive.model.entries import Entries
+
+SHORTEST = 3
+"""Terms of a bracket that gets a name when it occurs twice."""
+
+OFTEN = 4
+"""Uses after which a bracket of two products gets one too."""
+
+MANY = 10**9
+"""Numbers of terms from which on two digits say enough."""
+
+ZERO = italic("0")
+
+"""Row and column, from 1."""
+
+Namer = Callable[[int, int], Box]
+"""(row, column) -> name of an entry."""
+
+Definition = tuple[Any, Any]
+"""A symbol and the expression that it stands for."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaidOut:
+    """A quantity on the sheet, as lines of LaTeX.
+
+    Attributes:
+        lines: The matrix, or the entries one by one.
+        named: Definitions of intermediate terms that the entries use.
+        omitted: Entries left to the code, with their numbers of terms.
+        by_entry: Whether only the entries that are not zero are printed.
+        has_zeros: Whether entries were left out because they are zero.
+        symmetric: Whether entries below the diagonal were left out.
+        landscape: Entries that are too long for an upright page, for one turned on its side.
+        values: Names and expressions of the printed entries.
+        blanks: Left sides without their values, for an exercise.
+    """
+
+    lines: tuple[str, ...]
+    named: tuple[str, ...] = ()
+    omitted: tuple[str, ...] = ()
+    by_entry: bool = False
+    has_zeros: bool = False
+    symmetric: bool = False
+    landscape: tuple[str, ...] = ()
+    values: tuple[tuple[Box, Any], ...] = ()
+    blanks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One entry on its way to the page.
+
+    Attributes:
+        name: Its symbol.
+        terms: Number of terms when multiplied out.
+        write: Makes the expression; called only for entries within the budget.
+    """
+
+    name: Box
+    terms: int
+    write: Callable[[], Any]
+
+
+@dataclass(frozen=True)
+class Layouter:
+    """Lays out the quantities of one robot.
+
+    Attributes:
+        printer: The robot's printer.
+        policy: What is printed.
+        term_symbol: (group, index) -> name of an intermediate term.
+        terms_word: What terms are called in the language of the page.
+    """
+
+    printer: LatexPrinter
+    policy: SheetPolicy
+    term_symbol: Callable[[int, int], Box]
+    terms_word: str = "terms"
+
+    def lay_out(
+        self,
+        symbol: Box,
+        name: Namer,
+        quantity: Entries,
+        *,
+        group: int = 0,
+        symmetric: bool = False,
+        limit: int = 0,
+    ) -> LaidOut:
+        """One matrix: in brackets if it fits, else entry by entry.
+
+        Args:
+            symbol: Name of the matrix.
+            name: (row, column) -> name of an entry.
+            quantity: The matrix.
+            group: Which letter its intermediate terms have.
+            symmetric: Whether the entries below the diagonal may be left out.
+            limit: Most terms of an entry that is written; 0 for that of the policy.
+        """
+        items = {
+            (i, j): Item(name(i, j), quantity.terms(i, j), partial(quantity.entry, i, j))
+            for i, j in quantity.places
+            if i <= j or not symmetric
+        }
+        if sum(item.terms for item in items.values()) <= self.policy.matrix_terms:
+            boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
+            height, width = (range(1, size + 1) for size in quantity.shape)
+            mirrored = {(j, i): box for (i, j), box in boxes.items()} if symmetric else {}
+            filled = mirrored | boxes
+            box = concatenate(symbol, EQUALS, matrix([[filled.get((i, j), ZERO) for j in width] for i in height]))
+            if fits(box, len(height)):
+                values = tuple((item.name, item.write()) for item in items.values() if item.terms)
+                return LaidOut((box.tex,), values=values, blanks=(symbol.tex,))
+        return self.entries(list(items.values()), group=group, symmetric=symmetric, limit=limit)
+
+    def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> LaidOut:
+        """Entries one by one, brackets that they share as named terms.
+
+        Args:
+            items: The entries.
+            group: Which letter the intermediate terms have.
+            symmetric: Whether entries below the diagonal were left out.
+            limit: Most terms of an entry that is written; 0 for that of the policy.
+        """
+        limit = limit or self.policy.flat_terms
+        chosen = _within([item.terms for item in items], limit, limit * self.policy.quantity_entries)
+        written = {index: items[index].write() for index in chosen}
+        definitions, expressions = _with_shared_brackets_named(list(written.values()))
+        named, equations = self._equations(definitions, [items[index].name for index in chosen], expressions, group)
+        upright, turned = self._placed(equations)
+        if len(upright) < len(chosen):  # what is left needs fewer named terms, and they are numbered anew
+            kept = sorted(upright + turned)
+            chosen, expressions = [chosen[k] for k in kept], [expressions[k] for k in kept]
+            used = _used(definitions, expressions)
+            named, equations = self._equations(used, [items[index].name for index in chosen], expressions, group)
+            upright, turned = [kept.index(k) for k in upright], [kept.index(k) for k in turned]
+        left = [item for index, item in enumerate(items) if item.terms and index not in set(chosen)]
+        return LaidOut(
+            tuple(equation_lines(equations[k] for k in upright)),
+            tuple(equation_lines(named)),
+            tuple(pack(omitted(item, self.terms_word) for item in left)),
+            by_entry=True,
+            has_zeros=not all(item.terms for item in items),
+            symmetric=symmetric,
+            landscape=tuple(equation_lines((equations[k] for k in turned), LANDSCAPE_WIDTH)),
+            values=tuple((items[index].name, written[index]) for index in chosen),
+            blanks=tuple(items[index].name.tex for index in chosen),
+        )
+
+    def _placed(self, equations: Sequence[Equation]) -> tuple[list[int], list[int]]:
+        """Indices of the entries that are printed upright, and of longer ones on a page turned on its side."""
+        policy = self.policy
+        sizes = [len(equation_lines([equation])) for equation in equations]
+        upright = _within(sizes, policy.entry_lines, policy.quantity_lines)
+        if len(upright) == len(equations):
+            return upright, []
+        rest = set(range(len(equations))) - set(upright)
+        wide = [len(equation_lines([e], LANDSCAPE_WIDTH)) if k in rest else 0 for k, e in enumerate(equations)]
+        return upright, _within(wide, policy.landscape_lines, policy.landscape_total)
+
+    def _equations(
+        self, definitions: Sequence[Definition], names: Sequence[Box], expressions: Sequence[Any], group: int
+    ) -> tuple[list[Equation], list[Equation]]:
+        """The named terms, numbered in their order, and the entries in them."""
+        symbols = {symbol.name: self.term_symbol(group, k) for k, (symbol, _) in enumerate(definitions, 1)}
+        printer = LatexPrinter(self.printer.notation.with_terms({key: Glyph(box) for key, box in symbols.items()}))
+        named = [Equation(symbols[symbol.name], tuple(printer.pieces(value))) for symbol, value in definitions]
+        entries = [Equation(name, tuple(printer.pieces(e))) for name, e in zip(names, expressions, strict=True)]
+        return named, entries
+
+
+def omitted(item: Item, word: str) -> Box:
+    """An entry that is left to the code: its name and its number of terms.
+
+    Args:
+        item: The entry.
+        word: What terms are called in the language of the page.
+    """
+    count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2)
+    unit = Box(f"\\text{{ {word}}}", 6.0 + 5.0 * len(word))
+    return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, unit)
+
+
+def _within(sizes: Sequence[int], longest: int, total: int) -> list[int]:
+    """Indices of what is not empty and within the budget, the shortest first until it is used up, in their order."""
+    wanted = sorted((size, index) for index, size in enumerate(sizes) if 0 < size <= longest)
+    chosen, used = [], 0
+    for size, index in wanted:
+        used += size
+        if used > total:
+            break
+        chosen.append(index)
+    return sorted(chosen)
+
+
+def _with_shared_brackets_named(expressions: Sequence[Any]) -> tuple[list[Definition], list[Any]]:
+    """Definitions of brackets that several places share, each using earlier symbols only, and the entries in them.
+
+    The symbols are called ``_1``, ``_2``, ..., which no name of a user can be.
+    """
+    uses: Counter[Any] = Counter()
+    for expression in expressions:
+        _count_brackets(expression, uses, root=True)
+    shared = [bracket for bracket, count in uses.items() if _deserves_name(bracket, count)]
+    shared.sort(key=_depth)
+    names: dict[Any, Any] = {}
+    definitions = []
+    for index, bracket in enumerate(shared, 1):
+        symbol = sympy.Symbol(f"_{index}")
+        definitions.append((symbol, _in_names(bracket, names)))
+        names[bracket] = symbol
+    return definitions, [_in_names(expression, names) for expression in expressions]
+
+
+def _used(definitions: Sequence[Definition], expressions: Sequence[Any]) -> list[Definition]:
+    """The definitions that some expressions use, directly or through each other."""
+    wanted = {symbol for expression in expressions for symbol in expression.free_symbols}
+    kept = []
+    for symbol, value in reversed(definitions):
+        if symbol in wanted:
+            kept.append((symbol, value))
+            wanted |= value.free_symbols
+    return kept[::-1]
+
+
+def _count_brackets(expression: Any, uses: Counter[Any], root: bool) -> None:
+    """Counts brackets; the inside of one that was met before is not counted again."""
+    if expression.is_Add and not root:
+        uses[expression] += 1
+        if uses[expression] > 1:
+            return
+    for argument in expression.args:
+        if argument.args:
+            _count_brackets(argument, uses, root=False)
+
+
+def _deserves_name(bracket: Any, uses: int) -> bool:
+    if len(bracket.args) >= SHORTEST:
+        return uses > 1
+    return uses >= OFTEN and any(len(term.args) > SHORTEST - 1 for term in bracket.args)
+
+
+def _depth(expression: Any) -> int:
+    """Levels of sums; a bracket is deeper than the brackets in it."""
+    inner = max((_depth(argument) for argument in expression.args), default=0)
+    return inner + bool(expression.is_Add)
+
+
+def _in_names(expression: Any, names: dict[Any, Any], *, root: bool = True) -> Any:
+    """The expression with symbols for the brackets inside it; a sum at the root stays."""
+    if not names:
+        return expression
+    if expression in names and not (root and expression.is_Add):
+        return names[expression]
+    if not expression.args:
+        return expression
+    arguments = tuple(_in_names(argument, names, root=False) for argument in expression.args)
+    if not (root and expression.is_Add) and all(
+        new is old for new, old in zip(arguments, expression.args, strict=True)
+    ):
+        return expression
+    if expression.is_Add or expression.is_Mul:
+        return expression.func(*arguments, evaluate=False)
+    return expression.func(*arguments)

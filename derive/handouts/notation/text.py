@@ -1,0 +1,95 @@
+"""SymPy expressions as one line of plain text, in the shorthand and the order of lecture notes: ``a1*c1 + a2*c12``.
+
+``c12`` is cos(q1 + q2), labels being the digits of the joint variables' names. The shorthand is used for a robot only
+where it can be read one way: every label is a single digit, none occurs twice, and no symbol of the user looks like a
+token. Otherwise cosines and sines are spelled out.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from sympy import Basic
+from sympy.printing.precedence import PRECEDENCE
+from sympy.printing.str import StrPrinter
+
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.order import Order, is_below
+from derive.robot.names import joint_label, robot_symbols
+from derive.robot.robot import Robot
+
+_TOKEN = re.compile(r"[cs][0-9]+")
+
+
+class PlainPrinter(StrPrinter):  # type: ignore[misc]
+    """SymPy's own text, with every subexpression printed once: those of long chains recur thousands of times."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._printed: dict[Any, str] = {}
+
+    def _print(self, expression: Any, **options: Any) -> str:
+        if options or not isinstance(expression, Basic):
+            return str(super()._print(expression, **options))
+        found = self._printed.get(expression)
+        if found is None:
+            found = self._printed[expression] = str(super()._print(expression))
+        return found
+
+
+class TextPrinter(PlainPrinter):
+    """Prints the expressions of one robot.
+
+    Args:
+        robot: Its joints give the labels, its parameters the order of factors.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        super().__init__()
+        self._labels = _labels(robot)
+        self._order = Order(Notation.of(robot))
+
+    def _print_Add(self, expression: Any, order: Any = None) -> str:
+        terms = [str(self._print(term)) for term in sorted(expression.args, key=self._order.term)]
+        rest = (f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in terms[1:])
+        return terms[0] + "".join(rest)
+
+    def _print_Mul(self, expression: Any) -> str:
+        coefficient, rest = expression.as_coeff_Mul()
+        if not coefficient.is_Rational:
+            return str(super()._print_Mul(expression))
+        above: list[str] = []
+        below: list[str] = []
+        for factor in sorted(rest.args if rest.is_Mul else (rest,), key=self._order.factor):
+            divides = is_below(factor.as_base_exp()[1])
+            text = str(self.parenthesize(1 / factor if divides else factor, PRECEDENCE["Mul"]))
+            (below if divides else above).append(text)
+        if abs(coefficient.p) != 1 or not above:
+            above.insert(0, str(abs(coefficient.p)))
+        if coefficient.q != 1:
+            below.insert(0, str(coefficient.q))
+        return ("-" if coefficient < 0 else "") + "*".join(above) + "".join(f"/{factor}" for factor in below)
+
+    def _print_cos(self, expression: Any) -> str:
+        return self._circular("cos", expression.args[0])
+
+    def _print_sin(self, expression: Any) -> str:
+        return self._circular("sin", expression.args[0])
+
+    def _circular(self, function: str, angle: Any) -> str:
+        terms = angle.args if angle.is_Add else (angle,)
+        labels = [self._labels.get(str(term), "") for term in terms]
+        if all(labels):
+            return function[0] + "".join(sorted(labels))
+        return f"{function}({self._print(angle)})"
+
+
+def _labels(robot: Robot) -> dict[str, str]:
+    """Joint variable -> its digit; empty where tokens would be ambiguous."""
+    variables = [joint.variable for joint in robot.joints]
+    labels = [joint_label(variable) for variable in variables]
+    readable = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
+    if not readable or any(_TOKEN.fullmatch(name) for name in (*variables, *robot_symbols(robot))):
+        return {}
+    return dict(zip(variables, labels, strict=True))

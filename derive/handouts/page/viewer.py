@@ -1,0 +1,261 @@
+"""The robot as a figure that the reader moves: a slider per joint, the frames, and the pose of the end effector.
+
+The pose and the frames come from the JavaScript of the robot's own tapes; three.js, inlined, draws them. What the
+figure needs of the robot are numbers: where each joint can go and starts, where the base stands, and where up is.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+from derive.handouts.figure.drawing import label_runs
+from derive.handouts.figure.scene import upwards
+from derive.handouts.language import Text
+from derive.handouts.notation.notation import Notation
+from derive.programs.program import Program
+from derive.robot.description import Convention, Joint
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import names
+from derive.robot.names import number_of
+from derive.robot.robot import Robot
+from derive.targets.escape import html_text
+from derive.targets.javascript import javascript_body
+from derive.targets.templating import render
+
+FUNCTIONS = ("forward_kinematics", "link_transforms")
+"""What the figure needs of a robot's program."""
+
+_FALLBACK = 1.0
+"""Drawn for a symbol of which nothing is known."""
+
+_STYLES = {"italic": "i", "mono": "code"}
+_SHIFTS = {-1: "sub", 1: "sup"}
+
+
+@dataclass(frozen=True, slots=True)
+class Travel:
+    """The way of a joint.
+
+    Attributes:
+        revolute: Whether it turns.
+        lower: Lowest value [rad or m].
+        upper: Highest value [rad or m].
+        start: Value at first [rad or m].
+    """
+
+    revolute: bool
+    lower: float
+    upper: float
+    start: float
+
+    def shown(self, value: float) -> float:
+        """A value in the unit of the slider.
+
+        Args:
+            value: In radians or metres.
+
+        Returns:
+            Degrees or metres.
+        """
+        return math.degrees(value) if self.revolute else value
+
+
+@dataclass(frozen=True, slots=True)
+class Viewer:
+    """The figure, in the three languages of a page.
+
+    Attributes:
+        html: An element.
+        css: Its style sheet; uses the page's colours where there are any.
+        script: A classic script, to run after the element; holds no end of a script element.
+    """
+
+    html: str
+    css: str
+    script: str
+
+
+def viewer(
+    robot: Robot,
+    program: Program,
+    values: Mapping[str, float],
+    text: Text,
+    *,
+    start: Sequence[float] | None = None,
+    notation: Notation | None = None,
+) -> Viewer:
+    """The figure of a robot.
+
+    Args:
+        robot: The robot.
+        program: Its functions as tapes.
+        values: Numbers to draw for symbols that have none [m, rad]; 1 for those that are missing here, too.
+        text: Translates messages.
+        start: Configuration at first [rad, m]; None for the robot's figure configuration, else zero, prismatic joints
+            half way out.
+        notation: How symbols are written; None for the robot file's way.
+    """
+    numbers = symbol_values(robot, program.parameters, values)
+    ways = travels(robot, numbers, start)
+    needed = Program(tuple(program[name] for name in FUNCTIONS), program.parameters)
+    script = render(
+        "page/viewer.js.jinja",
+        model=javascript_body(robot, needed),
+        configuration=_configuration(robot, program.parameters, numbers, ways),
+    )
+    notation = notation or Notation.of(robot, robot.handout.notation)
+    html = render(
+        "page/viewer/viewer.html.jinja",
+        rows=_rows(robot, notation, ways),
+        words={name: html_text(word) for name, word in _words(text).items()},
+        assumed=_assumed(values, notation, text),
+        entries=range(4),
+    )
+    return Viewer(html, render("page/viewer/viewer.css.jinja"), f"{three()}\n{script}")
+
+
+def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
+    """A number for every symbol: the caller's, else the robot file's, else 1.
+
+    Args:
+        robot: The robot.
+        parameters: Further symbols, those of the program.
+        values: The caller's numbers [m, rad].
+    """
+    cells = [cell for joint in robot.joints for cell in (joint.theta, joint.d, joint.a, joint.alpha)]
+    cells += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
+    cells += [*(robot.gravity or ()), *(limit for joint in robot.joints for limit in joint.limits or ())]
+    symbols = (*(name for cell in cells for name in names(cell)), *parameters)
+    known = {name: evaluate(number, {}) for name, number in number_of(robot).items()}
+    return dict.fromkeys(symbols, _FALLBACK) | known | dict(values)
+
+
+def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] | None) -> tuple[Travel, ...]:
+    """The way of every joint: its limits where they are numbers in order, else a turn, or the longest link.
+
+    Args:
+        robot: The robot.
+        numbers: A number for every symbol [m, rad].
+        start: Configuration at first [rad or m]; None for the robot's own, else zero, prismatic joints half way out.
+    """
+    if start is None and robot.figure.q is not None:
+        start = [evaluate(value, numbers) for value in robot.figure.q]
+    lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
+    longest = float(f"{max(lengths) or 1.0:.2g}")
+    ways = []
+    for index, joint in enumerate(robot.joints):
+        low, high = (-math.pi, math.pi) if joint.is_revolute else (0.0, longest)
+        limits = _limits(joint, numbers)
+        if limits is not None and limits[0] < limits[1]:
+            low, high = limits
+        wanted = 0.0 if joint.is_revolute else (low + high) / 2
+        if start is not None:
+            wanted = start[index]
+        ways.append(Travel(joint.is_revolute, low, high, min(max(wanted, low), high)))
+    return tuple(ways)
+
+
+def _limits(joint: Joint, numbers: Mapping[str, float]) -> tuple[float, float] | None:
+    if joint.limits is None:
+        return None
+    try:
+        return evaluate(joint.limits[0], numbers), evaluate(joint.limits[1], numbers)
+    except ArithmeticError:
+        return None
+
+
+@cache
+def three() -> str:
+    """What the figure uses of three.js, as a script that defines the global ``deriveThree``."""
+    return files("derive").joinpath("assets/three/three.bundle.min.js").read_text(encoding="utf-8").rstrip()
+
+
+def html_symbol(latex: str) -> str:
+    r"""A symbol as HTML, where a whole formula would be too much: ``\theta_{1}`` is an italic theta with index 1.
+
+    Args:
+        latex: LaTeX of the symbol.
+    """
+    parts = []
+    for run in label_runs(latex):
+        body = html_text(run.text)
+        for tag in (_STYLES.get(run.style), _SHIFTS.get(run.shift)):
+            body = f"<{tag}>{body}</{tag}>" if tag else body
+        parts.append(body)
+    return "".join(parts)
+
+
+def _configuration(
+    robot: Robot, parameters: Sequence[str], numbers: Mapping[str, float], ways: Sequence[Travel]
+) -> str:
+    """What the script knows of the robot, as JSON that is inert in a script element."""
+    value = {
+        "modified": robot.convention is Convention.MODIFIED,
+        "joints": [
+            {
+                "revolute": joint.is_revolute,
+                "a": evaluate(joint.a, numbers),
+                "lower": way.lower,
+                "upper": way.upper,
+                "start": way.start,
+            }
+            for joint, way in zip(robot.joints, ways, strict=True)
+        ],
+        "params": {name: numbers[name] for name in parameters},
+        "base": [[evaluate(entry, numbers) for entry in row] for row in robot.base],
+        "up": upwards(robot, numbers),
+    }
+    return json.dumps(value, allow_nan=False).replace("<", "\\u003c")
+
+
+def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict[str, object]]:
+    """Texts of the sliders, numbers in degrees or metres."""
+    rows = []
+    for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True)):
+        lower, upper, start = (f"{way.shown(value):.12g}" for value in (way.lower, way.upper, way.start))
+        rows.append(
+            {
+                "place": place,
+                "label": html_symbol(notation.glyph(joint.variable).box.tex),
+                "name": html_text(joint.variable),
+                "unit": "deg" if way.revolute else "m",
+                "lower": lower,
+                "upper": upper,
+                "start": start,
+            }
+        )
+    return rows
+
+
+def _assumed(values: Mapping[str, float], notation: Notation, text: Text) -> str:
+    """States what is drawn for symbols without a number, as HTML; empty if there are none."""
+    if not values:
+        return ""
+    pairs = ", ".join(f"{html_symbol(notation.glyph(name).box.tex)} = {value:.4g}" for name, value in values.items())
+    message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
+    return html_text(message).replace("@values@", pairs)
+
+
+def _words(_: Text) -> dict[str, str]:
+    """Every text of the figure."""
+    return {
+        "canvas": _("The robot in three dimensions, in the configuration of the sliders"),
+        "hint": _("Drag to turn, right button to shift; click, then scroll to zoom. Arrow keys, + and - work too."),
+        "missing": _("This browser cannot draw in three dimensions (WebGL); sliders and pose work all the same."),
+        "joints": _("Joint variables"),
+        "exact": _("value"),
+        "reset": _("Reset joints"),
+        "view": _("Reset view"),
+        "frames": _("Frames"),
+        "labels": _("Labels"),
+        "pose": _("Pose of the end effector"),
+        "matrix": _("Homogeneous transform in the world frame"),
+        "position": _("Position"),
+        "angles": _("Roll, pitch, yaw"),
+        "legend": _("Axes x red, y green, z blue."),
+    }

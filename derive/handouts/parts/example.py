@@ -1,0 +1,264 @@
+"""The part with an example: T, J, B and g in numbers at one configuration, with units.
+
+The configuration is that of the figure, or a generic one within the limits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.notation.numbers import magnitude
+from derive.handouts.notation.pieces import EMPTY, MINUS_WIDTH, Box, Piece, concatenate, italic, joined, script
+from derive.handouts.notation.symbols import bold
+from derive.mechanics.floats import value_at
+from derive.robot.description import Joint
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression, Number, Pi, Product
+from derive.robot.names import robot_symbols
+from derive.robot.robot import Robot
+
+ANGLES = (1, 2, -1, 3, -2, 4)
+"""Joint angles in sixths of pi, and again from the first: generic, so that few entries vanish."""
+
+_DISPLACEMENT = Number(Fraction(1, 10))
+"""Of prismatic joints [m]."""
+
+_DIGITS = 5
+"""Significant digits in print."""
+
+_COPIED_DIGITS = 12
+"""Significant digits of what is copied: beyond them machines differ."""
+
+_NOISE = 1e-12
+"""Part of the largest entry below which an entry is zero up to rounding."""
+
+_LARGEST = 24
+"""Joints of the largest inertia matrix that is printed in numbers."""
+
+_METRE = Box("\\,\\mathrm{m}", 11.0)
+_NEWTON = Box("\\,\\mathrm{N}", 10.0)
+_NEWTON_METRE = Box("\\,\\mathrm{N\\,m}", 20.0)
+_RADIAN = Box("\\,\\mathrm{rad}", 18.0)
+
+Values = Sequence[Sequence[float]]
+
+
+def example(context: Context) -> Iterator[Block]:
+    """T, J, B and g at one configuration; a sentence in their place where symbols have no number.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    robot = context.robot
+    missing = _unnumbered(replace(robot, links=(), gravity=None))
+    if missing:
+        yield _needs_numbers(context, missing)
+        return
+    chosen = configuration(robot)
+    yield from _stated(context, chosen)
+    yield Paragraph(_("The end effector; lengths are in metres:"))
+    yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics")
+    if all(joint.is_revolute for joint in robot.joints):
+        yield Paragraph(_("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:"))
+    else:
+        yield Paragraph(
+            _("The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:")
+        )
+    yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian")
+    if robot.has_dynamics:
+        missing = _unnumbered(robot)
+        yield from [_needs_numbers(context, missing)] if missing else _dynamics(context, chosen.q)
+
+
+def _needs_numbers(context: Context, missing: Sequence[str]) -> Block:
+    return Paragraph(
+        context.text(
+            "An example needs numbers for %(symbols)s; they can be given under `parameters:` or `figure: values:` in "
+            "the robot file.",
+            symbols=", ".join(f"${context.notation.glyph(name).box.tex}$" for name in missing),
+        )
+    )
+
+
+def _stated(context: Context, chosen: Configuration) -> Iterator[Block]:
+    """The configuration, and the numbers that stand under ``figure:`` alone."""
+    _ = context.text
+    robot, data = context.robot, context.data
+    if robot.figure.q is not None:
+        yield Paragraph(_("At the configuration of the figure:"))
+    else:
+        yield Paragraph(_("At a configuration without symmetry, within the limits:"))
+    variables = []
+    for joint, cell in zip(robot.joints, chosen.cells, strict=True):
+        pieces = data.angle(cell) if joint.is_revolute else data.value(cell)
+        unit = _METRE if not joint.is_revolute else EMPTY if "\\circ" in joined(pieces).tex else _RADIAN
+        variables.append(Equation(context.notation.glyph(joint.variable).box, (*pieces, Piece(unit))))
+    yield Rows(tuple(equation_lines(variables)))
+    used = set(robot_symbols(robot)) - {name for name, _ in robot.parameters}
+    given = ((name, cell) for name, cell in robot.figure.values if name in used)
+    lines = equation_lines(Equation(data.notation.glyph(name).box, data.value(cell)) for name, cell in given)
+    if lines:
+        yield Paragraph(_("with these numbers for symbols that have none in the robot file's parameters:"))
+        yield Rows(tuple(lines))
+
+
+def _dynamics(context: Context, q: Sequence[float]) -> Iterator[Block]:
+    _ = context.text
+    robot = context.robot
+    square = "\\mathrm{kg\\,m^2}"
+    joint_types = {joint.is_revolute for joint in robot.joints}
+    if robot.n > _LARGEST:
+        yield Paragraph(_("The inertia matrix is too large to print; `inertia_matrix` computes it."))
+    else:
+        if joint_types == {True}:
+            text = _("The inertia matrix, in $%(square)s$:", square=square)
+        elif joint_types == {False}:
+            text = _("The inertia matrix, in kg:")
+        else:
+            text = _(
+                "The inertia matrix; in $%(square)s$ between revolute joints, in kg between prismatic joints, "
+                "in kg m between one and the other:",
+                square=square,
+            )
+        yield Paragraph(text)
+        yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix")
+    yield Paragraph(_("The gravity vector:"))
+    yield _gravity(context, q)
+
+
+# -- numbers
+
+
+def _cleaned(rows: Values) -> list[list[float]]:
+    """The entries without what only rounding left over."""
+    threshold = _NOISE * max(1.0, *(abs(value) for row in rows for value in row))
+    return [[value if abs(value) > threshold else 0.0 for value in row] for row in rows]
+
+
+def _number(value: float) -> Box:
+    """A number with a few significant digits."""
+    rounded = Fraction(f"{value:.{_DIGITS}g}")
+    size = magnitude(rounded, decimals=True, digits=_DIGITS)
+    return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
+
+
+def _copied(value: float) -> str:
+    return f"{value:.{_COPIED_DIGITS}g}"
+
+
+def _matrix(context: Context, symbol: Box, rows: Values, function: str) -> Formula:
+    """A matrix; column by column if it is too wide."""
+    rows = _cleaned(rows)
+    cells = matrix([[_number(value) for value in row] for row in rows])
+    box = concatenate(symbol, EQUALS, cells)
+    python = "[" + ", ".join("[" + ", ".join(map(_copied, row)) + "]" for row in rows) + "]"
+    lines, note = [box.tex], ""
+    if not fits(box, len(rows)):
+        columns = enumerate(zip(*rows, strict=True), 1)
+        lines = pack(
+            concatenate(script(symbol, italic(str(k))), EQUALS, matrix([[_number(value)] for value in column]))
+            for k, column in columns
+        )
+        note = context.text("Column by column.")
+    entries = (Entry(symbol.tex, cells.tex, python),)
+    return Formula((Rows(tuple(lines)),), note=note, function=function, entries=entries, blanks=(symbol.tex,))
+
+
+def _gravity(context: Context, q: Sequence[float]) -> Formula:
+    """g component by component, each with its unit."""
+    values = [row[0] for row in _cleaned(value_at(context.robot, "g", q))]
+    names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
+    units = [_NEWTON_METRE if joint.is_revolute else _NEWTON for joint in context.robot.joints]
+    lines = pack(
+        concatenate(name, EQUALS, _number(value), unit) for name, value, unit in zip(names, values, units, strict=True)
+    )
+    entries = tuple(
+        Entry(name.tex, _number(value).tex, _copied(value)) for name, value in zip(names, values, strict=True)
+    )
+    blanks = tuple(name.tex for name in names)
+    return Formula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, blanks=blanks)
+
+
+# -- the configuration
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """Values of the joint variables.
+
+    Attributes:
+        cells: Exact.
+        q: In floats [rad or m].
+    """
+
+    cells: tuple[Expression, ...]
+    q: tuple[float, ...]
+
+
+def numbers_of(robot: Robot) -> dict[str, float]:
+    """Every symbol that has a number, from the parameters or for the figure.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Symbol -> number, in SI units.
+    """
+    found: dict[str, float] = {}
+    for name, value in (*robot.parameters, *robot.figure.values):
+        if name not in found:
+            found[name] = evaluate(value, found)
+    return found
+
+
+def _unnumbered(robot: Robot) -> tuple[str, ...]:
+    """Symbols of a robot without any number."""
+    known = {name for name, _ in (*robot.parameters, *robot.figure.values)}
+    return tuple(name for name in robot_symbols(robot) if name not in known)
+
+
+def configuration(robot: Robot) -> Configuration:
+    """Where the example is evaluated.
+
+    Args:
+        robot: A robot whose kinematic symbols all have numbers.
+
+    Returns:
+        The configuration of the figure, or a generic one within the limits.
+    """
+    values = numbers_of(robot)
+    if robot.figure.q is not None:
+        cells = robot.figure.q
+    else:
+        generic = (
+            Product((Number(Fraction(ANGLES[i % len(ANGLES)], 6)), Pi())) if joint.is_revolute else _DISPLACEMENT
+            for i, joint in enumerate(robot.joints)
+        )
+        cells = tuple(_within(joint, cell, values) for joint, cell in zip(robot.joints, generic, strict=True))
+    return Configuration(cells, tuple(evaluate(cell, values) for cell in cells))
+
+
+def _within(joint: Joint, cell: Expression, values: Mapping[str, float]) -> Expression:
+    """The value, or the limit that it exceeds; limits in symbols without numbers do not count."""
+    if joint.limits is None:
+        return cell
+    try:
+        lower, upper = (evaluate(limit, values) for limit in joint.limits)
+    except (ArithmeticError, KeyError):
+        return cell
+    value = evaluate(cell, values)
+    if value < lower and not math.isclose(value, lower):
+        return joint.limits[0]
+    if value > upper and not math.isclose(value, upper):
+        return joint.limits[1]
+    return cell

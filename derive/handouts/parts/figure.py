@@ -1,0 +1,115 @@
+"""The parts with pictures: the arm with its frames, and the convention with its four parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from derive.errors import DeriveError
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Figure, Paragraph
+from derive.handouts.figure.arm import arm_drawing, arm_view
+from derive.handouts.figure.convention import convention_drawing
+from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.figure.scene import arm_scene
+from derive.handouts.notation.pieces import EMPTY
+from derive.handouts.textbook import textbook
+from derive.robot.style import Functions
+
+_DIGITS = 4
+"""Decimals of a joint variable in a caption."""
+
+
+def arm(context: Context) -> tuple[Block, ...]:
+    """The arm at its zero configuration and at the one that the robot file asks for.
+
+    Args:
+        context: The handout.
+
+    Returns:
+        The figures; nothing where the robot cannot be drawn.
+    """
+    if context.poses is None:
+        return ()
+    try:
+        return tuple(_figures(context, context.poses))
+    except DeriveError:  # a value that does not exist with the numbers of the figure
+        return ()
+
+
+def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
+    _ = context.text
+    robot, chosen = context.robot, poses.configuration
+    frames = [poses.frames(poses.zero)] + ([poses.frames(chosen)] if chosen is not None else [])
+    view = arm_view(arm_scene(robot, frames[-1]))
+    title = _("The arm with its Denavit-Hartenberg frames at the zero configuration")
+    caption = _("The arm with its Denavit-Hartenberg frames at the zero configuration.")
+    yield Figure(arm_drawing(robot, context.data, frames[0], title, view), caption)
+    if chosen is not None:
+        units = ("rad" if joint.is_revolute else "m" for joint in robot.joints)
+        variables = (joint.variable for joint in robot.joints)
+        title = _("The arm with its Denavit-Hartenberg frames at the configuration of the figure")
+        caption = _(
+            "The arm with its Denavit-Hartenberg frames at %(configuration)s.",
+            configuration=_values(context, list(zip(variables, chosen, units, strict=True))),
+        )
+        yield Figure(arm_drawing(robot, context.data, frames[1], title, view), caption)
+    yield Paragraph(_("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones."))
+    if poses.assumed:
+        yield Paragraph(_("Numbers assumed for the drawing only: %(values)s.", values=_values(context, poses.assumed)))
+
+
+def _values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
+    """Symbols with their numbers and units: ``$q_1 = 0.5 rad$, ...``."""
+    written = []
+    for name, value, unit in values:
+        number = f"{value:.{_DIGITS}f}".rstrip("0").rstrip(".")
+        number = "0" if number in ("-0", "") else number
+        written.append(f"${context.notation.glyph(name).box.tex.strip()} = {number}\\,\\mathrm{{{unit}}}$")
+    return ", ".join(written)
+
+
+def convention(context: Context) -> Iterator[Block]:
+    """The general A matrix of the convention, its picture, and how sines and cosines are abbreviated.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    symbol = context.symbols.frame("A", "i", "i-1").tex
+    yield Paragraph(_("Row $i$ of the table takes frame $i$ into frame $i-1$:"))
+    name = "standard_convention" if context.is_standard else "modified_convention"
+    yield textbook(name, A=symbol, blank=f"\\phantom{{{symbol}}}")
+    yield Figure(convention_drawing(context.robot.convention), _("The four parameters of row $i$."))
+    texts = [*_abbreviations(context), _("A dot is a derivative with respect to time.")]
+    if context.notation.decimals:
+        texts.append(
+            _(
+                "Decimal numbers in the equations are rounded to %(digits)s significant digits; "
+                "the generated code is not.",
+                digits=context.notation.digits,
+            )
+        )
+    yield Paragraph(" ".join(texts))
+
+
+def _abbreviations(context: Context) -> Iterator[str]:
+    notation = context.notation
+    labelled = tuple(notation.labels)
+    if not labelled or context.options.notation.functions is Functions.FULL:
+        return
+    _ = context.text
+    angle = notation.glyph(labelled[0]).box.tex
+    short = [
+        f"${notation.abbreviation('c', labelled[:1], EMPTY).tex} = \\cos {angle}$",
+        f"${notation.abbreviation('s', labelled[:1], EMPTY).tex} = \\sin {angle}$",
+    ]
+    if len(labelled) > 1:
+        total = " + ".join(notation.glyph(name).box.tex for name in labelled[:2])
+        short.append(f"${notation.abbreviation('c', labelled[:2], EMPTY).tex} = \\cos({total})$")
+    yield _(
+        "%(examples)s, and so on: the labels are the digits in the names of the joint variables.",
+        examples=", ".join(short),
+    )

@@ -1,0 +1,236 @@
+"""The part with the geometric Jacobian: how its columns are made from axes and origins, and the result.
+
+Column i is (z x (p - o), z) for a revolute joint and (z, 0) for a prismatic one, times the sign of its variable, with
+z and o of frame i-1 in the standard convention and of frame i in the modified one (Siciliano, Sciavicco, Villani,
+Oriolo, Robotics, section 3.1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from derive.handouts import groups
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Paragraph, Rows, Steps
+from derive.handouts.formula import Small, component_namer, formula, side_by_side, small
+from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
+from derive.handouts.layout.quantity import LaidOut
+from derive.handouts.notation.pieces import BINARY_WIDTH, BRACKET_WIDTH, MINUS_WIDTH, Box, concatenate, italic, script
+from derive.handouts.notation.symbols import EntryNamer, bold
+from derive.handouts.parts.orientation import euler_names
+from derive.handouts.textbook import textbook
+
+_UPPER = (1, 2, 3)
+_ALL = (1, 2, 3, 4, 5, 6)
+_ZERO = Box("\\mathbf{0}", 6.0)
+_CROSS = Box(" \\times ", BINARY_WIDTH)
+
+
+@dataclass(frozen=True, slots=True)
+class Vector:
+    """A vector of a step.
+
+    Attributes:
+        box: ``symbol = ...`` without its entries, where these are too long.
+        small: The vector with its entries; None where these are too wide.
+        entries: Its entries one by one, in that case; None where these are too long, or stand elsewhere.
+    """
+
+    box: Box
+    small: Small | None = None
+    entries: LaidOut | None = None
+
+
+def jacobian(context: Context) -> Iterator[Block]:
+    """J, from axes and origins to its entries, and how the analytic Jacobian follows.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    axes = _JointAxes(context)
+    yield Paragraph(
+        _("In the world frame, linear velocity of the end effector in rows 1 to 3, angular velocity in rows 4 to 6.")
+    )
+    yield from _construction(context, axes)
+    if context.steps:
+        yield Steps(_("Axes, origins and columns"), tuple(_steps(context, axes)))
+    name = EntryNamer(context.symbols, "J")
+    laid_out = context.layouter.lay_out(bold("J"), name, context.entries.J, group=groups.J)
+    yield formula(context, laid_out, "jacobian")
+    yield from _analytic(context)
+
+
+def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
+    _ = context.text
+    joints = context.robot.joints
+    if context.is_standard:
+        text = _(
+            "Joint $i$ moves about or along $%(z)s$, the axis $z$ of frame $i-1$, through its origin $%(o)s$; "
+            "$%(p)s$ is the origin of the end effector, all in the world.",
+            z="\\mathbf{z}_{i-1}",
+            o="\\mathbf{o}_{i-1}",
+            p="\\mathbf{p}",
+        )
+    else:
+        text = _(
+            "Joint $i$ moves about or along $%(z)s$, the axis $z$ of frame $i$, through its origin $%(o)s$; "
+            "$%(p)s$ is the origin of the end effector, all in the world.",
+            z="\\mathbf{z}_{i}",
+            o="\\mathbf{o}_{i}",
+            p="\\mathbf{p}",
+        )
+    yield Paragraph(text)
+    if any(joint.is_revolute for joint in joints):
+        yield Paragraph(_("The column of a revolute joint is"))
+        yield Rows((axes.general(is_revolute=True).tex,))
+    if not all(joint.is_revolute for joint in joints):
+        yield Paragraph(_("The column of a prismatic joint is"))
+        yield Rows((axes.general(is_revolute=False).tex,))
+    if any(joint.sign < 0 for joint in joints):
+        yield Paragraph(_("with the opposite sign where the joint variable has a minus sign in the table."))
+    summary = axes.summary()
+    if fits(summary, 2):
+        yield Paragraph(_("so that for this arm"))
+        yield Rows((summary.tex,))
+
+
+def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
+    """Vectors that fit share lines; then those by their entries, and those whose entries are too long."""
+    _ = context.text
+    joints = range(1, context.robot.n + 1)
+    origins = [axes.of_frame("o", i) for i in joints if context.robot.joints[i - 1].is_revolute]
+    if origins:
+        origins.append(axes.end())
+    for title, vectors in (
+        (_("Axes:"), [axes.of_frame("z", i) for i in joints]),
+        (_("Origins, and that of the end effector:"), origins),
+        (_("Columns:"), [axes.column(i) for i in joints]),
+    ):
+        if not vectors:
+            continue
+        yield Paragraph(title)
+        fitting = [vector.small for vector in vectors if vector.small is not None]
+        if fitting:
+            yield formula(context, side_by_side(fitting))
+        yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
+        left = [vector.box for vector in vectors if vector.small is None and vector.entries is None]
+        if left:
+            yield Paragraph(_("Too long for a step:"))
+            yield Rows(tuple(pack(left)))
+
+
+def _analytic(context: Context) -> Iterator[Block]:
+    """How the Jacobian of the angles ZYZ follows, where they are not singular in every configuration."""
+    end = context.entries.T
+    if not (end.terms(1, 3) or end.terms(2, 3)):
+        return
+    phi, theta, psi = (name.tex.strip() for name in euler_names(context))
+    yield Paragraph(
+        context.text(
+            "The analytic Jacobian for Euler angles ZYZ, $%(angles)s$, has the same linear rows; its angular rows are "
+            "those of $%(jacobian)s$ multiplied from the left by the inverse of",
+            angles=f"{phi}, {theta}, {psi}",
+            jacobian="\\mathbf{J}",
+        )
+    )
+    yield textbook("euler_zyz_rates", phi=phi, theta=theta)
+
+
+@dataclass(frozen=True)
+class _JointAxes:
+    """Axes and origins of the joints of one robot, from which the columns of J are made; joints from 1."""
+
+    context: Context
+
+    def general(self, *, is_revolute: bool) -> Box:
+        """The column of joint i.
+
+        Args:
+            is_revolute: Whether the joint turns.
+
+        Returns:
+            The equation.
+        """
+        upper, lower = _halves("i-1" if self.context.is_standard else "i", is_revolute=is_revolute, is_opposed=False)
+        return concatenate(script(bold("J"), italic("i")), EQUALS, matrix([[upper], [lower]]))
+
+    def summary(self) -> Box:
+        """J by the axes and origins of this robot."""
+        upper, lower = zip(*(self._halves(i) for i in range(1, self.context.robot.n + 1)), strict=True)
+        return concatenate(bold("J"), EQUALS, matrix([upper, lower]))
+
+    def of_frame(self, letter: str, i: int) -> Vector:
+        """The axis z of a joint, or the origin o on it, in the world.
+
+        Args:
+            letter: z or o.
+            i: The joint.
+
+        Returns:
+            The vector; without entries behind the first frame that is too long.
+        """
+        frame, column = self._frame(i), 3 if letter == "z" else 4
+        symbol = script(bold(letter), italic(str(frame)))
+        if frame > self._last_short:
+            return Vector(symbol)
+        quantity, namer = self.context.entries.frame(frame).part(_UPPER, (column,)), component_namer(symbol)
+        found = small(self.context, symbol, quantity, namer)
+        if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
+            return Vector(symbol, found)
+        group = groups.axis(self.context.robot.n, frame, column)
+        return Vector(symbol, entries=self.context.layouter.lay_out(symbol, namer, quantity, group=group))
+
+    def end(self) -> Vector:
+        """The origin of the end effector."""
+        p = bold("p")
+        return Vector(p, small(self.context, p, self.context.entries.T.part(_UPPER, (4,)), component_namer(p)))
+
+    def column(self, i: int) -> Vector:
+        """A column of J.
+
+        Args:
+            i: The joint.
+
+        Returns:
+            J_i, by axis and origin, with its entries where they fit.
+        """
+        symbol = script(bold("J"), italic(str(i)))
+        upper, lower = self._halves(i)
+        box = concatenate(symbol, EQUALS, matrix([[upper], [lower]]))
+        return Vector(box, small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)))
+
+    @cached_property
+    def _last_short(self) -> int:
+        """The last frame before one without a column that could be printed; not even derived are those behind it."""
+        limit = self.context.policy.matrix_terms
+        for frame in range(self.context.robot.n + 1):
+            quantity = self.context.entries.frame(frame)
+            if not any(quantity.part(_UPPER, (column,)).is_short(limit) for column in (3, 4)):
+                return frame - 1
+        return self.context.robot.n
+
+    def _frame(self, i: int) -> int:
+        """The frame about or along whose z axis joint i moves."""
+        return i - 1 if self.context.is_standard else i
+
+    def _halves(self, i: int) -> tuple[Box, Box]:
+        joint = self.context.robot.joints[i - 1]
+        return _halves(str(self._frame(i)), is_revolute=joint.is_revolute, is_opposed=joint.sign < 0)
+
+
+def _halves(index: str, *, is_revolute: bool, is_opposed: bool) -> tuple[Box, Box]:
+    """Linear and angular half of a column, by z and o of the frame with that index."""
+    z, o = (script(bold(letter), italic(index)) for letter in "zo")
+    if is_opposed:
+        z = concatenate(Box("-", MINUS_WIDTH), z)
+    if not is_revolute:
+        return z, _ZERO
+    opening, closing = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
+    arm = concatenate(opening, bold("p"), Box(" - ", BINARY_WIDTH), o, closing)
+    return concatenate(z, _CROSS, arm), z

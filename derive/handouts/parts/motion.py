@@ -1,0 +1,162 @@
+"""The parts with Christoffel symbols, Coriolis matrix, skew symmetry, gravity and the equations of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Paragraph, Rows, Steps
+from derive.handouts.formula import formula
+from derive.handouts.layout.lines import Equation, equation_lines
+from derive.handouts.notation.pieces import Box, concatenate, fraction
+from derive.handouts.parts.bodies import has_rotors
+from derive.handouts.textbook import textbook
+from derive.robot.expression import ZERO
+
+_CORIOLIS = "coriolis_matrix"
+_TORQUE = "inverse_dynamics"
+"""Generated functions."""
+
+
+def christoffel(context: Context) -> Iterator[Block]:
+    """The Christoffel symbols that are not zero, and the derivatives of B from which they come.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    b, c = context.dynamics.letter.lower(), context.symbols.christoffel("i", "j", "k").tex
+    yield Paragraph(
+        _("The Christoffel symbols follow from the inertia matrix; each is symmetric in its last two indices.")
+    )
+    yield textbook("christoffel_symbols", b=b, c=c)
+    if not context.entries.triples:
+        yield Paragraph(_("All are zero."))
+        return
+    if context.steps and context.dynamics.is_compact(context.entries.Bdot):
+        lines = tuple(equation_lines(_derivatives(context)))
+        if lines:
+            yield Steps(_("Derivatives of the inertia matrix"), (Rows(lines),))
+    yield formula(context, context.dynamics.christoffel(), _CORIOLIS)
+
+
+def _derivatives(context: Context) -> Iterator[Equation]:
+    """Those of the entries of B that are not zero."""
+    joints = range(1, context.robot.n + 1)
+    for i, j, k in ((i, j, k) for i in joints for j in joints for k in joints if i <= j):
+        derivative = context.entries.inertia_derivative(i, j, k)
+        if derivative.terms(1, 1):
+            variable = context.notation.glyph(context.robot.joints[k - 1].variable).box
+            partial, entry = Box("\\partial ", 6.0), context.dynamics.inertia_entry(i, j)
+            symbol = fraction(concatenate(partial, entry), concatenate(partial, variable))
+            yield Equation(symbol, tuple(context.printer.pieces(derivative.entry(1, 1))))
+
+
+def coriolis(context: Context) -> Iterator[Block]:
+    """C, by Christoffel symbols and multiplied out where it is short.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    yield Paragraph(
+        _("Centrifugal and Coriolis terms; this choice of $\\mathbf{C}$ makes $\\mathbf{N}$ skew-symmetric.")
+    )
+    yield textbook("coriolis_matrix", c=context.symbols.christoffel("i", "j", "k").tex)
+    if not context.dynamics.is_compact(context.entries.C):
+        yield Paragraph(_("With the Christoffel symbols above:"))
+        yield formula(context, context.dynamics.rate_sums("C"), _CORIOLIS)
+        return
+    if context.steps and context.entries.triples:
+        yield Steps(_("By Christoffel symbols"), (Rows(context.dynamics.rate_sums("C").lines),))
+    yield formula(context, context.dynamics.closed("C"), _CORIOLIS)
+
+
+def skew(context: Context) -> Iterator[Block]:
+    """N = dB/dt - 2C, why it is skew-symmetric for any robot, and the check for this one.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    letter, c = context.dynamics.letter, context.symbols.christoffel
+    yield textbook("skew_matrix", B=letter)
+    yield Paragraph(
+        _(
+            "The derivatives of the inertia matrix are sums of Christoffel symbols; hence "
+            "$\\mathbf{N}^T = -\\mathbf{N}$."
+        )
+    )
+    yield textbook("skew_symmetry", b=letter.lower(), c_ijk=c("i", "j", "k").tex, c_jik=c("j", "i", "k").tex)
+    entries, is_compact = context.entries, context.dynamics.is_compact
+    if context.steps and is_compact(entries.Bdot):
+        derivative = formula(context, context.dynamics.closed("Bdot"))
+        yield Steps(_("Derivative of the inertia matrix with respect to time"), (derivative,))
+    if is_compact(entries.C) and is_compact(entries.N):
+        yield formula(context, context.dynamics.closed("N"), _CORIOLIS)
+    else:
+        yield Paragraph(_("The entries above the diagonal; those below are their opposites, those on it are zero."))
+        yield formula(context, context.dynamics.rate_sums("N"), _CORIOLIS)
+    if entries.is_skew(context.policy.compact_terms):
+        yield Paragraph(
+            _(
+                "Check: multiplied out, the entries of $\\mathbf{N} + \\mathbf{N}^T$ cancel one by one, so that "
+                "$\\mathbf{N} + \\mathbf{N}^T = \\mathbf{0}$."
+            )
+        )
+
+
+def gravity(context: Context) -> Iterator[Block]:
+    """g, the gradient of the potential energy.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    if context.robot.gravity is None:
+        yield Paragraph(_("The robot file gives no gravity: $\\mathbf{g} = \\mathbf{0}$."))
+        return
+    yield Paragraph(_("The gradient of the potential energy."))
+    yield textbook("gravity_vector", rotors=has_rotors(context.robot))
+    yield formula(context, context.dynamics.closed("g"), "gravity_vector")
+
+
+def equations_of_motion(context: Context) -> Iterator[Block]:
+    """tau = B qdd + C qd + g + friction, term by term and multiplied out where it is short.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    friction = any(link.viscous != ZERO or link.coulomb != ZERO for link in context.robot.links)
+    yield textbook("equations_of_motion", B=context.dynamics.letter, friction=friction)
+    entries, is_compact = context.entries, context.dynamics.is_compact
+    if is_compact(entries.C) and is_compact(entries.tau):
+        if context.steps:
+            yield Steps(_("With the entries and symbols above"), (Rows(context.dynamics.named_torque().lines),))
+        yield formula(context, context.dynamics.closed("tau"), _TORQUE)
+    elif 2 * len(entries.triples) > context.policy.named_products * context.robot.n:
+        yield Paragraph(
+            _(
+                "Written out, even with the entries and symbols above, they are too long to print; `inverse_dynamics` "
+                "in `model_numpy.py` computes them."
+            )
+        )
+    else:
+        yield Paragraph(_("With the entries and symbols above:"))
+        yield formula(context, context.dynamics.named_torque(), _TORQUE)

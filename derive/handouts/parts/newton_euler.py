@@ -1,0 +1,205 @@
+"""The part with the Newton-Euler recursion: equations for the joint types that occur, and the data of the links."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows, Steps
+from derive.handouts.formula import component_namer, entry_namer
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.notation.pieces import Box, concatenate, italic, joined, script
+from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.text import PlainPrinter
+from derive.handouts.parts.bodies import has_rotors
+from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
+from derive.handouts.textbook import textbook
+from derive.lecture.sympy_types import Expr
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.robot.expression import ZERO
+from derive.robot.names import acceleration_name, velocity_name
+
+
+def newton_euler(context: Context) -> Iterator[Block]:
+    """The recursion: equations of the joint types that occur, constants of every link, all of it written out.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    recursion = Recursion(context.is_standard, context.symbols)
+    yield Paragraph(_introduction(context))
+    yield Paragraph(_("The base is at rest, gravity acts as an acceleration of the base, and nothing loads the end."))
+    start = textbook("recursion_start", after_last=context.robot.n + 1)
+    yield Rows((*start.lines, *_base_acceleration(context)))
+    joint_types = {joint.is_revolute for joint in context.robot.joints}
+    if True in joint_types:
+        yield Paragraph(_("A revolute joint, outward from $i = 1$ and back inward from the last link:"))
+        joint = JointLetters.any_joint(is_revolute=True)
+        yield Rows((*recursion.outward(joint), *recursion.inward(joint)))
+    if False in joint_types:
+        yield Paragraph(_("A prismatic joint, outward from $i = 1$ and back inward from the last link:"))
+        joint = JointLetters.any_joint(is_revolute=False)
+        yield Rows((*recursion.outward(joint), *recursion.inward(joint)))
+    yield from _remarks(context)
+    words = {True: _("revolute"), False: _("prismatic")}
+    for i, row in enumerate(context.robot.joints, 1):
+        yield Paragraph(_("Link %(index)s, its joint %(kind)s:", index=i, kind=words[row.is_revolute]))
+        yield _link_data(context, recursion, i)
+    if context.steps:
+        joints = [_joint_letters(context, i) for i in range(1, context.robot.n + 1)]
+        outward = tuple(line for joint in joints for line in recursion.outward(joint))
+        inward = tuple(line for joint in reversed(joints) for line in recursion.inward(joint))
+        yield Steps(_("Outward, link by link"), (Rows(outward),))
+        yield Steps(_("Inward, link by link"), (Rows(inward),))
+
+
+def _introduction(context: Context) -> str:
+    _ = context.text
+    common = _(
+        "All vectors of link $i$ are in the axes of its own frame: $\\boldsymbol{\\omega}_i$ and "
+        "$\\dot{\\boldsymbol{\\omega}}_i$ of the link, $\\mathbf{a}_i$ the acceleration of $\\mathbf{o}_i$ less "
+        "gravity, $\\mathbf{a}_{c_i}$ that of the centre of mass, which is at $\\mathbf{r}_{c_i}$ from "
+        "$\\mathbf{o}_i$; $\\mathbf{F}_i$ and $\\mathbf{N}_i$ are what the motion of the link takes, "
+        "$\\mathbf{f}_i$ and $\\mathbf{n}_i$ the force and the moment that it receives through joint $i$, "
+        "$\\mathbf{I}_i$ is its inertia about the centre of mass."
+    )
+    if context.is_standard:
+        rest = _(
+            "$\\mathbf{p}_i^{*}$ leads from $\\mathbf{o}_{i-1}$ to $\\mathbf{o}_i$, and "
+            "$\\mathbf{z}_0 = (0, 0, 1)^T$ is the axis of joint $i$ in frame $i-1$."
+        )
+    else:
+        rest = _(
+            "$\\mathbf{p}_i$ leads from $\\mathbf{o}_{i-1}$ to $\\mathbf{o}_i$, in frame $i-1$, and "
+            "$\\mathbf{z}_0 = (0, 0, 1)^T$ is the axis of joint $i$ in frame $i$."
+        )
+    return f"{common} {rest}"
+
+
+def _base_acceleration(context: Context) -> list[str]:
+    symbol = Box("\\mathbf{a}_{0}", 11.0)
+    cells = [tuple(context.printer.pieces(cell)) for cell in context.entries.base_acceleration]
+    vector_line = concatenate(symbol, EQUALS, matrix([[joined(cell)] for cell in cells]))
+    if fits(vector_line, 3):
+        return [vector_line.tex]
+    return equation_lines(Equation(Box(f"({symbol.tex})_{{{k}}}", 25.0), cell) for k, cell in enumerate(cells, 1))
+
+
+def _remarks(context: Context) -> Iterator[Block]:
+    """What the equations for any joint leave out: signs of variables, rotors, friction and armatures."""
+    _ = context.text
+    robot = context.robot
+    opposed = ", ".join(f"${i}$" for i, joint in enumerate(robot.joints, 1) if joint.sign < 0)
+    if opposed:
+        yield Paragraph(
+            _(
+                "The variables of these joints count against their axes: %(joints)s. For them $-\\dot{q}_i$, "
+                "$-\\ddot{q}_i$ and $-\\tau_i$ stand in place of $\\dot{q}_i$, $\\ddot{q}_i$ and $\\tau_i$.",
+                joints=opposed,
+            )
+        )
+    if has_rotors(robot):
+        yield Paragraph(
+            _(
+                "The rotors of the motors are no part of this recursion, which is that of the links; the inertia "
+                "matrix and the equations of motion contain them."
+            )
+        )
+    added = []
+    for i, link in enumerate(robot.links, 1):
+        if any(cell != ZERO for cell in (link.viscous, link.coulomb, link.armature)):
+            armature = expression_to_sympy(link.armature) * context.entries.model.qdd[i - 1]
+            torque, symbol = armature + context.entries.friction(i), context.symbols.torque(i)
+            name = Box(f"\\Delta {symbol.tex}", symbol.width + 9.0)
+            added.append(Equation(name, tuple(context.printer.pieces(torque))))
+    if added:
+        yield Paragraph(_("Friction and armatures add to the torques of the joints:"))
+        yield Rows(tuple(equation_lines(added)))
+
+
+def _joint_letters(context: Context, i: int) -> JointLetters:
+    joint, glyph = context.robot.joints[i - 1], context.notation.glyph
+    return JointLetters(
+        index=str(i),
+        before=str(i - 1),
+        after=str(i + 1),
+        is_revolute=joint.is_revolute,
+        sign=joint.sign,
+        rate=glyph(velocity_name(joint.variable)).box,
+        acceleration=glyph(acceleration_name(joint.variable)).box,
+        torque=context.symbols.torque(i),
+        is_last=i == context.robot.n,
+    )
+
+
+# -- data of the links
+
+
+@dataclass(frozen=True)
+class _Constant:
+    """A matrix, vector or number of a link.
+
+    Attributes:
+        symbol: What it is called.
+        cells: Its entries.
+        printer: What prints them; that of the robot's data prints every digit.
+    """
+
+    symbol: Box
+    cells: Sequence[Sequence[Expr]]
+    printer: LatexPrinter
+
+    @property
+    def named(self) -> list[tuple[Box, Expr]]:
+        """The entries with their names."""
+        if len(self.cells) == 1:
+            return [(self.symbol, self.cells[0][0])]
+        namer = entry_namer(self.symbol) if len(self.cells[0]) > 1 else component_namer(self.symbol)
+        return [(namer(r, c), cell) for r, row in enumerate(self.cells, 1) for c, cell in enumerate(row, 1)]
+
+
+def _link_data(context: Context, recursion: Recursion, i: int) -> Formula:
+    """R_i^{i-1}, p_i, r_i, m_i and I_i of link i (from 1), one formula."""
+    lines: list[str] = []
+    shared: list[Box] = []
+    constants = list(_constants(context, recursion, i))
+    for constant in constants:
+        pieces = constant.printer.pieces
+        rows = [[joined(pieces(cell)) for cell in row] for row in constant.cells]
+        box = concatenate(constant.symbol, EQUALS, rows[0][0] if len(rows) == 1 else matrix(rows))
+        if fits(box, len(rows)):
+            shared.append(box)
+        else:
+            lines += equation_lines(Equation(name, tuple(pieces(cell))) for name, cell in constant.named if cell != 0)
+    python = PlainPrinter()
+    entries = (
+        Entry(name.tex, constant.printer.latex(cell), python.doprint(cell))
+        for constant in constants
+        for name, cell in constant.named
+    )
+    blanks = tuple(constant.symbol.tex for constant in constants)
+    return Formula((Rows((*pack(shared), *lines)),), entries=tuple(entries), blanks=blanks)
+
+
+def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Constant]:
+    index, link, row = str(i), context.robot.links[i - 1], context.entries.A(i)
+    rotation = [[row.entry(r, c) for c in (1, 2, 3)] for r in (1, 2, 3)]
+    yield _Constant(context.symbols.frame("R", i, i - 1), rotation, context.printer)
+    # p leads from o_{i-1} to o_i: in frame i (standard), where it is constant, or in frame i-1 (modified)
+    back = context.entries.transform(i, i - 1) if context.is_standard else None
+    p = [row.entry(r, 4) if back is None else -back.entry(r, 4) for r in (1, 2, 3)]
+    yield _Constant(recursion.offset(index), [[cell] for cell in p], context.printer)
+    t = link.inertia
+    tensor = ((t.xx, t.xy, t.xz), (t.xy, t.yy, t.yz), (t.xz, t.yz, t.zz))
+    data = LatexPrinter(context.data.notation)
+    for symbol, cells in (
+        (com(index), [[cell] for cell in link.com]),
+        (script(italic("m"), italic(index)), [[link.mass]]),
+        (vector("I", index), [list(row) for row in tensor]),
+    ):
+        yield _Constant(symbol, [[expression_to_sympy(cell) for cell in row] for row in cells], data)

@@ -1,0 +1,241 @@
+"""The part with position and orientation: p, roll, pitch and yaw, and Euler angles ZYZ from the entries of T.
+
+Roll, pitch, yaw: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll); Euler ZYZ: R = Rot(z, phi) Rot(y, theta) Rot(z, psi)
+(Siciliano, Sciavicco, Villani, Oriolo, Robotics, section 2.4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from derive.handouts import groups
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Paragraph, Rows
+from derive.handouts.formula import formula
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix
+from derive.handouts.layout.quantity import LaidOut
+from derive.handouts.notation.pieces import (
+    BINARY_WIDTH,
+    BRACKET_WIDTH,
+    MINUS_WIDTH,
+    Box,
+    Break,
+    Piece,
+    concatenate,
+    fraction,
+    greek,
+    italic,
+    operator,
+    script,
+    upright,
+)
+from derive.handouts.notation.symbols import bold
+from derive.model.entries import Entries
+
+SHORT_ANGLES = 12
+"""Most terms of the entries of T from which angles are written out; of more they are given by the entries alone."""
+
+_END = bold("T").tex
+_COMMA = Piece(Box(",\\, ", 5.0), depth=1)
+_RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
+
+Angles = tuple[tuple[Piece, ...], tuple[Piece, ...], tuple[Piece, ...]]
+"""Each angle by entries of T."""
+
+Names = tuple[Box, Box, Box]
+Place = tuple[int, int]
+
+
+def orientation(context: Context) -> Iterator[Block]:
+    """The position of the end effector, and its orientation by two sets of angles.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    yield from _position(context)
+    yield from _roll_pitch_yaw(context)
+    yield from _euler_zyz(context)
+
+
+def _position(context: Context) -> Iterator[Block]:
+    _ = context.text
+    yield Paragraph(_("The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END))
+    quantity = context.entries.T.part((1, 2, 3), (4,))
+    if not quantity.is_short(context.policy.compact_terms):
+        yield Rows((concatenate(bold("p"), EQUALS, matrix([[_t(context, i, 4)] for i in (1, 2, 3)])).tex,))
+        return
+
+    names = [script(italic("p"), italic(axis)) for axis in "xyz"]
+    names = [_t(context, i, 4) if p.tex in context.notation.taken else p for i, p in enumerate(names, 1)]
+    group = groups.row(context.robot.n + 1)
+    laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
+    yield formula(context, laid_out, "forward_kinematics")
+
+
+def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
+    """Singular where t_11 = t_21 = 0, at t_31 = -+1."""
+    _ = context.text
+    words = _("roll"), _("pitch"), _("yaw")
+    names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in words)
+    roll, pitch, yaw = (f"${name.tex}$" for name in names)
+    yield Paragraph(
+        _(
+            "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: "
+            "$\\mathbf{R} = %(product)s$. With the entries $t_{ij}$ of $%(end)s$:",
+            product=_rotations("zyx", names[::-1]),
+            end=_END,
+        )
+    )
+    if not _terms(context, (1, 1), (2, 1)):
+        pitch_by_entry = (Piece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
+        angles: Angles = (Piece(italic("0")),), pitch_by_entry, _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2))
+        yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy)
+        yield Paragraph(
+            _(
+                "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
+                "%(roll)s and %(yaw)s is determined, and %(roll)s is taken as zero.",
+                roll=roll, pitch=pitch, yaw=yaw,
+            )
+        )  # fmt: skip
+        return
+    angles = (
+        _atan2(_t(context, 3, 2), _t(context, 3, 3)),
+        _atan2(_minus(_t(context, 3, 1)), _root(_t(context, 3, 2), _t(context, 3, 3))),
+        _atan2(_t(context, 2, 1), _t(context, 1, 1)),
+    )
+    used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
+    yield from _angles(context, names, angles, used, context.entries.rpy)
+    if not _terms(context, (3, 1)):
+        yield _never_singular(context, _t(context, 3, 1))
+        return
+    yield Paragraph(
+        _(
+            "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm\\pi/2$: there only "
+            "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
+            zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$", roll=roll, pitch=pitch, yaw=yaw,
+        )
+    )  # fmt: skip
+
+
+def euler_names(context: Context) -> Names:
+    """The Euler angles ZYZ: Greek letters, with an index where the robot has a symbol of that name.
+
+    Args:
+        context: The handout.
+
+    Returns:
+        Names of the three angles.
+    """
+    taken = {tex.strip() for tex in context.notation.taken}
+    phi, theta, psi = (
+        script(letter, upright("e")) if letter.tex.strip() in taken else letter
+        for letter in map(greek, ("varphi", "vartheta", "psi"))
+    )
+    return phi, theta, psi
+
+
+def _euler_zyz(context: Context) -> Iterator[Block]:
+    """Singular where t_13 = t_23 = 0, at t_33 = +-1."""
+    _ = context.text
+    names, cosine = euler_names(context), _t(context, 3, 3)
+    first, second, third = (f"${name.tex.strip()}$" for name in names)
+    yield Paragraph(
+        _(
+            "Euler angles ZYZ turn about the moving axes $z$, $y$ and $z$: $\\mathbf{R} = %(product)s$.",
+            product=_rotations("zyz", names),
+        )
+    )
+    if not _terms(context, (1, 3), (2, 3)):
+        signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
+        inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
+        angles: Angles = _atan2(*signed), (Piece(concatenate(_RIGHT_ANGLE, inside)),), (Piece(italic("0")),)
+        yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz)
+        yield Paragraph(
+            _(
+                "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
+                "only the sum or the difference of %(first)s and %(third)s is determined, and %(third)s is taken as "
+                "zero.",
+                first=first, third=third,
+            )
+        )  # fmt: skip
+        return
+    angles = (
+        _atan2(_t(context, 2, 3), _t(context, 1, 3)),
+        _atan2(_root(_t(context, 1, 3), _t(context, 2, 3)), cosine),
+        _atan2(_t(context, 3, 2), _minus(_t(context, 3, 1))),
+    )
+    used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
+    yield from _angles(context, names, angles, used, context.entries.euler_zyz)
+    if not _terms(context, (3, 3)):
+        yield _never_singular(context, cosine)
+        return
+    yield Paragraph(
+        _(
+            "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= \\pi$: there only "
+            "%(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
+            zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$", first=first, second=second, third=third,
+        )
+    )  # fmt: skip
+
+
+def _never_singular(context: Context, zero: Box) -> Paragraph:
+    return Paragraph(context.text("They are never singular for this arm, for %(zero)s.", zero=f"${zero.tex} = 0$"))
+
+
+def _rotations(axes: str, names: Sequence[Box]) -> str:
+    pairs = zip(axes, names, strict=True)
+    return "\\,".join(f"\\mathrm{{Rot}}({axis},{name.tex.strip()})" for axis, name in pairs)
+
+
+def _angles(
+    context: Context,
+    names: Sequence[Box],
+    by_entries: Angles,
+    used: Sequence[Place],
+    quantity: Entries,
+) -> Iterator[Block]:
+    """The angles by entries of T, then written out if those entries are short."""
+    yield Rows(tuple(equation_lines(map(Equation, names, by_entries))))
+    if _terms(context, *used) > SHORT_ANGLES:
+        return
+    values = [quantity.entry(i, 1) for i in (1, 2, 3)]
+    written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(names, values, strict=True)]
+    yield Paragraph(context.text("For this arm:"))
+    laid_out = LaidOut(
+        tuple(equation_lines(written)),
+        values=tuple(zip(names, values, strict=True)),
+        blanks=tuple(name.tex for name in names),
+    )
+    yield formula(context, laid_out)
+
+
+# -- entries of T
+
+
+def _t(context: Context, row: int, column: int) -> Box:
+    return context.symbols.entry("t", row, column)
+
+
+def _terms(context: Context, *places: Place) -> int:
+    """Number of terms of some entries of T together; 0 if they vanish in every configuration."""
+    return sum(context.entries.T.terms(*place) for place in places)
+
+
+def _minus(box: Box) -> Box:
+    return concatenate(Box("-", MINUS_WIDTH), box)
+
+
+def _root(first: Box, second: Box) -> Box:
+    """Square root of a sum of two squares."""
+    squares = [script(box, sup=italic("2")) for box in (first, second)]
+    inner = concatenate(squares[0], Box(" + ", BINARY_WIDTH), squares[1])
+    return Box(f"\\sqrt{{{inner.tex}}}", inner.width + 10.0)
+
+
+def _atan2(sine: Box, cosine: Box) -> tuple[Piece, ...]:
+    opening, closing = Piece(Box("(", BRACKET_WIDTH)), Piece(Box(")", BRACKET_WIDTH))
+    second = Piece(cosine, Break.COMMA, depth=1)
+    return Piece(operator("atan2")), opening, Piece(sine, depth=1), _COMMA, second, closing

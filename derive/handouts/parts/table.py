@@ -1,0 +1,196 @@
+"""The parts with the robot's data: the DH table, base and tool, parameters, links."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+
+import sympy
+
+from derive.handouts.context import Context
+from derive.handouts.data_printer import Pieces
+from derive.handouts.document import Block, Paragraph, Rows, Table
+from derive.handouts.formula import entry_namer
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, concatenate, italic, joined, script
+from derive.lecture.to_sympy import expression_to_sympy
+from derive.robot.description import IDENTITY, Joint, Link
+from derive.robot.expression import ZERO
+from derive.robot.names import free_symbols
+from derive.targets.escape import latex_text
+
+BASE = Box("\\mathbf{T}_{\\mathrm{base}}", 30.0)
+TOOL = Box("\\mathbf{T}_{\\mathrm{tool}}", 30.0)
+
+_TABLE_WIDTH = 470.0
+"""Room for a table [pt]."""
+
+_FIRST_COLUMNS = 90.0
+_COLUMN_GAP = 12.0
+
+_LONGEST_TABLE = 30
+"""Rows of a table that is kept on one page; a longer one needs two runs of LaTeX to align."""
+
+_LETTER_WIDTH = 5.2
+"""Of running text in mathematics [pt]."""
+
+# -- the DH table
+
+
+def dh_table(context: Context) -> Iterator[Block]:
+    """The convention in words, the DH table, base and tool.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part.
+    """
+    _ = context.text
+    n = context.robot.n
+    if context.is_standard:
+        kind = _("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
+    else:
+        kind = _("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
+    units = _(
+        "Angles are in radians unless marked with a degree sign, lengths in metres, all other quantities in SI units."
+    )
+    yield Paragraph(f"{kind} {units}")
+    yield _rows(context)
+    frames = tuple(_constant_frames(context))
+    if frames:
+        yield Paragraph(
+            _(
+                "Constant transforms: the base takes frame $0$ into the world, "
+                "the tool the end effector into frame $%(n)s$.",
+                n=n,
+            )
+        )
+        yield Rows(frames)
+
+
+def _rows(context: Context) -> Block:
+    """The table, or its cells joint by joint where it is too wide for the page."""
+    _ = context.text
+    joints = context.robot.joints
+    has_limits = any(joint.limits is not None for joint in joints)
+    rows = [[*_cells(context, joint), *([context.data.limits(joint)] if has_limits else [])] for joint in joints]
+    boxes = [[joined(cell) for cell in row] for row in rows]
+    widths = (max(box.width for box in column) for column in zip(*boxes, strict=True))
+    if _FIRST_COLUMNS + sum(width + _COLUMN_GAP for width in widths) > _TABLE_WIDTH:
+        named = (equation_lines(_named_cells(context, i, row)) for i, row in enumerate(rows, 1))
+        return Rows(tuple(line for lines in named for line in lines))
+    names = ("\\theta_i", "d_i", "a_i", "\\alpha_i")
+    if not context.is_standard:
+        names = ("\\alpha_{i-1}", "a_{i-1}", "\\theta_i", "d_i")
+    header = ("$i$", _("joint"), *(f"${name}$" for name in names), *([_("limits")] if has_limits else []))
+    words = {True: _("revolute"), False: _("prismatic")}
+    cells = tuple(
+        (f"${i}$", words[joint.is_revolute], *(f"${box.tex.strip()}$" for box in row))
+        for i, (joint, row) in enumerate(zip(joints, boxes, strict=True), 1)
+    )
+    return Table(header, cells, len(rows) > _LONGEST_TABLE)
+
+
+def _cells(context: Context, joint: Joint) -> list[Pieces]:
+    """theta, d, a, alpha in the standard convention; alpha, a, theta, d in the modified one."""
+    data, variable = context.data, joint.sign * sympy.Symbol(joint.variable)
+    theta, d = expression_to_sympy(joint.theta), expression_to_sympy(joint.d)
+    theta, d = (theta + variable, d) if joint.is_revolute else (theta, d + variable)
+    moving, fixed = [data.angle(theta), data.value(d)], [data.value(joint.a), data.angle(joint.alpha)]
+    return moving + fixed if context.is_standard else fixed[::-1] + moving
+
+
+def _named_cells(context: Context, i: int, row: list[Pieces]) -> Iterator[Equation]:
+    names = ("\\theta", i), ("d", i), ("a", i), ("\\alpha", i)
+    if not context.is_standard:
+        names = ("\\alpha", i - 1), ("a", i - 1), ("\\theta", i), ("d", i)
+    for (letter, index), cell in zip(names, row, strict=False):
+        yield Equation(script(Box(letter, 6.5), italic(str(index))), cell)
+    if context.robot.joints[i - 1].limits is not None:
+        yield Equation(Box(f"\\text{{limits {i}}}", 45.0), row[-1])
+
+
+def _constant_frames(context: Context) -> Iterator[str]:
+    """Lines with base and tool, where they are not the identity."""
+    for symbol, frame in ((BASE, context.robot.base), (TOOL, context.robot.tool)):
+        if frame == IDENTITY:
+            continue
+        cells = [[context.data.value(cell) for cell in row] for row in frame]
+        box = concatenate(symbol, EQUALS, matrix([[joined(cell) for cell in row] for row in cells]))
+        if fits(box, 4):
+            yield box.tex
+            continue
+        name = entry_namer(symbol)
+        yield from equation_lines(
+            Equation(name(i, j), cell) for i, row in enumerate(cells, 1) for j, cell in enumerate(row, 1)
+        )
+
+
+# -- parameters and links
+
+
+def parameters(context: Context) -> Iterator[Block]:
+    """Numbers of the robot file, arguments of the generated functions, inertial data of the links.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks of the part; none where the robot file has no such data.
+    """
+    _ = context.text
+    data, glyph = context.data, context.data.notation.glyph
+    numbers = equation_lines(Equation(glyph(name).box, data.value(cell)) for name, cell in context.robot.parameters)
+    if numbers:
+        yield Paragraph(_("Numbers given in the robot file:"))
+        yield Rows(tuple(numbers))
+    free = pack(glyph(name).box for name in free_symbols(context.robot))
+    if free:
+        yield Paragraph(_("Arguments of the generated functions, in this order:"))
+        yield Rows(tuple(free))
+    if context.robot.links:
+        yield Paragraph(
+            _("Links: centre of mass and inertia about it in the axes of the link's own frame; zeros are left out.")
+        )
+    for i, link in enumerate(context.robot.links, 1):
+        yield Paragraph(_("Link %(index)s:", index=i))
+        yield Rows(tuple(equation_lines(_link(context, link))))
+
+
+def _link(context: Context, link: Link) -> Iterator[Equation]:
+    """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero."""
+    _ = context.text
+    yield Equation(_word(_("mass")), context.data.value(link.mass))
+    yield Equation(_word(_("centre of mass")), _tuple([context.data.value(cell) for cell in link.com]))
+    cells = [(f"$I_{{{item.name}}}$", getattr(link.inertia, item.name)) for item in fields(link.inertia)]
+    if link.motor is not None:
+        cells += [
+            (_("rotor mass"), link.motor.mass),
+            (_("rotor inertia"), link.motor.inertia),
+            (_("gear ratio"), link.motor.ratio),
+        ]
+    cells += [
+        (_("armature"), link.armature),
+        (_("viscous friction"), link.viscous),
+        (_("Coulomb friction"), link.coulomb),
+    ]
+    for label, cell in cells:
+        if cell != ZERO:
+            yield Equation(_word(label), context.data.value(cell))
+
+
+def _word(text: str) -> Box:
+    escaped = text if text.startswith("$") else latex_text(text)
+    return Box(f"\\text{{{escaped}}}", _LETTER_WIDTH * len(text.strip("${}")))
+
+
+def _tuple(cells: list[Pieces]) -> Pieces:
+    """Cells in brackets, with commas after which a line may be broken."""
+    row: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]
+    for index, cell in enumerate(cells):
+        if index:
+            row.append(Piece(Box(",\\, ", 6.0)))
+            cell = (cell[0]._replace(before=Break.COMMA), *cell[1:])
+        row += cell
+    return (*row, Piece(Box(")", BRACKET_WIDTH)))

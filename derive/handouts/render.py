@@ -1,0 +1,93 @@
+"""The handout of a robot as files in memory: LaTeX, PDF and web page from one document."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from derive.handouts.assemble import context_of, document, exercise, solutions
+from derive.handouts.context import Context
+from derive.handouts.document import Document
+from derive.handouts.latex_writer import latex
+from derive.handouts.pdf import compile_latex
+from derive.programs.functions import build_program
+from derive.programs.policy import Effort
+from derive.robot.robot import Robot
+from derive.robot.style import HandoutOptions
+
+
+class Format(StrEnum):
+    """A form of the handout; the value is the ending of its file."""
+
+    TEX = "tex"
+    PDF = "pdf"
+    HTML = "html"
+
+
+@dataclass(frozen=True, slots=True)
+class Handout:
+    """A finished handout.
+
+    Attributes:
+        files: Contents by file name.
+        pages: Pages of each PDF by file name.
+        parts: The parts that it has.
+    """
+
+    files: dict[str, bytes] = field(default_factory=dict)
+    pages: dict[str, int] = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
+
+
+def handout_files(
+    robot: Robot, options: HandoutOptions, formats: Collection[Format], *, exercise_sheets: bool = False
+) -> Handout:
+    """Makes the files of a handout, in memory.
+
+    Args:
+        robot: The robot.
+        options: What the handout shows.
+        formats: Which forms.
+        exercise_sheets: Whether an exercise and its solutions are made instead of one sheet.
+
+    Returns:
+        The files, named after the robot.
+
+    Raises:
+        TargetError: There is no such language, or a package for the web page is missing.
+        LatexError: LaTeX is missing or refused the document.
+    """
+    context = context_of(robot, options)
+    whole = document(context)
+    sheets = {robot.name: whole}
+    if exercise_sheets:
+        sheets = {
+            f"{robot.name}-exercise": exercise(whole, context.text),
+            f"{robot.name}-solutions": solutions(whole, context.text),
+        }
+    handout = Handout(parts=tuple(section.part for section in whole.sections))
+    for name, sheet in sheets.items():
+        tex = latex(sheet, context.text) if {Format.TEX, Format.PDF}.intersection(formats) else ""
+        if Format.TEX in formats:
+            handout.files[f"{name}.tex"] = tex.encode()
+        if Format.PDF in formats:
+            compiled = compile_latex(tex, name)
+            handout.files[f"{name}.pdf"], handout.pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
+        if Format.HTML in formats:
+            handout.files[f"{name}.html"] = _page(sheet, context).encode()
+    return handout
+
+
+def _page(sheet: Document, context: Context) -> str:
+    """The web page of a sheet, with the arm to move where it can be drawn."""
+    from derive.handouts.page.viewer import FUNCTIONS, viewer
+    from derive.handouts.page.writer import page
+
+    figure = None
+    if context.poses is not None:
+        assumed = {name: value for name, value, _ in context.poses.assumed}
+        program = build_program(context.robot, Effort.QUICK, names=FUNCTIONS)
+        figure = viewer(context.robot, program, assumed, context.text, notation=context.notation)
+    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+    return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)

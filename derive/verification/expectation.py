@@ -1,0 +1,276 @@
+"""What a generated function has to return, and how far off a returned value is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.verification.oracle.arm import Array
+from derive.verification.oracle.identification import fitting_states
+from derive.verification.oracle.oracle import ANGLES, FUNCTIONS, Oracle
+from derive.verification.oracle.rates import distance_from_singularity
+from derive.verification.samples import SampleSet
+from derive.verification.tolerance import (
+    FLOOR,
+    TINY,
+    TOLERANCE,
+    Bounds,
+    bounds,
+    largest,
+    regressor_size,
+    relative_errors,
+)
+
+SINGULAR = 1e-13
+"""Smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined."""
+
+NEAR = 1e-3
+"""Distance from singular angles at which rounding may reach a thousandth of what is allowed."""
+
+MASSLESS = 1e-22
+"""Share of its natural size below which a diagonal entry of B is the square of rounding."""
+
+SPARE = 100.0
+"""Rounding of the torques that base parameters are fitted to, in units of the last place."""
+
+CACHED = 1 << 15
+"""Numbers of a long batch that are compared at once: they stay in the processor's cache."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Expectation:
+    """The oracle's answer for a batch of arguments.
+
+    Attributes:
+        oracle: The robot with its numbers.
+        arguments: Broadcast arguments, (..., n) each.
+        value: The answer, (..., *shape).
+        scale: What an error of each entry is measured against, broadcastable to ``value``.
+    """
+
+    oracle: Oracle
+    arguments: tuple[Array, ...]
+    value: Array
+    scale: Array
+
+    @property
+    def called(self) -> int:
+        """Number of configurations."""
+        return self.arguments[0][..., 0].size
+
+    @property
+    def compared(self) -> int:
+        """Number of configurations that are compared."""
+        return self.called
+
+    def errors(self, got: Array) -> Array:
+        """How far off a value is.
+
+        Args:
+            got: What the generated function returned, of the shape of ``value``.
+
+        Returns:
+            Relative error of each entry; infinite where ``got`` is not a number.
+        """
+        return relative_errors(got - self.value, self.scale)
+
+    def farthest_repetitions(self, got: Array) -> Array:
+        """Of a batch that repeats the arguments over and over, for each of them the value that is farthest off.
+
+        Args:
+            got: The values, (rows, *shape); row i belongs to argument i modulo their number.
+
+        Returns:
+            Values of the shape of ``value``.
+        """
+        count = len(self.value)
+        step = count * max(1, CACHED // self.value.size)
+        wanted = np.resize(self.value, (step, *self.value.shape[1:]))
+        distance = np.empty(len(got))
+        for start in range(0, len(got), step):
+            part = got[start : start + step]
+            distances = np.abs(part - wanted[: len(part)]).reshape(len(part), -1).max(axis=1)
+            distance[start : start + step] = np.where(np.isnan(distances), np.inf, distances)
+        order = np.argsort(distance, kind="stable")
+        farthest = np.empty(count, dtype=int)
+        farthest[order % count] = order
+        values: Array = got[farthest]
+        return values
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartialExpectation(Expectation):
+    """The answer of a function without a value in some configurations, which are called but not compared.
+
+    Attributes:
+        regular: (...) where there is a value.
+    """
+
+    regular: Array
+
+    @property
+    def compared(self) -> int:
+        """Number of configurations with a value."""
+        return int(self.regular.sum())
+
+    def errors(self, got: Array) -> Array:
+        """How far off a value is.
+
+        Args:
+            got: What the generated function returned.
+
+        Returns:
+            Relative error of each entry; 0 where there is no value.
+        """
+        errors = relative_errors(got - self.value, self.scale)
+        errors[~self.regular] = 0.0
+        return errors
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AccelerationExpectation(PartialExpectation):
+    """Accelerations, measured by the torque that is left over, since B may be ill conditioned.
+
+    The error of row i is |B qdd + h - tau|_i over sqrt(B_ii) sum_j sqrt(B_jj) |qdd_j| + |tau_i| + |h_i|: rounding alone
+    leaves the unit roundoff times a modest factor of that, whatever the condition of B (Higham, Accuracy and Stability
+    of Numerical Algorithms, section 10.1). Configurations where B is singular determine no accelerations.
+
+    Attributes:
+        bias: (..., n) C qd + g + friction.
+        root: (..., n) square roots of the diagonal of B, where that vanishes of its natural size.
+    """
+
+    bias: Array
+    root: Array
+
+    def errors(self, got: Array) -> Array:
+        """How far off accelerations are.
+
+        Args:
+            got: (..., n).
+
+        Returns:
+            Relative torque error of each row; 0 where B is singular.
+        """
+        q, qd, tau = self.arguments
+        finite = np.where(np.isfinite(got), got, 0.0)
+        left = self.oracle.evaluate("inverse_dynamics", q, qd, finite) - tau
+        inertial = self.root * (self.root * np.abs(finite)).sum(axis=-1, keepdims=True)
+        errors = relative_errors(left, np.maximum(inertial + np.abs(tau) + np.abs(self.bias), self.scale))
+        errors[~np.isfinite(got)] = np.inf
+        errors[~self.regular] = 0.0
+        return errors
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BaseExpectation(Expectation):
+    """Base parameters, measured by the torques of random motions: by nothing else are they determined.
+
+    An error counts by the share of the torques that it makes, against the parameter's own share where that is not
+    small; and the torques of all parameters together must be right.
+
+    Attributes:
+        matrix: Base regressor of these motions, each row over the natural size of its torque, (states * n, b).
+        torques: Their torques over the natural sizes, (states * n,).
+        small: A share of the torques below which a parameter's own is small, from the condition of ``matrix``.
+    """
+
+    matrix: Array
+    torques: Array
+    small: float
+
+    @property
+    def called(self) -> int:
+        """The torques that are compared."""
+        return len(self.torques)
+
+    def errors(self, got: Array) -> Array:
+        """How far off base parameters are.
+
+        Args:
+            got: (b,).
+
+        Returns:
+            Relative error of each parameter, or that of the torques if it is larger.
+        """
+        if not np.isfinite(got).all():
+            return np.full(got.shape, np.inf)
+        together = np.abs(self.matrix @ got - self.torques).max()
+        weight = np.abs(self.matrix).max(axis=0)
+        alone = np.abs(got - self.value) * weight / np.maximum(np.abs(self.value) * weight, self.small)
+        errors: Array = np.maximum(alone, together)
+        return errors
+
+
+def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:
+    """The oracle's answer.
+
+    Args:
+        function: Name of the generated function.
+        sample_set: The robot's numbers.
+        arguments: Broadcast arguments, (..., n) each.
+
+    Returns:
+        The value and the yardstick of its errors.
+    """
+    oracle = sample_set.oracle
+    if not arguments:
+        return _base_parameters(oracle)
+    limits = bounds(oracle, arguments[0])
+    if function == "forward_dynamics":
+        return _accelerations(oracle, arguments, limits)
+    value = oracle.evaluate(function, *arguments)
+    if FUNCTIONS[function].identifies:
+        assert oracle.identification is not None, "only robots with regressors have these functions"
+        natural = regressor_size(limits, oracle.identification, function, arguments[1:])
+    else:
+        natural = limits.natural_size(function, arguments)
+    yardstick = np.maximum(FLOOR, limits.undetermined(function) / TOLERANCE) * natural
+    if (
+        function in ANGLES
+    ):  # near singular angles their rates grow with 1/distance, what rounding leaves with its square
+        distance = distance_from_singularity(oracle.arm, ANGLES[function], arguments[0])
+        regular = distance > NEAR
+        near = np.where(regular, distance, 1.0)[..., None, None]
+        return PartialExpectation(oracle, arguments, value, np.maximum(np.abs(value), yardstick / near**2), regular)
+    batch = list(range(arguments[0].ndim - 1))
+    if function == "link_transforms":  # the frames of all links have one size
+        batch.append(len(batch))
+    return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=tuple(batch)), yardstick))
+
+
+def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
+    """Accelerations by solving with B, where it is regular."""
+    q, qd, tau = arguments
+    matrix = oracle.evaluate("inertia_matrix", q)
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    unit = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    smallest = np.abs(np.linalg.eigvalsh(matrix / (unit[..., :, None] * unit[..., None, :]))).min(axis=-1)
+    regular = (smallest > SINGULAR) & (diagonal > 0).all(axis=-1)
+    regular &= (diagonal > MASSLESS * limits.inertia).all(axis=-1)
+    solvable = np.where(regular[..., None, None], matrix, np.eye(q.shape[-1]))
+    bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
+    value = np.linalg.solve(solvable, (tau - bias)[..., None])[..., 0]
+    root = np.sqrt(np.maximum(diagonal, FLOOR * limits.inertia))
+    rate = largest(qd)
+    scale = FLOOR * limits.torque(rate, np.zeros_like(rate))
+    return AccelerationExpectation(oracle, arguments, value, scale, regular, bias, root)
+
+
+def _base_parameters(oracle: Oracle) -> BaseExpectation:
+    """Base parameters by a fit, and the torques that they are fitted to."""
+    assert oracle.identification is not None, "only robots with regressors have these functions"
+    q, qd, qdd = fitting_states(oracle.identification)
+    torques = oracle.evaluate("inverse_dynamics", q, qd, qdd)
+    rates = largest(qd)
+    size = np.maximum(np.abs(torques).max(axis=0), FLOOR * bounds(oracle, q).torque(rates, rates))
+    size = np.where(size > 0, size, 1.0)
+    matrix = oracle.evaluate("base_regressor", q, qd, qdd) / size[:, None]
+    flat = matrix.reshape(-1, matrix.shape[-1])
+    column = np.abs(flat).max(axis=0)
+    singular = np.linalg.svd(flat / np.where(column > 0, column, 1.0), compute_uv=False)
+    condition = float(singular[0] / max(singular[-1], TINY))  # by how much a fit multiplies rounding
+    small = max(FLOOR, SPARE * np.finfo(float).eps * condition / TOLERANCE)
+    value = oracle.evaluate("base_parameters")
+    return BaseExpectation(oracle, (), value, np.ones_like(value), flat, (torques / size).ravel(), small)

@@ -1,0 +1,351 @@
+"""Generated modules as callables.
+
+Python is imported by path, without leaving a trace in this process or in its folder; C is compiled for the occasion and
+called through ctypes (``model.c``) or ``casadi.external`` (``model_casadi.c``).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import re
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property, partial
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Protocol
+
+import numpy as np
+
+from derive.errors import TargetError, VerificationError
+from derive.targets.compiler import Command, compile_shared
+from derive.verification.oracle.arm import Array
+from derive.verification.oracle.oracle import FUNCTIONS
+
+C_OPTIONS = ("-std=c99", "-O0")
+"""What is right without optimisation is right; compiling is most of the time spent here."""
+
+CASADI_OPTIONS = ("-O0",)
+
+Parameters = Mapping[str, Any]
+"""A number, or an array that broadcasts against the batch, for every free symbol."""
+
+
+class GeneratedModel(Protocol):
+    """One target of a robot, callable from Python."""
+
+    @property
+    def target(self) -> str:
+        """Name of the target."""
+
+    @property
+    def file(self) -> str:
+        """Name of the module's file."""
+
+    @property
+    def constants(self) -> Mapping[str, Any]:
+        """The module's names, ``DOF`` and ``PARAMETERS`` among them."""
+
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """The ways of calling that the target offers, as `derive.verification.trials` knows them."""
+
+    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
+        """The value of a generated function.
+
+        Args:
+            function: Its name.
+            arguments: (..., n) each.
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            (..., *shape).
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class NumpyModel:
+    """``model_numpy.py``: functions of one configuration or any batch."""
+
+    module: ModuleType
+    target = "numpy"
+    file = "model_numpy.py"
+    ways = ("one", "batch", "broadcast", "blocks", "parameters")
+
+    @property
+    def constants(self) -> Mapping[str, Any]:
+        """The module's names."""
+        return vars(self.module)
+
+    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
+        """The value of a function, with ``params`` where symbols are free.
+
+        Args:
+            function: Its name.
+            arguments: (..., n) each.
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            (..., *shape).
+        """
+        options = {"params": dict(parameters)} if parameters else {}
+        value: Array = getattr(self.module, function)(*arguments, **options)
+        return value
+
+
+class NativeModel(NumpyModel):
+    """``model_native.py``: the same functions, compiled."""
+
+    target = "native"
+    file = "model_native.py"
+
+
+@dataclass(frozen=True, slots=True)
+class CasadiModel:
+    """CasADi functions of one configuration; a batch goes through ``Function.map``.
+
+    Attributes:
+        constants: The module's names, ``DOF`` and ``PARAMETERS`` among them.
+        function: The ``casadi.Function`` of a name.
+        target: ``casadi``, or ``casadi-c`` for its C export.
+        file: Name of the module's file.
+        kept: What has to stay as long as the functions do.
+    """
+
+    constants: Mapping[str, Any]
+    function: Callable[[str], Any]
+    target: str = "casadi"
+    file: str = "model_casadi.py"
+    kept: object = None
+    ways = ("one", "batch")
+
+    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
+        """The value of a function of columns.
+
+        CasADi knows matrices only: vectors are columns and link transforms lie side by side, 4 x 4n.
+
+        Args:
+            function: Its name.
+            arguments: (n,) or (samples, n) each.
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            (..., *shape).
+        """
+        handle = self.function(function)
+        columns = [np.atleast_2d(argument).T for argument in arguments]
+        count = columns[0].shape[1] if columns else 1
+        if parameters:
+            numbers = [[float(parameters[name])] for name in self.constants["PARAMETERS"]]
+            columns.append(np.repeat(numbers, count, axis=1))
+        mapped = handle if count == 1 else handle.map(count)
+        value = mapped(*columns) if columns else mapped()[handle.name_out(0)]
+        stacked = np.asarray(value.full())
+        blocks: Array = stacked.reshape(stacked.shape[0], count, handle.size2_out(0)).transpose(1, 0, 2)
+        axes = FUNCTIONS[function].axes
+        if axes == 3:
+            blocks = blocks.reshape(count, 4, -1, 4).transpose(0, 2, 1, 3)
+        elif axes == 1 and blocks.shape[2] == 1:
+            blocks = blocks[:, :, 0]
+        return blocks if arguments and arguments[0].ndim > 1 else blocks[0]
+
+
+@dataclass(frozen=True)
+class CModel:
+    """The compiled ``model.c``: functions of one configuration and of a batch.
+
+    Attributes:
+        shared: The library.
+        header: Text of ``model.h``, in which shapes and numbers are read.
+    """
+
+    shared: ctypes.CDLL
+    header: str
+    target = "c"
+    file = "model.c"
+    ways = ("one", "batch", "blocks")
+
+    @property
+    def constants(self) -> Mapping[str, Any]:
+        """``DOF`` and ``PARAMETERS``, as the header has them, and the shapes of the functions by name."""
+        start = f"{self._prefix}index_of_"
+        names = [name.removeprefix(start) for name in self._numbers if name.startswith(start)]
+        functions = {name.removeprefix(self._prefix): shape for name, shape in self._shapes.items()}
+        return {**functions, "DOF": self._numbers[f"{self._prefix}dof"], "PARAMETERS": tuple(names)}
+
+    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
+        """The value of a function, by the batch function for more than one configuration.
+
+        Args:
+            function: Its name.
+            arguments: (..., n) each.
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            (..., *shape).
+        """
+        name = f"{self._prefix}{function}"
+        inputs = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
+        batch = inputs[0].shape[:-1] if inputs else ()
+        result = np.full((*batch, *self._shapes[name]), np.nan)
+        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
+        if constants.size:
+            params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
+            getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
+            inputs.append(constants)
+        pointers = [_pointer(array) for array in (*inputs, result)]
+        if batch:
+            getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(int(np.prod(batch))), *pointers)
+        else:
+            getattr(self.shared, name)(*pointers)
+        return result
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        """The enumerators of the header."""
+        return {name: int(number) for name, number in re.findall(r"^ +(\w+) = (\d+),", self.header, re.MULTILINE)}
+
+    @cached_property
+    def _prefix(self) -> str:
+        return next(iter(self._numbers)).removesuffix("dof")
+
+    @cached_property
+    def _shapes(self) -> dict[str, tuple[int, ...]]:
+        """Shapes of the results, from the functions' comments."""
+        shapes = {}
+        for comment, name in re.findall(r"/\*\*\n((?: \*.*\n)+?) \*/\nvoid (\w+)\(", self.header):
+            shape = re.search(r"@param\[out\] result +\S+, ([0-9]+(?: x [0-9]+)*)", comment)
+            if shape:
+                shapes[name] = tuple(map(int, shape[1].split(" x ")))
+        return shapes
+
+
+def _pointer(array: Array) -> Any:
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
+def load_models(folder: Path) -> tuple[GeneratedModel, ...]:
+    """The generated modules in Python.
+
+    Args:
+        folder: A robot's generated folder.
+
+    Returns:
+        Those that it holds.
+
+    Raises:
+        VerificationError: A module cannot be imported.
+    """
+    return tuple(kind(_import(folder / file)) for file, kind in _IMPORTED.items() if (folder / file).is_file())
+
+
+def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedModel, ...]:
+    """The generated sources in C, compiled for the occasion.
+
+    Args:
+        folder: A robot's generated folder.
+        compiler: The compiler's command, if there is one.
+
+    Returns:
+        Those that it holds; none without a compiler.
+
+    Raises:
+        VerificationError: One does not compile.
+    """
+    if compiler is None:
+        return ()
+    return tuple(load(folder / file, compiler) for file, load in _COMPILED.items() if (folder / file).is_file())
+
+
+class _Traceless(SourceFileLoader):
+    """Reads and writes no byte code: a stale cache would hide what was just generated."""
+
+    def path_stats(self, path: Any) -> Mapping[str, Any]:
+        """Refuse, which is how the loader learns that there is no cache.
+
+        Args:
+            path: The module.
+
+        Raises:
+            OSError: Always.
+        """
+        raise OSError("byte code is not wanted")
+
+
+def _import(path: Path) -> ModuleType:
+    """A module that is known to nobody else."""
+    name = f"_derive_verification_of_{path.stem}"
+    loader = _Traceless(name, str(path))
+    spec = importlib.util.spec_from_loader(name, loader)
+    if spec is None:
+        raise VerificationError(f"{path.name} cannot be imported")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        loader.exec_module(module)
+    except Exception as error:
+        raise VerificationError(f"{path.name} cannot be imported: {type(error).__name__}: {error}") from error
+    return module
+
+
+def load_c_model(path: Path, compiler: Command) -> CModel:
+    """Compile and load a C model.
+
+    Args:
+        path: ``model.c``, beside its header.
+        compiler: The compiler's command.
+
+    Returns:
+        Its functions.
+
+    Raises:
+        VerificationError: It does not compile.
+    """
+    with tempfile.TemporaryDirectory(prefix="derive-") as temporary:
+        library = Path(temporary, "model.so")
+        try:
+            compile_shared(compiler, [path], library, C_OPTIONS)
+            shared = ctypes.CDLL(str(library))
+        except (TargetError, OSError) as error:
+            raise VerificationError(f"{path.name} cannot be compiled: {error}") from error
+    return CModel(shared, path.with_suffix(".h").read_text(encoding="utf-8"))
+
+
+def _load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
+    """CasADi's C export; joints and parameters are read in its heading."""
+    import casadi
+
+    temporary = tempfile.TemporaryDirectory(prefix="derive-")
+    library = Path(temporary.name, "model_casadi.so")
+    try:
+        compile_shared(compiler, [path], library, CASADI_OPTIONS)
+    except TargetError as error:
+        temporary.cleanup()
+        raise VerificationError(f"{path.name} cannot be compiled: {error}") from error
+    heading = path.read_text(encoding="utf-8")
+    listed = re.search(r"^ \* Order of the entries of params.*:\n((?: \*     \w+\n)*)", heading, re.MULTILINE)
+    joints = re.search(r"columns of ([0-9]+):", heading)
+    names = tuple(line.removeprefix(" *").strip() for line in listed[1].splitlines()) if listed else ()
+    constants = {"DOF": int(joints[1]) if joints else 0, "PARAMETERS": names}
+    external = cache(lambda name: casadi.external(name, str(library)))
+    return CasadiModel(constants, external, "casadi-c", path.name, kept=temporary)
+
+
+_IMPORTED: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {
+    "model_numpy.py": NumpyModel,
+    "model_casadi.py": lambda module: CasadiModel(vars(module), partial(getattr, module)),
+    "model_native.py": NativeModel,
+}
+
+_COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
+    "model.c": load_c_model,
+    "model_casadi.c": _load_casadi_c,
+}
+
+COMPILED = frozenset(_COMPILED)
+"""Files that are verified where there is a C compiler."""
+
+MODULES = COMPILED.union(_IMPORTED)
+"""Files that are verified."""

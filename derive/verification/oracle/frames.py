@@ -1,0 +1,210 @@
+"""DH frames and geometric Jacobians of an arm of numbers, straight from the definitions.
+
+Every function takes configurations ``(..., n)``, real or complex: complex ones serve to differentiate by complex step,
+so nothing here conjugates. Inside, everything is in frame 0; the base transform is applied last.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from derive.verification.oracle.arm import Arm, Array
+
+
+def row_transform(arm: Arm, i: int, q: Array) -> Array:
+    """A_i, the product of its four elementary transforms.
+
+    Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha). Modified (a and alpha are a_{i-1} and alpha_{i-1}):
+    Rot(x, alpha) Trans(x, a) Rot(z, theta) Trans(z, d).
+
+    Args:
+        arm: The arm.
+        i: Row of the table, from 0.
+        q: (...) the variable of that row.
+    """
+    moving = arm.sign[i] * q
+    theta = arm.theta[i] + moving * arm.revolute[i]
+    d = arm.d[i] + moving * (not arm.revolute[i])
+    about_z, along_z = _rotation(2, theta), _translation(2, d)
+    along_x, about_x = _translation(0, arm.a[i]), _rotation(0, arm.alpha[i])
+    if arm.standard:
+        return about_z @ along_z @ along_x @ about_x
+    return about_x @ along_x @ about_z @ along_z
+
+
+def chain_frames(arm: Arm, q: Array) -> Array:
+    """DH frames 0 to n seen from frame 0, the first being the identity.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n+1, 4, 4).
+    """
+    frames = [np.broadcast_to(np.eye(4, dtype=q.dtype), (*q.shape[:-1], 4, 4))]
+    for i in range(arm.n):
+        frames.append(frames[-1] @ row_transform(arm, i, q[..., i]))
+    return np.stack(frames, axis=-3)
+
+
+def joint_axes(arm: Arm, frames: Array) -> tuple[Array, Array]:
+    """Direction of z and a point on the axis of each joint, in frame 0.
+
+    Joint i moves along or about z_{i-1} through o_{i-1} (standard), z_i through o_i (modified).
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+
+    Returns:
+        (..., n, 3) both.
+    """
+    on_axis = frames[..., :-1, :, :] if arm.standard else frames[..., 1:, :, :]
+    return on_axis[..., :3, 2], on_axis[..., :3, 3]
+
+
+def point_jacobian(arm: Arm, frames: Array, points: Array, carriers: Array) -> Array:
+    """Linear Jacobians dp/dq in frame 0 of points fixed on links.
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+        points: (..., m, 3) points in frame 0.
+        carriers: (m,) number of joints that move each point: i for a point of link i, counted from 1.
+
+    Returns:
+        (..., m, 3, n); column j is sign z x (p - o) for a revolute joint, sign z for a prismatic one.
+    """
+    axis, origin = joint_axes(arm, frames)
+    lever = points[..., :, None, :] - origin[..., None, :, :]
+    turning = cross(axis[..., None, :, :], lever)
+    columns = np.where(arm.revolute[:, None], turning, axis[..., None, :, :])
+    return _only_moving(arm, columns, carriers)
+
+
+def angular_jacobian(arm: Arm, frames: Array, carriers: Array) -> Array:
+    """Angular Jacobians in frame 0 of links; column j is sign z for a revolute joint, else 0.
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+        carriers: (m,) number of joints that move each link.
+
+    Returns:
+        (..., m, 3, n).
+    """
+    axis, _ = joint_axes(arm, frames)
+    columns = np.where(arm.revolute[:, None], axis, 0.0)[..., None, :, :]
+    shape = (*columns.shape[:-3], len(carriers), arm.n, 3)
+    return _only_moving(arm, np.broadcast_to(columns, shape), carriers)
+
+
+def rotor_places(arm: Arm, frames: Array) -> Array:
+    """Where the rotors sit, in frame 0, rotor i fixed on link i-1.
+
+    o_{i-1} (standard); o_i at q_i = 0 (modified), where a revolute joint leaves o_i anyway.
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+
+    Returns:
+        (..., n, 3).
+    """
+    carriers = frames[..., :-1, :, :]
+    if arm.standard:
+        return carriers[..., :3, 3]
+    at_rest = np.stack([row_transform(arm, i, np.zeros(()))[:, 3] for i in range(arm.n)])
+    places: Array = np.einsum("...kab,kb->...ka", carriers, at_rest)[..., :3]
+    return places
+
+
+def forward_kinematics(arm: Arm, q: Array) -> Array:
+    """T = base A_1 ... A_n tool.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 4, 4).
+    """
+    transform: Array = arm.base @ chain_frames(arm, q)[..., -1, :, :] @ arm.tool
+    return transform
+
+
+def link_transforms(arm: Arm, q: Array) -> Array:
+    """Base A_1 ... A_i for i = 1..n.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, 4, 4).
+    """
+    transforms: Array = arm.base @ chain_frames(arm, q)[..., 1:, :, :]
+    return transforms
+
+
+def jacobian(arm: Arm, q: Array) -> Array:
+    """Geometric Jacobian of the end effector in world axes, linear rows first.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 6, n).
+    """
+    frames = chain_frames(arm, q)
+    end = (frames[..., -1, :, :] @ arm.tool)[..., None, :3, 3]
+    carrier = np.array([arm.n])
+    turn = arm.base[:3, :3]
+    linear = turn @ point_jacobian(arm, frames, end, carrier)[..., 0, :, :]
+    angular = turn @ angular_jacobian(arm, frames, carrier)[..., 0, :, :]
+    return np.concatenate([linear, angular], axis=-2)
+
+
+def cross(u: Array, v: Array) -> Array:
+    """Vector product over the last axis.
+
+    Args:
+        u: (..., 3).
+        v: (..., 3).
+
+    Returns:
+        (..., 3).
+    """
+    ux, uy, uz = u[..., 0], u[..., 1], u[..., 2]
+    vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
+    return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=-1)
+
+
+def _only_moving(arm: Arm, columns: Array, carriers: Array) -> Array:
+    moves = np.arange(arm.n) < carriers[:, None]
+    signed = columns * (arm.sign * moves)[..., None]
+    return np.swapaxes(signed, -1, -2)
+
+
+def _rotation(axis: int, angle: Array) -> Array:
+    """Rot(axis, angle), axes counted from x = 0."""
+    matrix = _identity(angle)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    matrix[..., j, j], matrix[..., j, k] = cosine, -sine
+    matrix[..., k, j], matrix[..., k, k] = sine, cosine
+    return matrix
+
+
+def _translation(axis: int, distance: Array) -> Array:
+    matrix = _identity(distance)
+    matrix[..., axis, 3] = distance
+    return matrix
+
+
+def _identity(like: Array) -> Array:
+    matrix: Array = np.zeros((*np.shape(like), 4, 4), dtype=np.result_type(like, float))
+    matrix[..., range(4), range(4)] = 1.0
+    return matrix

@@ -1,0 +1,204 @@
+"""B, C and g of an arm of numbers by the textbook: Jacobians, Christoffel symbols, gradient of U.
+
+Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and Control, section 7.1. All functions take
+configurations ``(..., n)``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from derive.verification.oracle.arm import Arm, Array
+from derive.verification.oracle.frames import angular_jacobian, chain_frames, joint_axes, point_jacobian, rotor_places
+
+STEP = 1e-30
+"""Complex step: no difference is taken, so it may be so small that the truncation error vanishes."""
+
+CHUNK = 500_000
+"""Jacobian entries in memory at once while B is differentiated."""
+
+
+def inertia_matrix(arm: Arm, q: Array) -> Array:
+    """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures.
+
+    Of a rotor only the inertia about its axis counts.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, n).
+    """
+    frames = chain_frames(arm, q)
+    axis, _ = joint_axes(arm, frames)
+    linear, angular = _link_jacobians(arm, frames)
+    in_link = _transpose(frames[..., 1:, :3, :3]) @ angular
+    moving = _transpose(linear) @ (arm.mass[:, None, None] * linear)
+    links = (moving + _transpose(in_link) @ (arm.inertia @ in_link)).sum(axis=-3)
+    linear, angular = _rotor_jacobians(arm, frames)
+    spin = np.einsum("...ka,...kaj->...kj", axis, angular)
+    moving = _transpose(linear) @ (arm.rotor_mass[:, None, None] * linear)
+    rotors = moving.sum(axis=-3) + np.einsum("k,...ki,...kj->...ij", arm.rotor_inertia, spin, spin)
+    total: Array = links + rotors + np.diag(arm.armature)
+    return total
+
+
+def coriolis_matrix(arm: Arm, q: Array, qd: Array) -> Array:
+    """C with C_ij = sum_k c_ijk qd_k.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., n, n).
+    """
+    matrix: Array = np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd)
+    return matrix
+
+
+def christoffel_symbols(arm: Arm, q: Array) -> Array:
+    """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, n, n), indexed i, j, k.
+    """
+    slope = inertia_derivatives(arm, q)
+    by_k = np.moveaxis(slope, -3, -1)
+    by_j = np.swapaxes(by_k, -1, -2)
+    symbols: Array = 0.5 * (by_k + by_j - slope)
+    return symbols
+
+
+def inertia_derivatives(arm: Arm, q: Array) -> Array:
+    """dB/dq_k by complex step.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, n, n), indexed k, i, j.
+    """
+    size = max(1, CHUNK // (3 * q.size * arm.n))
+    steps = 1j * STEP * np.eye(arm.n)
+    chunks = [steps[k : k + size] for k in range(0, arm.n, size)]
+    slopes = [inertia_matrix(arm, q[..., None, :] + chunk).imag / STEP for chunk in chunks]
+    return np.concatenate(slopes, axis=-3)
+
+
+def gravity_vector(arm: Arm, q: Array) -> Array:
+    """The gradient dU/dq with U = -sum m g0' p over links and rotors.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n) [N m, N].
+    """
+    frames = chain_frames(arm, q)
+    links, _ = _link_jacobians(arm, frames)
+    rotors, _ = _rotor_jacobians(arm, frames)
+    g0 = arm.gravity_in_frame_0
+    down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
+    down_rotors = np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0)
+    gradient: Array = -down_links - down_rotors
+    return gradient
+
+
+def potential_energy(arm: Arm, q: Array) -> Array:
+    """U = -sum m g0' p over links and rotors, with p in the world.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (...) [J].
+    """
+    frames = chain_frames(arm, q)
+    turn, origin = arm.base[:3, :3], arm.base[:3, 3]
+    links = _mass_centres(arm, frames) @ turn.T + origin
+    rotors = rotor_places(arm, frames) @ turn.T + origin
+    energy: Array = -(links @ arm.gravity) @ arm.mass - (rotors @ arm.gravity) @ arm.rotor_mass
+    return energy
+
+
+def kinetic_energy(arm: Arm, q: Array, qd: Array) -> Array:
+    """T = 1/2 qd' B qd.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (...) [J].
+    """
+    energy: Array = 0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd)
+    return energy
+
+
+def com_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
+    """Linear and angular Jacobians of the links' centres of mass in world axes.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, 3, n) both.
+    """
+    linear, angular = _link_jacobians(arm, chain_frames(arm, q))
+    turn = arm.base[:3, :3]
+    return turn @ linear, turn @ angular
+
+
+def rotor_jacobians(arm: Arm, q: Array) -> tuple[Array, Array]:
+    """Linear and angular Jacobians of the rotors in world axes.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., n, 3, n) both.
+    """
+    linear, angular = _rotor_jacobians(arm, chain_frames(arm, q))
+    turn = arm.base[:3, :3]
+    return turn @ linear, turn @ angular
+
+
+def _link_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+    """Of the links' centres of mass, in frame 0, (..., n, 3, n) both."""
+    carriers = np.arange(1, arm.n + 1)
+    linear = point_jacobian(arm, frames, _mass_centres(arm, frames), carriers)
+    return linear, angular_jacobian(arm, frames, carriers)
+
+
+def _rotor_jacobians(arm: Arm, frames: Array) -> tuple[Array, Array]:
+    """In frame 0, (..., n, 3, n) both: rotor i moves with link i-1 and spins about z by ratio * qd_i more."""
+    carriers = np.arange(arm.n)
+    linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
+    axis, _ = joint_axes(arm, frames)
+    spin = axis[..., :, :, None] * (np.eye(arm.n) * arm.ratio[:, None])[:, None, :]
+    return linear, angular_jacobian(arm, frames, carriers) + spin
+
+
+def _mass_centres(arm: Arm, frames: Array) -> Array:
+    """(..., n, 3) in frame 0."""
+    links = frames[..., 1:, :, :]
+    turned = np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com)
+    centres: Array = links[..., :3, 3] + turned
+    return centres
+
+
+def _transpose(matrix: Array) -> Array:
+    return np.swapaxes(matrix, -1, -2)

@@ -1,0 +1,158 @@
+"""Inverse dynamics of an arm of numbers by Newton's and Euler's laws, written in frame 0.
+
+Motion goes outwards link by link; forces and their moments about the origin of frame 0 are summed inwards. Rotor i is a
+body on link i-1 with mass, with inertia about its own axis only, and with a spin of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.verification.oracle.arm import Arm, Array
+from derive.verification.oracle.frames import chain_frames, cross, joint_axes, rotor_places
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """A link's motion in frame 0, (..., 3) each.
+
+    Attributes:
+        omega: Angular velocity.
+        alpha: Angular acceleration.
+        point: A point of the link.
+        acceleration: Its acceleration.
+    """
+
+    omega: Array
+    alpha: Array
+    point: Array
+    acceleration: Array
+
+    def acceleration_at(self, place: Array) -> Array:
+        """Acceleration of a point of the link.
+
+        Args:
+            place: Where it is, (..., 3) in frame 0.
+
+        Returns:
+            (..., 3) in frame 0: a + alpha x r + omega x (omega x r).
+        """
+        r = place - self.point
+        return self.acceleration + cross(self.alpha, r) + cross(self.omega, cross(self.omega, r))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wrench:
+    """A force and its moment about the origin of frame 0."""
+
+    force: Array
+    moment: Array
+
+    def __add__(self, other: Wrench) -> Wrench:
+        """Both together."""
+        return Wrench(self.force + other.force, self.moment + other.moment)
+
+
+def inverse_dynamics(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
+    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        (..., n) [N m, N].
+    """
+    frames = chain_frames(arm, q)
+    axis, on_axis = joint_axes(arm, frames)
+    places = rotor_places(arm, frames)
+    motions = link_motions(arm, frames, axis, qd, qdd)
+    zero = np.zeros_like(q[..., :1] + axis[..., 0, :])
+    wrench = Wrench(zero, zero)
+    torques: list[Array] = []
+    for i in reversed(range(arm.n)):
+        z, carrier = axis[..., i, :], motions[i]
+        wrench = wrench + _link_wrench(arm, i, frames[..., i + 1, :, :], motions[i + 1])
+        spin_rate = arm.ratio[i] * qdd[..., i] + dot(z, carrier.alpha)
+        moment = wrench.moment - cross(on_axis[..., i, :], wrench.force)
+        carried = dot(z, moment) if arm.revolute[i] else dot(z, wrench.force)  # what the joint's actuator carries
+        torques.append(arm.sign[i] * carried + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
+        wrench = wrench + _rotor_wrench(arm, i, z, places[..., i, :], carrier, qd[..., i], spin_rate)
+    rigid = np.stack(torques[::-1], axis=-1)
+    resisting: Array = arm.armature * qdd + arm.viscous * qd + arm.coulomb * np.sign(qd)
+    return rigid + resisting
+
+
+def dot(u: Array, v: Array) -> Array:
+    """Scalar product over the last axis.
+
+    Args:
+        u: (..., 3).
+        v: (..., 3).
+
+    Returns:
+        (...).
+    """
+    product: Array = (u * v).sum(axis=-1)
+    return product
+
+
+def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
+    """Motions of links 0 to n; link 0 is at rest.
+
+    Args:
+        arm: The arm.
+        frames: Result of `chain_frames`.
+        axis: (..., n, 3) directions of the joints.
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        n + 1 motions.
+    """
+    zero = np.zeros_like(axis[..., 0, :])
+    motions = [Motion(zero, zero, zero, zero)]
+    for i in range(arm.n):
+        u = arm.sign[i] * axis[..., i, :]
+        rate, acceleration = qd[..., i, None], qdd[..., i, None]
+        step = _turn if arm.revolute[i] else _slide
+        motions.append(step(arm, motions[-1], frames[..., i + 1, :3, 3], u, rate, acceleration))
+    return motions
+
+
+def _turn(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, acceleration: Array) -> Motion:
+    """A revolute joint: the links share the points of its axis, o_{i-1} (standard) or o_i (modified)."""
+    omega = before.omega + u * rate
+    alpha = before.alpha + u * acceleration + cross(before.omega, u) * rate
+    shared = before.point if arm.standard else origin
+    hinge = Motion(omega, alpha, shared, before.acceleration_at(shared))
+    return Motion(omega, alpha, origin, hinge.acceleration_at(origin))
+
+
+def _slide(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, acceleration: Array) -> Motion:
+    """A prismatic joint: carried along, plus Coriolis and relative acceleration."""
+    carried = before.acceleration_at(origin)
+    relative = 2.0 * cross(before.omega, u) * rate + u * acceleration
+    return Motion(before.omega, before.alpha, origin, carried + relative)
+
+
+def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:
+    """What moves link i: m (a - g0) at its centre of mass and d/dt (I omega)."""
+    rotation, com = frame[..., :3, :3], frame[..., :3, 3] + frame[..., :3, :3] @ arm.com[i]
+    inertia = rotation @ arm.inertia[i] @ np.swapaxes(rotation, -1, -2)
+    force = arm.mass[i] * (motion.acceleration_at(com) - arm.gravity_in_frame_0)
+    momentum = np.einsum("...ab,...b->...a", inertia, motion.omega)
+    moment = np.einsum("...ab,...b->...a", inertia, motion.alpha) + cross(motion.omega, momentum)
+    return Wrench(force, cross(com, force) + moment)
+
+
+def _rotor_wrench(arm: Arm, i: int, z: Array, place: Array, carrier: Motion, rate: Array, spin_rate: Array) -> Wrench:
+    """What moves the rotor of joint i: m (a - g0) at its place and d/dt (I spin z), z turning with link i-1."""
+    force = arm.rotor_mass[i] * (carrier.acceleration_at(place) - arm.gravity_in_frame_0)
+    spin = arm.ratio[i] * rate + dot(z, carrier.omega)
+    turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
+    return Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)

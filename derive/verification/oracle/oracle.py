@@ -1,0 +1,164 @@
+"""The oracle: the generated functions by name, evaluated on an arm of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.robot import Robot
+from derive.verification.oracle import frames, identification, lagrange, newton, rates
+from derive.verification.oracle.arm import Arm, Array, numeric_arm
+from derive.verification.oracle.identification import Identification
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """One function of the generated interface.
+
+    Attributes:
+        arguments: Names of its arguments, each of shape (..., n); none for what depends on parameters alone.
+        dynamic: Whether it needs link parameters.
+        function: Its independent evaluation, from an arm and the arguments.
+        axes: Axes of its value for one configuration: 1 for a vector, 2 for a matrix, 3 for one matrix a link.
+        identifies: Whether it needs to know which parameters are base parameters: its first argument is then an
+            `Identification`.
+    """
+
+    arguments: tuple[str, ...]
+    dynamic: bool
+    function: Callable[..., Array]
+    axes: int = 2
+    identifies: bool = False
+
+
+def forward_dynamics(arm: Arm, q: Array, qd: Array, tau: Array) -> Array:
+    """Accelerations B^-1 (tau - C qd - g - friction).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        tau: (..., n) torques and forces [N m, N].
+
+    Returns:
+        (..., n).
+
+    Raises:
+        numpy.linalg.LinAlgError: B is singular.
+    """
+    bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd))
+    acceleration: Array = np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
+    return acceleration
+
+
+FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
+    {
+        "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
+        "link_transforms": Definition(("q",), False, frames.link_transforms, axes=3),
+        "jacobian": Definition(("q",), False, frames.jacobian),
+        "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
+        "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
+        "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
+        "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
+        "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
+        "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1),
+        "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1),
+        "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics, axes=1),
+        "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1),
+        "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq),
+        "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd),
+        "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
+        "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
+        "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
+    }
+)
+
+ANGLES: Mapping[str, str] = MappingProxyType({f"analytic_jacobian_{kind}": kind for kind in rates.TILTED})
+"""Functions that an arm lacks if its orientation angles are singular in every configuration."""
+
+SINGULAR = 1e-9
+"""Distance from singular angles that is rounding."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Oracle:
+    """Every generated function of one robot with given numbers, evaluated independently.
+
+    Attributes:
+        arm: The robot's numbers.
+        dynamic: Whether the robot has link parameters.
+        identification: Which parameters the regressors' columns belong to; None without regressors.
+    """
+
+    arm: Arm
+    dynamic: bool
+    identification: Identification | None = None
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        parameters: Mapping[str, float] | None = None,
+        base: tuple[Parameter, ...] | None = None,
+    ) -> Oracle:
+        """The oracle of ``robot``.
+
+        Args:
+            robot: The robot.
+            parameters: A number for every symbol without one; may override numbers of the file.
+            base: Which parameters are base parameters; without them there are no regressors.
+
+        Returns:
+            The oracle.
+
+        Raises:
+            ExpressionError: A symbol has no number, or a cell has no finite value.
+        """
+        arm = numeric_arm(robot, parameters)
+        known = None if base is None else Identification(arm, standard_parameters(robot), base)
+        return cls(arm, robot.has_dynamics, known)
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """Names of the functions that this robot has."""
+        names = []
+        for name, definition in FUNCTIONS.items():
+            if name in ANGLES:
+                present = self.has_angles(ANGLES[name])
+            elif definition.identifies:
+                present = self.identification is not None
+            else:
+                present = self.dynamic or not definition.dynamic
+            names += [name] * present
+        return tuple(names)
+
+    def has_angles(self, kind: str) -> bool:
+        """Whether the end effector's angles ``rpy`` or ``zyz`` are regular in some configuration.
+
+        Args:
+            kind: ``rpy`` or ``zyz``.
+
+        Returns:
+            False where they are singular everywhere.
+        """
+        q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
+        return bool((rates.distance_from_singularity(self.arm, kind, q) > SINGULAR).any())
+
+    def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
+        """The value of a generated function.
+
+        Args:
+            name: One of `functions`.
+            arguments: q, qd, qdd or tau as the function takes them, (..., n) each; they broadcast.
+
+        Returns:
+            (..., *shape).
+        """
+        arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=float) for argument in arguments))
+        definition = FUNCTIONS[name]
+        return definition.function(self.identification if definition.identifies else self.arm, *arrays)

@@ -1,0 +1,175 @@
+"""Rates and derivatives of an arm of numbers, by complex steps: no difference is taken, so nothing cancels.
+
+The angles' rates come from those of the rotation's entries, d atan2(y, x) = (x dy - y dx) / (x^2 + y^2), with the
+closed forms of roll, pitch, yaw and Euler ZYZ (Siciliano, Sciavicco, Villani, Oriolo, Robotics, section 2.4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from derive.verification.oracle.arm import Arm, Array
+from derive.verification.oracle.frames import forward_kinematics, jacobian
+from derive.verification.oracle.newton import inverse_dynamics
+
+STEP = 1e-30
+"""Complex step; the truncation error, its square, vanishes."""
+
+TILTED = {"rpy": 0, "zyz": 2}
+"""Column of R whose first two entries vanish where the angles are singular."""
+
+
+def jacobian_dot(arm: Arm, q: Array, qd: Array) -> Array:
+    """dJ/dt along qd.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., 6, n).
+    """
+    rate: Array = jacobian(arm, q + 1j * STEP * qd).imag / STEP
+    return rate
+
+
+def analytic_jacobian_rpy(arm: Arm, q: Array) -> Array:
+    """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 6, n).
+    """
+    pose, slope = _pose_and_slope(arm, q)
+    r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        roll = _angle_rate(r[..., 2, 1], r[..., 2, 2], dr[..., 2, 1], dr[..., 2, 2])
+        cosine, cosine_rate = _length_and_rate(r[..., :2, 0], dr[..., :2, 0])
+        pitch = _angle_rate(-r[..., 2, 0], cosine, -dr[..., 2, 0], cosine_rate)
+        yaw = _angle_rate(r[..., 1, 0], r[..., 0, 0], dr[..., 1, 0], dr[..., 0, 0])
+    return _rows(slope, roll, pitch, yaw)
+
+
+def analytic_jacobian_zyz(arm: Arm, q: Array) -> Array:
+    """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi).
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 6, n).
+    """
+    pose, slope = _pose_and_slope(arm, q)
+    r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        phi = _angle_rate(r[..., 1, 2], r[..., 0, 2], dr[..., 1, 2], dr[..., 0, 2])
+        sine, sine_rate = _length_and_rate(r[..., :2, 2], dr[..., :2, 2])
+        theta = _angle_rate(sine, r[..., 2, 2], sine_rate, dr[..., 2, 2])
+        psi = _angle_rate(r[..., 2, 1], -r[..., 2, 0], dr[..., 2, 1], -dr[..., 2, 0])
+    return _rows(slope, phi, theta, psi)
+
+
+def distance_from_singularity(arm: Arm, kind: str, q: Array) -> Array:
+    """Sine of the angle by which the second turn misses its singular values.
+
+    Args:
+        arm: The arm.
+        kind: ``rpy`` or ``zyz``.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (...).
+    """
+    column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
+    distance: Array = np.sqrt((column**2).sum(axis=-1))
+    return distance
+
+
+def coriolis_vector(arm: Arm, q: Array, qd: Array) -> Array:
+    """C qd: the torques of a motion without acceleration, gravity and friction.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., n).
+    """
+    none = np.zeros(arm.n)
+    weightless = replace(arm, gravity=np.zeros(3), viscous=none, coulomb=none)
+    return inverse_dynamics(weightless, q, qd, np.zeros_like(qd))
+
+
+def inverse_dynamics_dq(arm: Arm, q: Array, qd: Array, qdd: Array) -> Array:
+    """d tau_i / d q_j.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+        qdd: (..., n) accelerations [rad/s^2, m/s^2].
+
+    Returns:
+        (..., n, n).
+    """
+    return _columns(arm, lambda step: inverse_dynamics(arm, _each(q) + step, _each(qd), _each(qdd)))
+
+
+def inverse_dynamics_dqd(arm: Arm, q: Array, qd: Array) -> Array:
+    """d tau_i / d qd_j; Coulomb friction counts as constant.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+        qd: (..., n) velocities [rad/s, m/s].
+
+    Returns:
+        (..., n, n).
+    """
+    smooth, rest = replace(arm, coulomb=np.zeros(arm.n)), np.zeros_like(_each(q))
+    return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
+
+
+def _each(argument: Array) -> Array:
+    """The same argument for every direction, (..., 1, n)."""
+    return argument[..., None, :]
+
+
+def _columns(arm: Arm, function: Callable[[Array], Array]) -> Array:
+    values = function(1j * STEP * np.eye(arm.n)).imag / STEP
+    matrix: Array = np.swapaxes(values, -1, -2)
+    return matrix
+
+
+def _pose_and_slope(arm: Arm, q: Array) -> tuple[Array, Array]:
+    """T, (..., 4, 4), and its derivatives by q_j, (..., n, 4, 4)."""
+    slope: Array = forward_kinematics(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
+    return forward_kinematics(arm, q), slope
+
+
+def _angle_rate(y: Array, x: Array, dy: Array, dx: Array) -> Array:
+    """The derivative of atan2(y, x)."""
+    rate: Array = (x * dy - y * dx) / (x * x + y * y)
+    return rate
+
+
+def _length_and_rate(vector: Array, rate: Array) -> tuple[Array, Array]:
+    """Length of a vector (..., 2), and its derivative."""
+    length = np.sqrt((vector**2).sum(axis=-1))
+    return length, (vector * rate).sum(axis=-1) / length
+
+
+def _rows(slope: Array, *angles: Array) -> Array:
+    """Rows of velocity, then of the angles."""
+    position = [slope[..., k, 3] for k in range(3)]
+    matrix: Array = np.stack([*position, *angles], axis=-2)
+    return matrix

@@ -1,0 +1,123 @@
+"""Random configurations, motions and parameters at which generated code is compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.errors import ExpressionError, VerificationError
+from derive.model.identification.base_parameters import base_set
+from derive.robot.description import Joint
+from derive.robot.evaluate import parameter_values, to_float
+from derive.robot.expression import names
+from derive.robot.inertial_parameters import has_regressor
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+from derive.verification.oracle.arm import Array
+from derive.verification.oracle.oracle import Oracle
+
+REGIONS = ((0.3, 1.7), (0.05, 0.4), (1.5, 4.0), (5.0, 20.0), (0.001, 0.01))
+"""Ranges tried in turn for free parameters, until every cell has a value: ``sqrt(a1 - 2)`` needs a1 > 2."""
+
+ATTEMPTS = 30
+"""Draws from each range in search of physical inertia tensors."""
+
+SPECIAL = 2
+"""The zero configuration, which finds divisions by zero, and a state at rest, which finds signs of zero."""
+
+GENERIC = 3
+"""Fewest other states of a set: at the special ones most wrong terms vanish."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SampleSet:
+    """Configurations at one choice of parameters.
+
+    Attributes:
+        parameters: Numbers of the free symbols.
+        oracle: The robot with these numbers.
+        arguments: q, qd, qdd and tau, (samples, n) each.
+    """
+
+    parameters: Mapping[str, float]
+    oracle: Oracle
+    arguments: Mapping[str, Array]
+
+
+def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[SampleSet, ...]:
+    """Random samples: one set where nothing is free, else three with other parameters each.
+
+    Args:
+        robot: The robot.
+        samples: Number of configurations in all.
+        rng: Source of randomness.
+
+    Returns:
+        The sets; in each, the first configuration is zero or as near as the limits allow, and the last is at rest.
+
+    Raises:
+        VerificationError: No numbers were found at which every cell has a value.
+    """
+    number = 3 if free_symbols(robot) else 1
+    count = max(SPECIAL + GENERIC, -(-samples // number))
+    base = base_set(robot).parameters if has_regressor(robot) else None
+    sets = []
+    for index in range(number):
+        parameters = _draw_parameters(robot, index, rng)
+        oracle = Oracle.of(robot, parameters, base)
+        low, high = np.array([_range(joint, robot, parameters) for joint in robot.joints]).T
+        q = rng.uniform(low, high, (count, robot.n))
+        qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.n))
+        q[0] = np.clip(0.0, low, high)
+        qd[-1] = 0.0
+        tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
+        sets.append(SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau}))
+    return tuple(sets)
+
+
+def _range(joint: Joint, robot: Robot, parameters: Mapping[str, float]) -> tuple[float, float]:
+    """The limits where they are numbers in order, else a turn or a metre to each side."""
+    widest = (-np.pi, np.pi) if joint.is_revolute else (-1.0, 1.0)
+    if joint.limits is None:
+        return widest
+    try:
+        values = parameter_values(robot, parameters)
+        low, high = (to_float(limit, values) for limit in joint.limits)
+    except ExpressionError:
+        return widest
+    return (low, high) if low < high else widest
+
+
+def _draw_parameters(robot: Robot, index: int, rng: np.random.Generator) -> dict[str, float]:
+    """Positive numbers, the file's own in the first set, at which the robot is finite and if possible physical."""
+    fallback: dict[str, float] | None = None
+    for numbers in _candidates(robot, index, rng):
+        try:
+            arm = Oracle.of(robot, numbers).arm
+        except ExpressionError:
+            continue
+        definite = bool((np.linalg.eigvalsh(arm.inertia) >= -1e-12).all())
+        if not numbers or (definite and (arm.mass >= 0).all() and (arm.rotor_inertia >= 0).all()):
+            return numbers
+        fallback = fallback or numbers
+    if fallback is None:
+        raise VerificationError(
+            f"robot {robot.name!r}: no numbers were found for its free symbols at which every cell has a value",
+            remedy="give them numbers under 'parameters'",
+        )
+    return fallback
+
+
+def _candidates(robot: Robot, index: int, rng: np.random.Generator) -> Iterator[dict[str, float]]:
+    """Random numbers from one range after the other; products of inertia are small, else tensors are indefinite."""
+    free = free_symbols(robot)
+    tensors = [link.inertia for link in robot.links]
+    small = {name for tensor in tensors for cell in (tensor.xy, tensor.xz, tensor.yz) for name in names(cell)}
+    known = {name: value for name, value in parameter_values(robot).items() if name in free}
+    for low, high in REGIONS:
+        for _ in range(ATTEMPTS if free else 1):
+            drawn = {name: float(rng.uniform(low, high)) * (0.02 if name in small else 1.0) for name in free}
+            near = {name: float(value) * (1.0 if index == 0 else drawn[name] / high) for name, value in known.items()}
+            yield {**drawn, **near}

@@ -1,0 +1,271 @@
+"""The tolerance of verification, 1e-9, and the yardstick of relative errors: how large an entry of a quantity may be.
+
+An error is measured against the largest value that its own entry takes over the samples, so that a small wrist inertia
+is not compared with a large shoulder inertia. Where an entry vanishes only rounding is left in it; then a thousandth of
+its natural size counts, the bound that masses, lengths and rates give for that entry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.programs.functions import INTERFACES
+from derive.programs.program import Magnitude
+from derive.verification.oracle.arm import Array
+from derive.verification.oracle.identification import Identification
+from derive.verification.oracle.oracle import ANGLES, Oracle
+
+TOLERANCE = 1e-9
+"""Largest relative error of a generated function; rounding leaves about 1e-14, a wrong term 1e-3 and more."""
+
+FLOOR = 1e-3
+"""Share of the natural size below which an entry counts as vanishing."""
+
+FAR = 0.1
+"""Share of the whole arm's reach that a lever counts for at least: places far from the base carry its rounding."""
+
+ROUNDING = 1e-14
+"""Defect of a rotation that is written exactly."""
+
+TINY = 1e-300
+"""Instead of 0, to divide by."""
+
+_PARTS = {"mx": "first moment", "my": "first moment", "mz": "first moment", "m": "mass", "mm": "mass"}
+"""Parts of a link's inertial parameters; the others are inertias."""
+
+
+def relative_errors(difference: Array, scale: Array) -> Array:
+    """Size of a difference in terms of a scale.
+
+    Args:
+        difference: Any shape.
+        scale: What counts as 1, broadcastable to it.
+
+    Returns:
+        0 where there is no difference, infinite where it is not a number.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.abs(difference) / scale
+    exact = np.broadcast_to(difference == 0, ratio.shape)
+    errors: Array = np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
+    return errors
+
+
+def largest(argument: Array) -> Array:
+    """The largest size of each joint's entry over a batch.
+
+    Args:
+        argument: (..., n).
+
+    Returns:
+        (n,) absolute values.
+    """
+    sizes: Array = np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0)
+    return sizes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bounds:
+    """Bounds of an arm's quantities over a set of configurations.
+
+    Attributes:
+        reach: From frame 0 to anything on the arm [m].
+        extent: Reach plus base and tool [m].
+        base_defect: Largest entry of R'R - 1 of the base, as written in the file.
+        revolute: (n,) whether joint i turns.
+        inertia: (n,) bound of B_ii.
+        gravity: (n,) bound of g_i.
+        friction: (2, n) viscous and Coulomb coefficients, absolute values.
+    """
+
+    reach: float
+    extent: float
+    base_defect: float
+    revolute: Array
+    inertia: Array
+    gravity: Array
+    friction: Array
+
+    def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
+        """Natural size of each entry of a generated function's value.
+
+        Args:
+            function: Name of the function, any but forward dynamics and those of identification.
+            arguments: Its arguments, (..., n) each; the largest rates count.
+
+        Returns:
+            Sizes in the function's own units, broadcastable to one value.
+
+        Raises:
+            KeyError: A function that is verified in a way of its own.
+        """
+        rates = [largest(argument) for argument in arguments[1:]]
+        size: Array
+        match INTERFACES[function].magnitude:
+            case Magnitude.POSE:
+                size = np.ones((4, 4))
+                size[:3, 3] = self.extent
+            case Magnitude.JACOBIAN:
+                size = self.jacobian
+            case Magnitude.JACOBIAN_RATE:
+                size = self.jacobian * self.turning(rates[0])
+            case Magnitude.INERTIA:
+                size = self.inertia_matrix
+            case Magnitude.CORIOLIS:
+                size = self.coriolis_matrix(rates[0])
+            case Magnitude.VELOCITY_TORQUE:
+                size = self.coriolis_matrix(rates[0]) @ rates[0]
+            case Magnitude.GRAVITY:
+                size = self.gravity
+            case Magnitude.TORQUE:
+                size = self.torque(*rates)
+            case Magnitude.TORQUE_BY_POSITION:  # an angle changes no term by more than the term's size
+                rigid = self.torque(*rates) - self.friction[0] * rates[0] - self.friction[1]
+                size = np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY)))
+            case Magnitude.TORQUE_BY_VELOCITY:
+                size = 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
+            case Magnitude.OTHER:
+                raise KeyError(function)
+        return size
+
+    @property
+    def jacobian(self) -> Array:
+        """Bound of J, (6, n)."""
+        linear = np.where(self.revolute, self.extent, 1.0)
+        return np.vstack([np.tile(linear, (3, 1)), np.ones((3, len(linear)))])
+
+    @property
+    def inertia_matrix(self) -> Array:
+        """Bound of B, (n, n): |B_ij| <= sqrt(B_ii B_jj), since B is positive semidefinite."""
+        size: Array = np.sqrt(np.outer(self.inertia, self.inertia))
+        return size
+
+    def coriolis_matrix(self, rate: Array) -> Array:
+        """Bound of C.
+
+        Args:
+            rate: (n,) largest velocities.
+
+        Returns:
+            (n, n).
+        """
+        size: Array = self.inertia_matrix * self.turning(rate)
+        return size
+
+    def torque(self, rate: Array, acceleration: Array) -> Array:
+        """Bound of B qdd + C qd + g + friction.
+
+        Args:
+            rate: (n,) largest velocities.
+            acceleration: (n,) largest accelerations.
+
+        Returns:
+            (n,) [N m, N].
+        """
+        moving: Array = self.inertia_matrix @ acceleration + self.coriolis_matrix(rate) @ rate
+        bound: Array = moving + self.gravity + self.friction[0] * rate + self.friction[1]
+        return bound
+
+    def turning(self, rate: Array) -> float:
+        """Bound of angular velocities, with displacements counted as turns of the whole arm.
+
+        Args:
+            rate: (n,) largest velocities.
+
+        Returns:
+            The sum over all joints [rad/s].
+        """
+        return float(np.where(self.revolute, rate, rate / max(self.reach, TINY)).sum())
+
+    def undetermined(self, function: str) -> float:
+        """How far apart right values may be.
+
+        A base rounded in the file to 0.7071 is no rotation: R (z x r) and (R z) x (R r), both the Jacobian, then differ
+        by its defect. A base whose defect is rounding of floats leaves nothing undetermined.
+
+        Args:
+            function: Name of a generated function.
+
+        Returns:
+            The distance relative to the natural size.
+        """
+        steps = {"jacobian": 4.0, "jacobian_dot": 8.0, **dict.fromkeys(ANGLES, 8.0)}
+        return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
+
+
+def bounds(oracle: Oracle, q: Array) -> Bounds:
+    """The bounds of an arm at some configurations.
+
+    Args:
+        oracle: The robot with its numbers.
+        q: (..., n).
+
+    Returns:
+        Bounds that hold at all of them.
+    """
+    arm = oracle.arm
+    travel = np.where(arm.revolute, 0.0, largest(q))
+    lengths = np.abs(arm.a) + np.abs(arm.d) + travel
+    com = np.linalg.norm(arm.com, axis=-1)
+    reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
+    lever = np.maximum(reach, FAR * reach[0])
+    mass = _carried(arm.mass) + _carried(arm.rotor_mass) - arm.rotor_mass
+    force = mass * np.linalg.norm(arm.gravity)
+    tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
+    turning = mass * reach * lever + _carried(tensors) + _carried(arm.rotor_inertia)
+    return Bounds(
+        reach=float(reach[0]),
+        extent=float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum()),
+        base_defect=float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max()),
+        revolute=arm.revolute,
+        inertia=np.where(arm.revolute, turning, mass) + (arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)),
+        gravity=np.where(arm.revolute, force * lever, force),
+        friction=np.abs([arm.viscous, arm.coulomb]),
+    )
+
+
+def _carried(values: Array) -> Array:
+    """Sums over the links from i to the end, of absolute values."""
+    sums: Array = np.cumsum(np.abs(values)[::-1])[::-1]
+    return sums
+
+
+def regressor_size(limits: Bounds, known: Identification, function: str, motion: Sequence[Array]) -> Array:
+    """Natural size of each entry of a regressor: what unit parameters weigh at the largest rates.
+
+    Args:
+        limits: Bounds of the arm.
+        known: The arm and its parameters.
+        function: ``regressor`` or ``base_regressor``.
+        motion: qd and qdd, (..., n) each.
+
+    Returns:
+        (n, p).
+    """
+    arm = known.arm
+    rate, acceleration = (largest(argument) for argument in motion)
+    turn = np.where(arm.revolute, rate, 0.0).sum()
+    spin = np.where(arm.revolute, acceleration, 0.0).sum() + turn**2
+    slide = np.where(arm.revolute, 0.0, acceleration + 2.0 * turn * rate).sum()
+    pull = limits.reach * spin + slide + np.linalg.norm(arm.gravity)
+    lever = np.where(arm.revolute, limits.reach, 1.0)
+    ratio = np.abs(arm.ratio)
+    of_link = {
+        "mass": lever * pull,
+        "first moment": np.where(arm.revolute, pull, 0.0) + lever * spin,
+        "inertia": np.full(arm.n, spin),
+    }
+    of_joint = {"Im": ratio**2 * acceleration, "Ia": acceleration, "b": rate, "f": np.ones(arm.n)}
+    columns = []
+    for parameter in known.standard if function == "regressor" else known.base:
+        part, i = parameter.part, parameter.joint - 1
+        if part in of_joint:
+            shared = (1.0 + ratio[i]) * spin if part == "Im" else 0.0
+            columns.append(shared + np.where(np.arange(arm.n) == i, of_joint[part], 0.0))
+        else:
+            columns.append(of_link[_PARTS.get(part, "inertia")])
+    size: Array = np.maximum(np.stack(columns, axis=-1), TINY)
+    return size

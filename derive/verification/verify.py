@@ -1,0 +1,230 @@
+"""`verify`: compare everything that was generated with the independent recursion, and fail where it differs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from derive.errors import VerificationError
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+from derive.targets.compiler import Command, find_compiler
+from derive.verification.expectation import Expectation, PartialExpectation, expectation
+from derive.verification.generated import COMPILED, MODULES, GeneratedModel, compile_models, load_models
+from derive.verification.oracle.arm import Array
+from derive.verification.oracle.oracle import ANGLES, FUNCTIONS
+from derive.verification.samples import sample_sets
+from derive.verification.tolerance import TOLERANCE
+from derive.verification.trials import Trial, trials
+
+REMEDY = "this is a fault of derive, not of the robot file: please report it with the file"
+
+_Answers = dict[tuple[object, ...], Expectation]
+"""What the oracle has answered: it is asked once, since the targets are called at the same configurations."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One generated function.
+
+    Attributes:
+        target: Name of the target, ``numpy``, ``casadi`` or ``c``.
+        function: Name of the function.
+        samples: Number of values compared, over all ways of calling.
+        worst: Worst relative error.
+        note: Why values were left out, if any were.
+    """
+
+    target: str
+    function: str
+    samples: int
+    worst: float
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What a verification found: all functions of all targets.
+
+    Attributes:
+        robot: Name of the robot.
+        seed: Seed of the random configurations and parameters.
+        rows: One per target and function.
+        left_out: Files that were not verified since there is no C compiler.
+    """
+
+    robot: str
+    seed: int
+    rows: tuple[Row, ...]
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def worst(self) -> float:
+        """Worst relative error of all functions."""
+        return max((row.worst for row in self.rows), default=0.0)
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data, for JSON."""
+        return {
+            "robot": self.robot,
+            "seed": self.seed,
+            "tolerance": TOLERANCE,
+            "worst": self.worst,
+            "left_out": list(self.left_out),
+            "rows": [asdict(row) for row in self.rows],
+        }
+
+
+def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> Report:
+    """Compare every function of every generated module with the independent recursion.
+
+    Each function is called with one configuration, a batch, broadcast batches, more rows than one block holds and,
+    where symbols are free, batches of parameters; at random configurations within the limits and random velocities and
+    parameters.
+
+    Args:
+        robot: The robot.
+        folder: Its generated folder, with any of ``model_numpy.py``, ``model_casadi.py`` and ``model.c``; the last is
+            left out where there is no C compiler, and the report says so.
+        samples: Number of configurations.
+        seed: Seed of their random choice.
+
+    Returns:
+        The worst relative error of each function.
+
+    Raises:
+        VerificationError: A function differs by more than 1e-9, raises, returns another shape, or is missing.
+    """
+    compiler = find_compiler()
+    left_out = frozenset() if compiler else COMPILED & {path.name for path in folder.iterdir()}
+    sets = sample_sets(robot, samples, np.random.default_rng(seed))
+    wanted = sets[0].oracle.functions
+    rows: list[Row] = []
+    models: list[GeneratedModel] = []
+    answers: _Answers = {}
+    for model in _models(folder, compiler):
+        models.append(model)
+        _check_interface(robot, folder, model)
+        rare = {name for name in ANGLES if name in model.constants}  # Jacobians that may hardly ever have a value
+        for function in FUNCTIONS:
+            if function in wanted or function in rare:
+                rows.append(_row(model, function, trials(model, function, sets), answers))
+    _check_coverage(folder, models, rows, wanted, left_out)
+    return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
+
+
+def _models(folder: Path, compiler: Command | None) -> Iterator[GeneratedModel]:
+    """All targets; the C compiler works while the others are verified."""
+    with ThreadPoolExecutor(1) as pool:
+        compiled = pool.submit(compile_models, folder, compiler)
+        yield from load_models(folder)
+        yield from compiled.result()
+
+
+def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> Row:
+    """The worst error of one function over all calls."""
+    compared, called, worst = 0, 0, 0.0
+    for trial in calls:
+        key = (function, trial.sample_set, *((a.shape, a.tobytes()) for a in trial.arguments))
+        if key not in answers:
+            answers[key] = expectation(function, trial.sample_set, trial.arguments)
+        expected = answers[key]
+        called += expected.called
+        compared += expected.compared
+        worst = max(worst, _worst_error(f"{function} of {model.file}", function, trial, expected))
+    reason = "singular angles" if function in ANGLES else "singular inertia matrix"
+    note = f"{called - compared} of {called} left out: {reason}" if compared < called else ""
+    return Row(model.target, function, compared, worst, note)
+
+
+def _worst_error(where: str, function: str, trial: Trial, expected: Expectation) -> float:
+    """The worst error of one call, if it is within the tolerance."""
+    got = _value(where, trial, expected)
+    if got is None:
+        return 0.0
+    shape = expected.value.shape
+    if trial.repeated:
+        shape = (trial.repeated, *shape[1:])
+    if got.shape != shape:
+        found = f"{where} returns shape {got.shape} instead of {shape} ({trial.how})"
+        raise VerificationError(found, remedy=REMEDY)
+    if trial.repeated:
+        got = expected.farthest_repetitions(got)
+    errors = expected.errors(got)
+    worst = float(errors.max(initial=0.0))
+    if worst > TOLERANCE:
+        raise VerificationError(
+            f"{where} {_difference(function, trial, expected, got, errors)}",
+            allowed=f"relative errors up to {TOLERANCE:g} are allowed",
+            remedy=REMEDY,
+        )
+    return worst
+
+
+def _value(where: str, trial: Trial, expected: Expectation) -> Array | None:
+    """What the generated function returns; None where it ends in a division by zero that may be right."""
+    try:
+        with np.errstate(all="ignore"):
+            return np.asarray(trial.run(), dtype=float)
+    except Exception as error:
+        zero = isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
+        if zero and isinstance(expected, PartialExpectation) and not expected.regular.all():
+            return None
+        found = f"{where} raises {type(error).__name__}: {error} ({trial.how})"
+        raise VerificationError(found, remedy=REMEDY) from error
+
+
+def _difference(function: str, trial: Trial, expected: Expectation, got: Array, errors: Array) -> str:
+    """The entry that is farthest off, and where."""
+    batch = expected.arguments[0].ndim - 1 if expected.arguments else 0
+    place = np.unravel_index(int(np.argmax(errors)), errors.shape)
+    entry = ",".join(str(int(k) + 1) for k in place[batch:])
+    values = []
+    for name, argument in zip(FUNCTIONS[function].arguments, expected.arguments, strict=True):
+        numbers = ", ".join(f"{value:.17g}" for value in argument[place[:batch]])
+        values.append(f"{name} = [{numbers}]")
+    values += [f"{name} = {value:.17g}" for name, value in trial.sample_set.parameters.items()]
+    found = f"differs: entry [{entry}] is {got[place]:.17g} instead of {expected.value[place]:.17g}"
+    return f"{found} ({trial.how}) at {', '.join(values)}"
+
+
+def _check_interface(robot: Robot, folder: Path, model: GeneratedModel) -> None:
+    """The module's constants are those of this robot."""
+    constants = model.constants
+    found = {"DOF": constants.get("DOF"), "PARAMETERS": tuple(constants.get("PARAMETERS", ()))}
+    wanted = {"DOF": robot.n, "PARAMETERS": free_symbols(robot)}
+    for name, value in wanted.items():
+        if found[name] != value:
+            raise VerificationError(
+                f"{name} of {model.file} is {found[name]!r} instead of {value!r}",
+                remedy=f"rebuild {folder.name}, it belongs to another robot file",
+            )
+
+
+def _check_coverage(
+    folder: Path, models: list[GeneratedModel], rows: list[Row], wanted: tuple[str, ...], left_out: frozenset[str]
+) -> None:
+    """Every function that the robot has or the manifest lists was called: all of nothing is right, too."""
+    path = folder / "MANIFEST.json"
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    except ValueError as error:
+        raise VerificationError(f"{folder.name}/MANIFEST.json is no JSON: {error}", remedy="build it again") from error
+    if not isinstance(manifest, dict):
+        manifest = {}
+    listed = {*wanted, *manifest.get("operations", ())}
+    absent = {name for name in manifest.get("files", ()) if name in MODULES - left_out}
+    absent -= {model.file for model in models}
+    if absent or not (models or manifest):
+        missing = ", ".join(sorted(absent or MODULES))
+        raise VerificationError(f"{folder.name} does not hold {missing}", remedy="build the robot again")
+    for model in models:
+        called = {row.function for row in rows if row.target == model.target}
+        if listed - called:
+            missing = ", ".join(sorted(listed - called))
+            raise VerificationError(f"{model.file}: not verified: {missing}", remedy=REMEDY)

@@ -1,0 +1,227 @@
+"""The options of the notation: letters, functions, frames."""
+
+from __future__ import annotations
+
+import random
+import re
+from itertools import product
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import Rational, Symbol, cos, sin, symbols
+
+from derive.handouts.layout.lines import Equation, equation_lines
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.pieces import italic, joined
+from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.symbols import EntryNamer, Symbols
+from derive.robot.catalogue import catalogue_names
+from derive.robot.robot import Robot
+from derive.robot.style import AngleLetter, FrameIndices, Functions, InertiaLetter, NotationOptions, SliderLetter
+from tests.handouts.latex_runner import run_latex
+from tests.random_robots import robot_text
+
+q1, q2, d3, a1, a2, m1, qd1, qd2, dd3 = symbols("q1 q2 d3 a1 a2 m1 qd1 qd2 dd3")
+
+EVERY_CHOICE = [
+    NotationOptions(angle, slider, functions)
+    for angle, slider, functions in product(AngleLetter, SliderLetter, Functions)
+]
+FULL = NotationOptions(angle=AngleLetter.VARTHETA, functions=Functions.FULL)
+
+
+def scara(extra: str = "", third: str = "d3", alpha: str = "0") -> Robot:
+    """Two angles and an offset."""
+    rows = [
+        f"  - {{type: revolute, a: a1, alpha: {alpha}}}",
+        "  - {type: revolute, a: a2}",
+        f"  - {{type: prismatic, q: {third}}}",
+    ]
+    return Robot.from_text("name: arm\nconvention: standard\njoints:\n" + "\n".join(rows) + "\n" + extra)
+
+
+def printed(expression: object, options: NotationOptions, robot: Robot | None = None) -> str:
+    return LatexPrinter(Notation.of(robot or scara(), options)).latex(expression).strip()
+
+
+@pytest.mark.parametrize(
+    ("angle", "latex"),
+    [
+        (AngleLetter.NAME, "q_{1}"),
+        (AngleLetter.THETA, r"\theta_{1}"),
+        (AngleLetter.VARTHETA, r"\vartheta_{1}"),
+        (AngleLetter.Q, "q_{1}"),
+    ],
+)
+def test_letter_of_an_angle(angle: AngleLetter, latex: str) -> None:
+    """Its velocity and acceleration have the same letter under dots."""
+    notation = Notation.of(scara(), NotationOptions(angle=angle))
+    letter = latex.removesuffix("_{1}")
+    assert notation.glyph("q1").box.tex == latex
+    assert notation.glyph("qd1").box.tex == rf"\dot{{{letter}}}_{{1}}"
+    assert notation.glyph("qdd1").box.tex == rf"\ddot{{{letter}}}_{{1}}"
+    assert notation.glyph("d3").box.tex == "d_{3}"
+
+
+@pytest.mark.parametrize(("slider", "latex"), [("name", r"\mathrm{lift}_{3}"), ("d", "d_{3}"), ("q", "q_{3}")])
+def test_letter_of_an_offset(slider: str, latex: str) -> None:
+    """The label stays, the word goes."""
+    notation = Notation.of(scara(third="lift3"), NotationOptions(prismatic=SliderLetter(slider)))
+    assert notation.glyph("lift3").box.tex == latex
+    assert notation.glyph("q1").box.tex == "q_{1}"
+
+
+def test_a_variable_without_a_label_keeps_its_name() -> None:
+    """There is no index to write."""
+    notation = Notation.of(scara(third="lift"), NotationOptions(prismatic=SliderLetter.D))
+    assert notation.glyph("lift").box.tex == r"\mathrm{lift}"
+
+
+def test_a_letter_that_the_user_has_already_is_not_taken_away() -> None:
+    """d_3 is a parameter and theta_1 another: the variables keep their names."""
+    robot = scara("tool: [[1,0,0,d3],[0,1,0,theta1],[0,0,1,0],[0,0,0,1]]\n", third="q3")
+    notation = Notation.of(robot, NotationOptions(AngleLetter.THETA, SliderLetter.D))
+    letters = {name: notation.glyph(name).box.tex for name in ("q1", "q2", "q3", "d3", "theta1")}
+    assert letters == {
+        "q1": "q_{1}",
+        "q2": r"\theta_{2}",
+        "q3": "q_{3}",
+        "d3": "d_{3}",
+        "theta1": r"\theta_{1}",
+    }
+
+
+def test_two_joints_with_one_label_keep_their_names() -> None:
+    """q1 and u1 cannot both be theta_1."""
+    rows = "joints: [{type: revolute}, {type: revolute, q: u1}, {type: prismatic, q: d1}]\n"
+    notation = Notation.of(
+        Robot.from_text("name: arm\nconvention: standard\n" + rows), NotationOptions(AngleLetter.THETA, SliderLetter.Q)
+    )
+    assert [notation.glyph(name).box.tex for name in ("q1", "u1", "d1")] == ["q_{1}", "u_{1}", "d_{1}"]
+
+
+def test_limits_have_symbols_too() -> None:
+    """A limit called d3 is printed in the table beside the variable."""
+    rows = "joints: [{type: prismatic, q: q3, limits: [0, d3]}, {type: prismatic, q: q4}]\n"
+    robot = Robot.from_text("name: arm\nconvention: standard\n" + rows)
+    notation = Notation.of(robot, NotationOptions(prismatic=SliderLetter.D))
+    assert [notation.glyph(name).box.tex for name in ("q3", "q4", "d3")] == ["q_{3}", "d_{4}", "d_{3}"]
+
+
+@given(
+    st.lists(st.sampled_from(["q1", "q2", "d1", "d2", "theta1", "theta2", "u1", "u2"]), unique=True, min_size=3),
+    st.sampled_from(EVERY_CHOICE),
+    st.randoms(use_true_random=False),
+)
+def test_no_two_names_look_the_same_in_any_notation(
+    names: list[str], options: NotationOptions, source: random.Random
+) -> None:
+    """Whichever of them are variables and whichever parameters."""
+    count = source.randint(1, len(names))
+    kinds = [source.choice(["revolute", "prismatic"]) for _ in range(count)]
+    lengths = names[count:] + ["1"] * count
+    rows = [f"{{type: {kind}, q: {q}, a: {a}}}" for kind, q, a in zip(kinds, names, lengths, strict=False)]
+    rows += [f"{{type: revolute, q: w{k}, a: {name}}}" for k, name in enumerate(lengths[count:]) if name != "1"]
+    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{', '.join(rows)}]\n")
+    looks = [glyph.box.tex for glyph in Notation.of(robot, options).glyphs.values()]
+    assert len(set(looks)) == len(looks)
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_no_two_symbols_of_a_catalogue_robot_look_the_same(name: str) -> None:
+    """In every notation."""
+    robot = Robot.load(name)
+    for options in EVERY_CHOICE:
+        looks = [glyph.box.tex for glyph in Notation.of(robot, options).glyphs.values()]
+        assert len(set(looks)) == len(looks)
+
+
+IN_FULL = {
+    r"a_{1}\cos \vartheta_{1} + a_{2}\cos (\vartheta_{1} + \vartheta_{2})": a1 * cos(q1) + a2 * cos(q1 + q2),
+    r"\cos (\vartheta_{1} + \vartheta_{2})": cos(q1 + q2),
+    r"\cos \vartheta_{1}\sin \vartheta_{2}": cos(q1) * sin(q2),
+    r"d_{3}\sin \vartheta_{1}": d3 * sin(q1),
+    r"\sin^{2}\vartheta_{1}": sin(q1) ** 2,
+    r"m_{1}a_{1}\sin (\vartheta_{2})\dot{\vartheta}_{1}\dot{\vartheta}_{2}": m1 * a1 * sin(q2) * qd1 * qd2,
+    r"\cos (\vartheta_{1})(a_{1} + a_{2}\cos \vartheta_{2})": cos(q1) * (a1 + a2 * cos(q2)),
+    r"a_{1}[1 + \cos (\vartheta_{1} + \vartheta_{2})]": a1 * (1 + cos(q1 + q2)),
+    r"\frac{1}{\cos \vartheta_{1}}": 1 / cos(q1),
+    r"\tfrac{1}{2}\cos \vartheta_{2}": cos(q2) * Rational(1, 2),
+    r"\cos (\vartheta_{1} - \vartheta_{2})": cos(q1 - q2),
+}
+
+
+@pytest.mark.parametrize(("latex", "expression"), IN_FULL.items(), ids=range(len(IN_FULL)))
+def test_functions_in_full(latex: str, expression: object) -> None:
+    """A factor behind the argument never looks like a part of it."""
+    assert printed(expression, FULL, scara("links: [{mass: m1}, {mass: m2}, {mass: m3}]\n")) == latex
+
+
+def test_short_functions_keep_their_labels_with_any_letter() -> None:
+    """c_{12} whatever the angles are called."""
+    for angle in AngleLetter:
+        assert printed(a2 * cos(q1 + q2), NotationOptions(angle=angle)) == "a_{2}c_{12}"
+
+
+def test_long_sums_in_full_still_fit_on_lines() -> None:
+    """The sum of 40 angles is broken, that of two is not."""
+    rows = ", ".join("{type: revolute, a: a}" for _ in range(40))
+    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{rows}]\n")
+    printer = LatexPrinter(Notation.of(robot, FULL))
+    angles = [Symbol(f"q{k}") for k in range(1, 41)]
+    assert len(printer.pieces(cos(angles[0] + angles[1]))) == 1
+    assert len(equation_lines([Equation(italic("x"), tuple(printer.pieces(cos(sum(angles)))))])) > 1
+
+
+def test_widths_are_those_that_tex_finds(tmp_path: Path) -> None:
+    """The model never says too little, and at most a quarter too much."""
+    robot = scara("links: [{mass: m1}, {mass: m2}, {mass: m3}]\n")
+    boxes = []
+    for angle in AngleLetter:
+        notation = Notation.of(robot, NotationOptions(angle, SliderLetter.Q, Functions.FULL, FrameIndices.LEFT))
+        printer, symbols_ = LatexPrinter(notation), Symbols(notation, 3)
+        boxes += [joined(printer.pieces(expression)) for expression in (*IN_FULL.values(), qd1 * dd3)]
+        boxes += [symbols_.frame("A", 1, 0), symbols_.frame("T", 12, 10), symbols_.frame("R", "n", 0)]
+    boxes.append(Symbols(Notation.of(robot), 3).frame("T", 12, 10))
+    lines = [rf"\setbox0\hbox{{${box.tex}$}}\typeout{{WIDTH \the\wd0}}" for box in boxes]
+    text = "\n".join([r"\documentclass{article}\usepackage{amsmath}\begin{document}", *lines, r"x\end{document}"])
+    log = run_latex(text, tmp_path)
+    assert not log.errors
+    found = [float(width) for width in re.findall(r"WIDTH ([0-9.]+)pt", log.text)]
+    for box, width in zip(boxes, found, strict=True):
+        assert width - 0.5 <= box.width <= 1.25 * width + 6.0, (box, width)
+
+
+def test_frames_stand_right_or_left() -> None:
+    """A_1^0 as Siciliano writes it, or {}^0A_1 as Craig does."""
+    left = Symbols(Notation.of(scara(), NotationOptions(frames=FrameIndices.LEFT)), 3)
+    assert Symbols(Notation.of(scara()), 3).frame("A", 1, 0).tex == r"\mathbf{A}_{1}^{0}"
+    assert left.frame("A", 1, 0).tex == r"{}^{0}\mathbf{A}_{1}"
+    assert left.frame("T", "n", 0).tex == r"{}^{0}\mathbf{T}_{n}"
+
+
+@pytest.mark.parametrize("letter", InertiaLetter)
+def test_letter_of_the_inertia_matrix(letter: InertiaLetter) -> None:
+    """Its entries have the small letter."""
+    symbols_ = Symbols(Notation.of(scara(), NotationOptions(inertia=letter)), 3)
+    assert symbols_.inertia_letter == letter.value
+    entry = EntryNamer(symbols_, symbols_.inertia_letter.lower())
+    assert entry(1, 2).tex == f"{letter.value.lower()}_{{12}}"
+
+
+def test_entries_that_would_look_like_a_variable_are_written_with_the_matrix() -> None:
+    """Joint 11 of a robot written d_{11} is no entry of D."""
+    robot = scara(third="q11")
+    notation = Notation.of(robot, NotationOptions(prismatic=SliderLetter.D, inertia=InertiaLetter.D))
+    assert notation.glyph("q11").box.tex == "d_{11}"
+    assert Symbols(notation, 3).entry("d", 1, 1).tex == r"(\mathbf{D})_{11}"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_default_options_change_nothing(seed: int) -> None:
+    """Every symbol is the one of the robot file."""
+    robot = Robot.from_text(robot_text(random.Random(seed), 1 + seed % 7))
+    assert Notation.of(robot, NotationOptions()) == Notation.of(robot)
+    assert all(Notation.of(robot).glyph(joint.variable) for joint in robot.joints)

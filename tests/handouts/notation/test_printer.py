@@ -1,0 +1,168 @@
+"""Expressions in the notation of lecture notes."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import Rational, Symbol, atan2, cos, pi, sign, sin, sqrt, symbols
+
+from derive.errors import TargetError
+from derive.handouts.notation.names import distinct, natural
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.pieces import joined
+from derive.handouts.notation.printer import LatexPrinter
+from derive.robot.robot import Robot
+from tests.handouts.latex_runner import run_latex
+from tests.places import ROOT
+
+
+def arm(joints: int = 4, extra: str = "") -> Robot:
+    """A planar arm with an inertial parameter or two in each link."""
+    rows = "\n".join(f"  - {{type: revolute, a: a{i}, alpha: alpha{i}}}" for i in range(1, joints + 1))
+    links = "\n".join(f"  - {{mass: m{i}, com: [l{i}, 0, 0], inertia: {{zz: I{i}}}}}" for i in range(1, joints + 1))
+    return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n{extra}")
+
+
+PRINTER = LatexPrinter(Notation.of(arm()))
+q1, q2, q3, q4, a1, a2, l2, m1, m2, i2, alpha1, qd1, qd2, qdd1, g = symbols(
+    "q1 q2 q3 q4 a1 a2 l2 m1 m2 I2 alpha1 qd1 qd2 qdd1 g"
+)
+
+PRINTED = {
+    r"a_{1}c_{1} + a_{2}c_{12}": a2 * cos(q1 + q2) + a1 * cos(q1),
+    r"c_{12}c_{4} + s_{12}s_{4}": sin(q4) * sin(q1 + q2) + cos(q4) * cos(q1 + q2),
+    r"-c_{12}s_{4} + s_{12}c_{4}": sin(q1 + q2) * cos(q4) - cos(q1 + q2) * sin(q4),
+    r"m_{2}(a_{1}^{2} + l_{2}^{2} + 2a_{1}l_{2}c_{2}) + I_{2}": i2 + m2 * (2 * a1 * l2 * cos(q2) + l2**2 + a1**2),
+    r"-m_{2}a_{1}l_{2}s_{2}\dot{q}_{2}": -a1 * l2 * m2 * qd2 * sin(q2),
+    r"m_{2}\ddot{q}_{1} + m_{1}\dot{q}_{1}\dot{q}_{2} + m_{1}g": m2 * qdd1 + m1 * qd1 * qd2 + m1 * g,
+    r"-(a_{1} + a_{2})\dot{q}_{1}": (-a1 - a2) * qd1,
+    r"\tfrac{1}{2}m_{1}\dot{q}_{1}^{2}": m1 * qd1**2 / 2,
+    r"\tfrac{\sqrt{3}}{2}a_{1}": sqrt(3) * a1 / 2,
+    r"\frac{a_{1}}{a_{2}}c_{1}": a1 * cos(q1) / a2,
+    r"c_{1}^{2}": cos(q1) ** 2,
+    r"\cos (q_{1} - q_{2})": cos(q1 - q2),
+    r"\cos \alpha_{1}\dot{q}_{1}": cos(alpha1) * qd1,
+    r"\sin^{2}\alpha_{1}": sin(alpha1) ** 2,
+    r"\cos (2q_{1})": cos(2 * q1),
+    r"q_{1} + \tfrac{\pi}{2}": q1 + pi / 2,
+    r"-\tfrac{2\pi}{3}": -2 * pi / 3,
+    r"\operatorname{atan2}(s_{1},\, c_{1})": atan2(sin(q1), cos(q1)),
+    r"\operatorname{sgn}\dot{q}_{1}": sign(qd1),
+    r"\sqrt{a_{1}^{2} + a_{2}^{2}}": sqrt(a1**2 + a2**2),
+    r"\frac{1}{\sqrt{a_{1}}}": 1 / sqrt(a1),
+    r"a_{1}[1 + m_{1}(a_{1} + a_{2})]^{2}": a1 * (m1 * (a1 + a2) + 1) ** 2,
+    r"0": sympy.Integer(0),
+    r"-1": sympy.Integer(-1),
+    r"\tfrac{1}{2}": Rational(1, 2),
+}
+
+
+@pytest.mark.parametrize(("latex", "expression"), PRINTED.items(), ids=range(len(PRINTED)))
+def test_expressions_look_as_in_lecture_notes(latex: str, expression: sympy.Expr) -> None:
+    """Order, signs, abbreviations, fractions and brackets."""
+    assert PRINTER.latex(expression).strip() == latex
+
+
+NAMES = {
+    "m1": "m_{1}",
+    "ml1": "m_{l1}",
+    "Ixx3": "I_{xx3}",
+    "alpha1": r"\alpha_{1}",
+    "beta": r"\beta",
+    "kr1": "k_{r1}",
+    "g": "g",
+    "payload": r"\mathrm{payload}",
+    "m_load": r"m_{\mathrm{load}}",
+    "k_r1": "k_{r1}",
+    "a_max_2": r"a_{\mathrm{max},2}",
+    "a__b": r"\mathtt{a\_\_b}",
+    "lambda": r"\lambda",
+    "E": "E",
+}
+
+
+@pytest.mark.parametrize(("name", "latex"), NAMES.items())
+def test_names_look_as_in_lecture_notes(name: str, latex: str) -> None:
+    """Letters, indices, Greek, words, and the name itself where no rule fits."""
+    assert natural(name).box.tex.strip() == latex
+
+
+@given(st.lists(st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,12}", fullmatch=True), unique=True, max_size=30))
+def test_no_two_names_look_the_same(names: list[str]) -> None:
+    """Nor does any look like the cosine or sine of a joint angle."""
+    printed = [glyph.box.tex for _, glyph in distinct(names)]
+    assert len(set(printed)) == len(names)
+    assert not any(re.fullmatch(r"[cs]_\{[0-9,]+\}", tex) for tex in printed)
+
+
+def test_dots_belong_to_the_joint_and_not_to_a_letter() -> None:
+    """A parameter whose name begins with qd is no velocity."""
+    printer = LatexPrinter(Notation.of(arm(2, "tool: [[1,0,0,qd7],[0,1,0,0],[0,0,1,0],[0,0,0,1]]\n")))
+    assert printer.latex(Symbol("qd7") * Symbol("qd1")) == r"q_{d7}\dot{q}_{1}"
+
+
+def test_labels_of_two_digits_are_told_apart() -> None:
+    """c_{12} of a robot with a joint 12 is the cosine of that joint alone."""
+    printer = LatexPrinter(Notation.of(arm(12)))
+    assert printer.latex(cos(Symbol("q12"))) == "c_{12}"
+    assert printer.latex(cos(q1 + q2)) == "c_{1,2}"
+    assert printer.latex(cos(Symbol("q10") + Symbol("q11"))) == "c_{10,11}"
+
+
+@pytest.mark.parametrize(
+    ("value", "latex"),
+    [
+        ("0.4318", "0.4318"),
+        ("0.5", "0.5"),
+        ("1/3", r"\tfrac{1}{3}"),
+        ("1.234567891", "1.23457"),
+        ("2e-7", r"2 \cdot 10^{-7}"),
+    ],
+)
+def test_robots_given_in_decimals_are_printed_in_decimals(value: str, latex: str) -> None:
+    """As the file writes them, up to six digits."""
+    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{{type: revolute, a: 0.25, d: '{value}'}}]\n")
+    assert LatexPrinter(Notation.of(robot)).latex(Rational(value)) == latex
+
+
+def test_functions_outside_the_grammar_are_refused() -> None:
+    """With a message instead of something that looks right."""
+    with pytest.raises(TargetError):
+        PRINTER.latex(sympy.gamma(q1))
+
+
+def test_print_does_not_depend_on_hash_seeds() -> None:
+    """The same long sum from interpreters with different seeds."""
+    program = (
+        "from tests.handouts.notation.test_printer import PRINTER, PRINTED;"
+        "print([PRINTER.latex(sum(PRINTED.values()) * e) for e in PRINTED.values() if e.args])"
+    )
+    printed = set()
+    for seed in ("0", "7", "99"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)}
+        command = [sys.executable, "-c", program]
+        printed.add(subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, check=True).stdout)
+    assert len(printed) == 1
+
+
+def test_widths_are_those_that_tex_finds(tmp_path: Path) -> None:
+    """The model never says too little, and at most a quarter too much."""
+    names = [*NAMES, "Wx", "fM2", "phi", "Omega3", "w_tool", "Jm12", "VV2"]
+    boxes = [joined(PRINTER.pieces(expression)) for expression in PRINTED.values()]
+    boxes += [natural(name).box for name in names]
+    lines = [rf"\setbox0\hbox{{${box.tex}$}}\typeout{{WIDTH \the\wd0}}" for box in boxes]
+    text = "\n".join([r"\documentclass{article}\usepackage{amsmath}\begin{document}", *lines, r"x\end{document}"])
+    log = run_latex(text, tmp_path)
+    assert not log.errors
+    found = [float(width) for width in re.findall(r"WIDTH ([0-9.]+)pt", log.text)]
+    assert len(found) == len(boxes)
+    for box, width in zip(boxes, found, strict=True):
+        assert width - 0.5 <= box.width <= 1.25 * width + 6.0, (box, width)

@@ -1,0 +1,65 @@
+"""A handout made by hand: every kind of block, and a title that tries to be markup."""
+
+from __future__ import annotations
+
+from derive.handouts.document import (
+    Blank,
+    Block,
+    Document,
+    Entry,
+    Figure,
+    Formula,
+    Paragraph,
+    Rows,
+    Section,
+    Steps,
+    Table,
+)
+from derive.handouts.figure.drawing import Drawing, Label, Path
+
+TITLE = '<script>alert("$1$")</script> & "robot" </title>'
+
+MATRIX = (
+    r"\mathbf{A}_{1}^{0} = \begin{bmatrix} c_{1} & -s_{1} & 0 & a_{1}c_{1} \\ s_{1} & c_{1} & 0 & a_{1}s_{1} \\ "
+    r"0 & 0 & 1 & 0 \\ 0 & 0 & 0 & 1 \end{bmatrix}"
+)
+LONG = " + ".join(rf"m_{{{k}}}a_{{{k}}}^{{2}}\dot{{q}}_{{{k}}}" for k in range(1, 30))
+ENTRIES = (
+    Entry(r"b_{11}", r"m_{1}l_{1}^{2} + 2a_{1}l_{2}m_{2}c_{2}", "m1*l1**2 + 2*a1*l2*m2*cos(q2)"),
+    Entry(r"b_{12}", r"a_{1}l_{2}m_{2}\cos q_{2} < 3", "a1*l2*m2*cos(q2) - sin(q1)/3"),
+)
+
+
+def result() -> Formula:
+    return Formula(
+        rows=(Rows((MATRIX, rf"b_{{11}} = {LONG}")),),
+        named=(r"\sigma_{1} = \frac{1}{2}m_{1}c_{12}",),
+        omitted=(r"b_{33} \colon\ 12\,345\text{ terms}",),
+        note="The matrix is symmetric.",
+        function="inertia_matrix",
+        entries=ENTRIES,
+        blanks=(r"\mathbf{B}",),
+    )
+
+
+def drawing() -> Drawing:
+    arm = Path(((20.0, 20.0), (80.0, 90.0), (170.0, 60.0)), width=3.0)
+    return Drawing(200.0, 120.0, (arm, Label((80.0, 95.0), "a_{1}", (0, -1))), "A planar arm")
+
+
+def blocks() -> tuple[Block, ...]:
+    steps = Steps("How the energy of link $1$ is found", (Paragraph("First $v_{1}$."), Rows((r"\dot{q}_{1}^{2}",))))
+    table = Table(("", r"$\vartheta_i$", "unit"), (("1", r"$q_{1} + \frac{\pi}{2}$", "rad"), ("2 < 3", "$d_2$", "m")))
+    return (
+        Paragraph("The matrix $B$ comes from `inertia_matrix(q)`, where $a < b$ & <b>nothing</b> is markup."),
+        Figure(drawing(), "The arm at $q = 0$."),
+        table,
+        result(),
+        steps,
+        Blank((r"b_{11}", r"b_{12}"), 6),
+    )
+
+
+def document(*extra: Section, title: str = TITLE) -> Document:
+    sections = (Section("inertia", "Inertia matrix $B(q)$", blocks()), *extra)
+    return Document(title, "Exercise", "hostile", "it", "ab" * 32, "9.9.9", "derive 9.9.9 `abab`", sections)

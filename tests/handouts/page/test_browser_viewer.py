@@ -1,0 +1,231 @@
+"""The figure in Chromium: sliders move the arm, and the pose that it shows is that of the NumPy model."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from derive.handouts.page.viewer import symbol_values, travels
+from derive.robot.robot import Robot
+from tests.handouts.page.viewer_page import assumed, viewer_page
+from tests.targets.generated_models import numpy_model
+
+ROBOTS = ("scara-perugia", "puma560-laschi", "stanford-laschi")
+SAMPLES = 20
+FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]
+MODIFIED = """
+name: folding
+convention: modified
+gravity: [0, -9.81, 0]
+joints:
+  - {type: revolute, d: 0.4, limits: [-pi/2, 1]}
+  - {type: prismatic, alpha: -pi/2, limits: [0.2, 0.7]}
+  - {type: revolute, alpha: pi/2, a: a2, d: -0.1}
+base: [[1, 0, 0, 0.1], [0, 0, 1, 0], [0, -1, 0, 0.2], [0, 0, 0, 1]]
+"""
+
+
+def chromium() -> str:
+    """The browser's path; skips without one unless the environment insists."""
+    found = shutil.which("chromium") or shutil.which("chromium-browser")
+    if found is None:
+        if os.environ.get("DERIVE_REQUIRE_CHROMIUM") == "1":
+            pytest.fail("Chromium is not installed")
+        pytest.skip("Chromium is not installed")
+    return found
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as playwright:
+        launched = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
+        yield launched
+        launched.close()
+
+
+class Figure:
+    """One robot's page, opened from disk; remembers what it should not do."""
+
+    def __init__(self, browser: Any, folder: Path, robot: Robot, theme: str = "", without_webgl: bool = False) -> None:
+        self.robot = robot
+        self.values = symbol_values(robot, (), assumed(robot))
+        self.travels = travels(robot, self.values, None)
+        self.trouble: list[str] = []
+        path = folder / "viewer.html"
+        path.write_text(viewer_page(robot, theme=theme), encoding="utf-8")
+        self.page = browser.new_page(viewport={"width": 1000, "height": 700})
+        if without_webgl:
+            self.page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null;")
+        self.page.on("console", lambda message: self.trouble.append(f"{message.type}: {message.text}"))
+        self.page.on("pageerror", lambda error: self.trouble.append(str(error)))
+        self.page.on("request", lambda request: self._note(request.url, path))
+        self.page.goto(path.as_uri())
+        self.settle()
+
+    def _note(self, url: str, path: Path) -> None:
+        if url != path.as_uri() and not url.startswith("data:"):
+            self.trouble.append(f"request: {url}")
+
+    def settle(self) -> None:
+        """Waits for the picture to be drawn."""
+        self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def set(self, q: Any) -> list[float]:
+        return list(self.page.evaluate("q => window.deriveViewer.setConfiguration(q)", list(map(float, q))))
+
+    def pose(self) -> np.ndarray:
+        """What the page shows, with all its digits."""
+        return np.array(json.loads(self.page.get_attribute(".viewer-pose", "data-pose")))
+
+    def transforms(self) -> np.ndarray:
+        return np.array(self.page.evaluate("() => window.deriveViewer.linkTransforms()"))
+
+    def picture(self) -> bytes:
+        self.settle()
+        return bytes(self.page.locator(".viewer-stage").screenshot())
+
+    def params(self, model: ModuleType) -> dict[str, float]:
+        return {name: self.values.get(name, 1.0) for name in model.PARAMETERS}
+
+
+@pytest.fixture(params=[*ROBOTS, "folding"])
+def figure(request: pytest.FixtureRequest, browser: Any, tmp_path: Path) -> Iterator[Figure]:
+    robot = Robot.from_text(MODIFIED) if request.param == "folding" else Robot.load(request.param)
+    made = Figure(browser, tmp_path, robot)
+    yield made
+    made.page.close()
+    assert made.trouble == []
+
+
+def test_the_pose_is_that_of_the_numpy_model(figure: Figure) -> None:
+    model = numpy_model(figure.robot)
+    rng = np.random.default_rng(4)
+    low, high = ([getattr(travel, end) for travel in figure.travels] for end in ("lower", "upper"))
+    for q in rng.uniform(low, high, (SAMPLES, figure.robot.n)):
+        assert figure.set(q) == q.tolist()
+        wanted = model.forward_kinematics(q, params=figure.params(model))
+        assert np.abs(figure.pose() - wanted).max() <= 1e-9
+        frames = model.link_transforms(q, params=figure.params(model))
+        assert np.abs(figure.transforms() - frames).max() <= 1e-9
+        shown = [
+            text.replace("\N{MINUS SIGN}", "-") for text in figure.page.locator(".viewer-pose td").all_inner_texts()
+        ]
+        assert np.array(shown, dtype=float) == pytest.approx(wanted.ravel(), abs=5.1e-5)
+
+
+def test_every_slider_moves_the_arm(figure: Figure) -> None:
+    for i, travel in enumerate(figure.travels):
+        frames, picture = figure.transforms(), figure.picture()
+        value = travel.shown(0.75 * travel.upper + 0.25 * travel.lower)
+        slider = figure.page.locator(".viewer-range").nth(i)
+        slider.evaluate("(e, v) => { e.value = v; e.dispatchEvent(new Event('input', {bubbles: true})); }", value)
+        moved = figure.transforms()
+        assert np.abs(moved[i] - frames[i]).max() > 1e-3
+        assert np.abs(moved[:i] - frames[:i]).max(initial=0) <= 1e-12
+        assert figure.picture() != picture
+
+
+def test_limits_are_respected(figure: Figure) -> None:
+    lower = [travel.lower for travel in figure.travels]
+    upper = [travel.upper for travel in figure.travels]
+    assert figure.set([-1e6] * figure.robot.n) == lower
+    assert figure.set([1e6] * figure.robot.n) == upper
+    for i, travel in enumerate(figure.travels):
+        slider = figure.page.locator(".viewer-range").nth(i)
+        for end in ("lower", "upper"):
+            assert float(slider.get_attribute({"lower": "min", "upper": "max"}[end])) == pytest.approx(
+                travel.shown(getattr(travel, end)), rel=1e-11
+            )
+        if (limits := figure.robot.joints[i].limits) is None and travel.revolute:
+            assert (travel.lower, travel.upper) == (-math.pi, math.pi)
+        elif limits is None:
+            assert travel.lower == 0 < travel.upper
+
+
+def test_keys_numbers_and_the_reset_button_work(figure: Figure) -> None:
+    start = [travel.start for travel in figure.travels]
+    page = figure.page
+    frames = figure.transforms()
+    page.locator(".viewer-range").first.focus()
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("deriveViewer.configuration()")[0] > start[0]
+    page.locator(".viewer-number").nth(1).fill("0.3")
+    page.keyboard.press("Tab")
+    wanted = math.radians(0.3) if figure.travels[1].revolute else 0.3
+    assert page.evaluate("deriveViewer.configuration()")[1] == pytest.approx(wanted, abs=1e-12)
+    page.locator(".viewer-number").nth(1).fill("")
+    page.keyboard.press("Tab")
+    assert page.evaluate("deriveViewer.configuration()")[1] == pytest.approx(wanted, abs=1e-12)
+    page.locator(".viewer-reset").click()
+    assert page.evaluate("deriveViewer.configuration()") == start
+    assert np.array_equal(figure.transforms(), frames)
+
+
+def test_the_view_turns_by_mouse_and_keys_and_returns(figure: Figure) -> None:
+    page = figure.page
+    page.wait_for_timeout(200)
+    home = figure.picture()
+    box = page.locator(".viewer-canvas").bounding_box()
+    page.mouse.move(box["x"] + 200, box["y"] + 200)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 320, box["y"] + 230, steps=4)
+    page.mouse.up()
+    turned = figure.picture()
+    assert turned != home
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("+")
+    assert figure.picture() != turned
+    page.locator(".viewer-home").click()
+    page.locator(".viewer-names").uncheck()
+    page.locator(".viewer-names").check()
+    page.evaluate("document.activeElement.blur()")
+    page.mouse.move(5, 5)
+    for _ in range(30):  # a busy machine draws late
+        if figure.picture() == home:
+            break
+        page.wait_for_timeout(100)
+    assert figure.picture() == home
+
+
+def test_frames_and_labels_can_be_hidden(figure: Figure) -> None:
+    with_frames = figure.picture()
+    figure.page.locator(".viewer-frames").uncheck()
+    without_frames = figure.picture()
+    figure.page.locator(".viewer-names").uncheck()
+    assert len({with_frames, without_frames, figure.picture()}) == 3
+
+
+def test_dark_pages_get_a_dark_figure(browser: Any, tmp_path: Path) -> None:
+    figure = Figure(browser, tmp_path, Robot.load("planar-2r-perugia"), theme="dark")
+    dark = figure.picture()
+    figure.page.evaluate("document.documentElement.dataset.theme = 'light'")
+    assert figure.picture() != dark
+    figure.page.close()
+    assert figure.trouble == []
+
+
+def test_without_webgl_sliders_and_pose_still_work(browser: Any, tmp_path: Path) -> None:
+    figure = Figure(browser, tmp_path, Robot.load("planar-3r"), without_webgl=True)
+    assert figure.page.locator(".viewer-message").is_visible()
+    before = figure.pose()
+    figure.page.locator(".viewer-range").first.focus()
+    figure.page.keyboard.press("ArrowRight")
+    assert np.abs(figure.pose() - before).max() > 1e-3
+    figure.page.close()
+    assert figure.trouble == []
+
+
+def test_the_figure_is_accessible(figure: Figure) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    found = axe.Axe().run(figure.page).response["violations"]
+    assert [v["id"] for v in found if v["impact"] in ("serious", "critical")] == []

@@ -1,0 +1,32 @@
+"""A page that holds nothing but the figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.language import Text
+from derive.handouts.page.viewer import viewer
+from derive.programs.functions import build_program
+from derive.programs.policy import Effort
+from derive.robot.robot import Robot
+
+FRAME = """<!DOCTYPE html>
+<html lang="en"{theme}>
+<head><meta charset="utf-8"><title>viewer</title><link rel="icon" href="data:,"><style>{css}</style></head>
+<body><main>{html}</main><script>{script}</script></body>
+</html>
+"""
+PAGE_STYLE = "body{margin:1rem;font-family:sans-serif} @media(prefers-color-scheme:dark){body{background:#16181c}}"
+
+
+def viewer_page(robot: Robot, start: Sequence[float] | None = None, theme: str = "") -> str:
+    """The page's text."""
+    made = viewer(robot, build_program(robot, Effort.QUICK), assumed(robot), Text(), start=start)
+    attribute = f' data-theme="{theme}"' if theme else ""
+    return FRAME.format(theme=attribute, css=PAGE_STYLE + made.css, html=made.html, script=made.script)
+
+
+def assumed(robot: Robot) -> dict[str, float]:
+    """What figures draw for symbols without a number."""
+    return {name: value for name, value, _ in RobotPoses(robot).assumed}

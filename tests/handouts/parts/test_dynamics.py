@@ -1,0 +1,414 @@
+"""The dynamics of the handout: what it prints is true, complete, in the chosen letter, and fits the page."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from derive.handouts.assemble import section_of
+from derive.handouts.context import Context
+from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handouts.language import Text
+from derive.handouts.latex_writer import latex
+from derive.handouts.parts.bodies import bodies
+from derive.model.dynamic_entries import ModelEntries
+from derive.model.model import Model
+from derive.robot.catalogue import catalogue_names
+from derive.robot.description import Motor
+from derive.robot.expression import ZERO
+from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
+from derive.robot.robot import Robot
+from derive.robot.style import Derivation, HandoutOptions, InertiaLetter, NotationOptions
+from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
+from derive.verification.oracle.oracle import Oracle
+from tests.evaluate import evaluate
+from tests.handouts.latex_runner import run_latex
+from tests.random_robots import robot_text
+
+Array = npt.NDArray[np.float64]
+
+PARTS = (
+    "link-jacobians",
+    "energies",
+    "inertia",
+    "christoffel",
+    "coriolis",
+    "skew",
+    "gravity",
+    "motion",
+    "newton-euler",
+)
+WITH_LINKS = [name for name in catalogue_names() if Robot.load(name).has_dynamics]
+SHORT = [name for name in WITH_LINKS if Robot.load(name).n <= 7]
+SEEDS = range(10)
+WORST_OVERFULL = 1.0
+
+_FUNCTIONS = {"sin": math.sin, "cos": math.cos, "tan": math.tan, "sqrt": math.sqrt, "pi": math.pi, "sign": np.sign}
+
+
+def context_of(robot: Robot, steps: bool = True, letter: InertiaLetter = InertiaLetter.B) -> Context:
+    derivation = Derivation.STEPS if steps else Derivation.RESULT
+    options = HandoutOptions(derivation=derivation, notation=NotationOptions(inertia=letter))
+    return Context(ModelEntries(Model(robot)), options, Text(), "0")
+
+
+def sections_of(context: Context) -> list[Section]:
+    found = (section_of(context, part) for part in PARTS)
+    return [section for section in found if section is not None]
+
+
+def document_of(context: Context) -> Document:
+    sections = tuple(sections_of(context))
+    return Document(context.robot.name, "", context.robot.name, "en", "", "0", "footer", sections)
+
+
+def random_arm(seed: int) -> Robot:
+    return Robot.from_text(robot_text(random.Random(1000 + seed), 1 + seed % 4))
+
+
+def entries_of(section: Section | None) -> dict[str, str]:
+    """Name of every printed entry -> its Python expression."""
+    assert section is not None
+    formulas = [block for block in blocks_of(section) if isinstance(block, Formula)]
+    return {entry.name: entry.python for block in formulas for entry in block.entries}
+
+
+def omitted_of(section: Section) -> str:
+    blocks = blocks_of(section)
+    return "\n".join(
+        line
+        for block in blocks
+        for line in (block.omitted if isinstance(block, Formula) else block.lines if isinstance(block, Rows) else ())
+    )
+
+
+class Numbers:
+    """A robot with a number for everything, and the independent recursion in floats."""
+
+    def __init__(self, robot: Robot) -> None:
+        rng = random.Random(5)
+        self.robot = robot
+        free = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in number_of(robot)}
+        self.oracle = Oracle.of(robot, free)
+        self.q, self.qd, self.qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.n)]) for _ in range(3))
+        self.values = {**free, **_numbers(robot)}
+        for name, numbers in ((str, self.q), (velocity_name, self.qd), (acceleration_name, self.qdd)):
+            pairs = zip(robot.joints, numbers, strict=True)
+            self.values |= {name(joint.variable): float(value) for joint, value in pairs}
+
+    def value(self, python: str) -> float:
+        """What a reader's Python makes of a copied entry."""
+        return float(eval(python, {"__builtins__": {}}, {**_FUNCTIONS, **self.values}))
+
+
+def _numbers(robot: Robot) -> dict[str, float]:
+    from derive.lecture.to_sympy import expression_to_sympy
+
+    return {name: float(evaluate(expression_to_sympy(value), {})) for name, value in number_of(robot).items()}
+
+
+@cache
+def prepared(key: str | int) -> tuple[Context, Numbers]:
+    robot = Robot.load(key) if isinstance(key, str) else random_arm(key)
+    return context_of(robot), Numbers(robot)
+
+
+EVERY = pytest.mark.parametrize("key", [*SHORT, *SEEDS])
+
+
+def assert_entries(numbers: Numbers, entries: Mapping[str, str], expected: Mapping[str, float]) -> None:
+    """Every printed entry has its value; at least its name is a known one."""
+    scale = max(1.0, *map(abs, expected.values()))
+    for name, python in entries.items():
+        assert name in expected
+        assert numbers.value(python) == pytest.approx(expected[name], abs=1e-9 * scale)
+
+
+def named(symbol: Any, matrix: Array) -> dict[str, float]:
+    n = range(len(matrix))
+    return {symbol(i + 1, j + 1): float(matrix[i, j]) for i in n for j in range(matrix.shape[1])}
+
+
+# -- what is printed is true
+
+
+@EVERY
+def test_entries_of_the_inertia_matrix_are_those_of_the_oracle(key: str | int) -> None:
+    context, numbers = prepared(key)
+    section = section_of(replace(context, options=HandoutOptions()), "inertia")
+    matrix = numbers.oracle.evaluate("inertia_matrix", numbers.q)
+    expected = named(lambda i, j: context.dynamics.inertia_entry(i, j).tex, matrix)
+    assert_entries(numbers, entries_of(section), expected)
+
+
+@EVERY
+def test_bodies_and_armatures_add_up_to_the_inertia_matrix(key: str | int) -> None:
+    context, numbers = prepared(key)
+    n = range(1, context.robot.n + 1)
+    total = np.diag(numbers.oracle.arm.armature.astype(float))
+    for body in bodies(context.robot):
+        part = context.entries.inertia_part(body.index, body.is_rotor)
+        total += np.array([[evaluate(part.entry(i, j), numbers.values) for j in n] for i in n])
+    np.testing.assert_allclose(total, numbers.oracle.evaluate("inertia_matrix", numbers.q), rtol=0, atol=1e-9)
+
+
+@EVERY
+def test_jacobians_of_links_and_rotors_are_those_of_the_oracle(key: str | int) -> None:
+    context, numbers = prepared(key)
+    arm, q = numbers.oracle.arm, numbers.q
+    expected: dict[str, float] = {}
+    for letter, halves in (("l", com_jacobians(arm, q)), ("m", rotor_jacobians(arm, q))):
+        for index, half in zip(("v", "\\omega"), halves, strict=True):
+            for i, matrix in enumerate(half, 1):
+                symbol = f"\\mathbf{{J}}_{{{index}}}^{{{letter}_{{{i}}}}}"
+                expected |= named(lambda r, c, symbol=symbol: f"({symbol})_{{{r}{c}}}", matrix)
+    assert_entries(numbers, entries_of(section_of(context, "link-jacobians")), expected)
+
+
+@EVERY
+def test_energies_are_those_of_the_oracle(key: str | int) -> None:
+    context, numbers = prepared(key)
+    arm, q = numbers.oracle.arm, numbers.q
+    entries = entries_of(section_of(replace(context, options=HandoutOptions()), "energies"))
+    for name, python in entries.items():
+        if name == "\\mathcal{T}":
+            assert numbers.value(python) == pytest.approx(float(kinetic_energy(arm, q, numbers.qd)), rel=1e-9)
+        else:
+            assert name == "\\mathcal{U}"
+            assert numbers.value(python) == pytest.approx(float(potential_energy(arm, q)), rel=1e-9, abs=1e-9)
+
+
+@EVERY
+def test_coriolis_matrix_and_its_check_agree_with_the_oracle(key: str | int) -> None:
+    context, numbers = prepared(key)
+    result = replace(context, options=HandoutOptions())
+    matrix = numbers.oracle.evaluate("coriolis_matrix", numbers.q, numbers.qd)
+    expected = named(lambda i, j: context.symbols.entry("C", i, j).tex, matrix)
+    assert_entries(numbers, entries_of(section_of(result, "coriolis")), expected)
+    skewed = entries_of(section_of(result, "skew"))
+    for name, python in skewed.items():
+        row, column = _place(name)
+        opposite = skewed.get(context.symbols.entry("N", column, row).tex)
+        if opposite is not None:
+            assert numbers.value(python) == pytest.approx(-numbers.value(opposite), abs=1e-9)
+
+
+def _place(name: str) -> tuple[int, int]:
+    found = re.findall(r"_\{(\d)(\d)\}$", name)
+    return int(found[0][0]), int(found[0][1])
+
+
+@EVERY
+def test_gravity_and_torques_are_those_of_the_oracle(key: str | int) -> None:
+    context, numbers = prepared(key)
+    result = replace(context, options=HandoutOptions())
+    forces = numbers.oracle.evaluate("gravity_vector", numbers.q)
+    expected = {context.symbols.component("g", i).tex: float(x) for i, x in enumerate(forces, 1)}
+    assert_entries(numbers, entries_of(section_of(result, "gravity")), expected)
+    torques = numbers.oracle.evaluate("inverse_dynamics", numbers.q, numbers.qd, numbers.qdd)
+    expected = {context.symbols.torque(i).tex: float(x) for i, x in enumerate(torques, 1)}
+    assert_entries(numbers, entries_of(section_of(result, "motion")), expected)
+
+
+def test_what_is_announced_as_skew_symmetric_has_been_checked() -> None:
+    """The sentence stands where the entries cancel, and only there."""
+    context = prepared("planar-2r-perugia")[0]
+    section = section_of(context, "skew")
+    assert section is not None
+    assert any("cancel" in block.text for block in section.blocks if isinstance(block, Paragraph))
+
+
+# -- the Newton-Euler recursion, run as it is printed
+
+
+class Recursion:
+    """The printed equations in floats, with the printed constants."""
+
+    def __init__(self, context: Context, numbers: Numbers) -> None:
+        self.context, self.numbers = context, numbers
+        entries = entries_of(section_of(replace(context, options=HandoutOptions()), "newton-euler"))
+        self.values = {name: numbers.value(python) for name, python in entries.items()}
+        self.standard = numbers.oracle.arm.standard
+
+    def matrix(self, symbol: str) -> Array:
+        return np.array([[self.values[f"({symbol})_{{{r}{c}}}"] for c in (1, 2, 3)] for r in (1, 2, 3)])
+
+    def vector(self, symbol: str) -> Array:
+        return np.array([self.values[f"({symbol})_{{{r}}}"] for r in (1, 2, 3)])
+
+    def arm(self, i: int) -> Array:
+        return self.vector(f"\\mathbf{{p}}_{{{i}}}" + ("^{*}" if self.standard else ""))
+
+    def torques(self) -> Array:
+        start = self.context.entries.base_acceleration
+        a = np.array([float(evaluate(cell, self.numbers.values)) for cell in start])
+        w = wd = np.zeros(3)
+        motions = []
+        for i in range(1, self.context.robot.n + 1):
+            w, wd, a = (self.standard_step if self.standard else self.modified_step)(i, w, wd, a)
+            motions.append((w, wd, a))
+        return self.inward(motions)
+
+    def data(self, i: int) -> tuple[Array, Array, float, float]:
+        joint = self.context.robot.joints[i - 1]
+        turn = self.matrix(f"\\mathbf{{R}}_{{{i}}}^{{{i - 1}}}").T
+        return (
+            turn,
+            np.array([0.0, 0.0, 1.0]),
+            joint.sign * self.numbers.qd[i - 1],
+            joint.sign * self.numbers.qdd[i - 1],
+        )
+
+    def standard_step(self, i: int, w: Array, wd: Array, a: Array) -> tuple[Array, Array, Array]:
+        turn, z, rate, acceleration = self.data(i)
+        p = self.arm(i)
+        if self.context.robot.joints[i - 1].is_revolute:
+            w1, wd1 = turn @ (w + rate * z), turn @ (wd + acceleration * z + rate * np.cross(w, z))
+            start = turn @ a
+        else:
+            w1, wd1 = turn @ w, turn @ wd
+            start = turn @ (a + acceleration * z + 2 * rate * np.cross(w, z))
+        return w1, wd1, start + np.cross(wd1, p) + np.cross(w1, np.cross(w1, p))
+
+    def modified_step(self, i: int, w: Array, wd: Array, a: Array) -> tuple[Array, Array, Array]:
+        turn, z, rate, acceleration = self.data(i)
+        p = self.arm(i)
+        carried = turn @ (a + np.cross(wd, p) + np.cross(w, np.cross(w, p)))
+        if self.context.robot.joints[i - 1].is_revolute:
+            w1 = turn @ w + rate * z
+            return w1, turn @ wd + acceleration * z + rate * np.cross(w1, z), carried
+        w1 = turn @ w
+        return w1, turn @ wd, carried + acceleration * z + 2 * rate * np.cross(w1, z)
+
+    def inward(self, motions: list[tuple[Array, Array, Array]]) -> Array:
+        n = self.context.robot.n
+        f = moment = np.zeros(3)
+        torques = np.zeros(n)
+        for i in range(n, 0, -1):
+            w, wd, a = motions[i - 1]
+            r, inertia_tensor = self.vector(f"\\mathbf{{r}}_{{c_{{{i}}}}}"), self.matrix(f"\\mathbf{{I}}_{{{i}}}")
+            force = self.values[f"m_{{{i}}}"] * (a + np.cross(wd, r) + np.cross(w, np.cross(w, r)))
+            spin = inertia_tensor @ wd + np.cross(w, inertia_tensor @ w)
+            back = self.matrix(f"\\mathbf{{R}}_{{{i + 1}}}^{{{i}}}") if i < n else np.eye(3)
+            p = self.arm(i) if self.standard else self.arm(i + 1) if i < n else np.zeros(3)
+            arm = p + r if self.standard else r
+            moment = back @ moment + np.cross(p, back @ f) + np.cross(arm, force) + spin
+            f = back @ f + force
+            turn, z, _, _ = self.data(i)
+            joint = self.context.robot.joints[i - 1]
+            torques[i - 1] = joint.sign * (moment if joint.is_revolute else f) @ (turn @ z if self.standard else z)
+        return torques
+
+
+@EVERY
+def test_the_recursion_with_the_printed_constants_gives_the_torques(key: str | int) -> None:
+    """Links alone: rotors, armatures and friction are stated apart."""
+    context, numbers = prepared(key)
+    links = tuple(replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO) for link in context.robot.links)
+    free = {name: value for name, value in numbers.values.items() if name in robot_symbols(context.robot)}
+    alone = Oracle.of(replace(context.robot, links=links), free)
+    torques = alone.evaluate("inverse_dynamics", numbers.q, numbers.qd, numbers.qdd)
+    np.testing.assert_allclose(Recursion(context, numbers).torques(), torques, rtol=1e-9, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-perugia"])
+def test_every_joint_has_its_own_equations_in_the_steps(name: str) -> None:
+    section = section_of(prepared(name)[0], "newton-euler")
+    assert section is not None
+    steps = [block for block in section.blocks if isinstance(block, Steps)]
+    assert len(steps) == 2
+    lines = [line for step in steps for rows in step.blocks if isinstance(rows, Rows) for line in rows.lines]
+    for i in range(1, Robot.load(name).n + 1):
+        assert any(line.startswith(f"\\boldsymbol{{\\omega}}_{{{i}}} = ") for line in lines)
+        assert any(line.startswith(f"\\tau _{{{i}}} = ") or line.startswith(f"\\tau_{{{i}}} = ") for line in lines)
+
+
+# -- nothing is dropped, the chosen letter is used
+
+
+@EVERY
+def test_every_entry_that_is_not_zero_is_printed_or_counted(key: str | int) -> None:
+    context, _ = prepared(key)
+    n = context.robot.n
+    section = section_of(replace(context, options=HandoutOptions()), "inertia")
+    assert section is not None
+    names = {*entries_of(section)}
+    left_out = omitted_of(section)
+    for i in range(1, n + 1):
+        for j in range(i, n + 1):
+            name = context.dynamics.inertia_entry(i, j).tex
+            if context.entries.B.terms(i, j):
+                assert name in names or name in left_out
+    symbols = section_of(replace(context, options=HandoutOptions()), "christoffel")
+    assert symbols is not None
+    names, left_out = {*entries_of(symbols)}, omitted_of(symbols)
+    for triple in context.entries.triples:
+        assert context.symbols.christoffel(*triple).tex in names or context.symbols.christoffel(*triple).tex in left_out
+
+
+@pytest.mark.parametrize("letter", list(InertiaLetter))
+def test_the_inertia_matrix_has_the_chosen_letter_everywhere(letter: InertiaLetter) -> None:
+    context = context_of(Robot.load("planar-2r-perugia"), letter=letter)
+    text = latex(document_of(context), Text())
+    small = letter.value.lower()
+    assert f"\\mathbf{{{letter.value}}}(\\mathbf{{q}})" in text
+    assert f"\\partial {small}_{{ij}}" in text
+    assert f"{small}_{{12}}" in text
+    for other in set(InertiaLetter) - {letter}:
+        assert f"\\mathbf{{{other.value}}}" not in text
+        assert f"{other.value.lower()}_{{12}}" not in text
+
+
+def test_robots_without_links_have_no_dynamics() -> None:
+    assert sections_of(context_of(Robot.from_text(ONE_JOINT))) == []
+
+
+ONE_JOINT = "name: arm\ntitle: Arm\nconvention: standard\njoints: [{type: revolute}]\n"
+
+
+def test_many_joints_keep_the_sentence_that_nothing_is_derived() -> None:
+    robot = Robot.from_text(robot_text(random.Random(3), 4))
+    context = context_of(robot)
+    few = replace(context, policy=replace(context.policy, closed_form_joints=3))
+    sections = sections_of(few)
+    assert [section.part for section in sections] == ["inertia"]
+    assert "not derived" in "".join(block.text for block in sections[0].blocks if isinstance(block, Paragraph))
+
+
+def test_results_alone_have_no_steps() -> None:
+    context = context_of(Robot.load("scara-perugia"), steps=False)
+    assert not any(isinstance(block, Steps) for section in sections_of(context) for block in blocks_of(section))
+
+
+def test_rotors_are_mentioned_where_the_robot_has_them() -> None:
+    robot = Robot.load("planar-2r-perugia")
+    without = replace(robot, links=tuple(replace(link, motor=None) for link in robot.links))
+    assert any(link.motor not in (None, Motor()) for link in robot.links)
+    for arm, expected in ((robot, True), (without, False)):
+        section = section_of(context_of(arm), "newton-euler")
+        assert section is not None
+        words = " ".join(block.text for block in section.blocks if isinstance(block, Paragraph))
+        assert ("rotors" in words) is expected
+
+
+# -- it fits the page
+
+
+@pytest.mark.parametrize("key", [*WITH_LINKS, *SEEDS])
+def test_the_pages_have_no_error_and_nothing_outside_the_margins(key: str | int, tmp_path: Path) -> None:
+    robot = Robot.load(key) if isinstance(key, str) else random_arm(key)
+    context = context_of(robot) if robot.n > 7 else prepared(key)[0]
+    log = run_latex(latex(document_of(context), Text()), tmp_path)
+    assert not log.errors
+    assert log.status == 0
+    assert log.overfull <= WORST_OVERFULL

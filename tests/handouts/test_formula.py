@@ -1,0 +1,57 @@
+"""Formulas: notes, small matrices side by side, entries to copy."""
+
+from __future__ import annotations
+
+import pytest
+import sympy
+
+from derive.handouts.assemble import context_of
+from derive.handouts.context import Context
+from derive.handouts.formula import component_namer, entry_namer, formula, side_by_side, small
+from derive.handouts.layout.quantity import LaidOut
+from derive.handouts.notation.pieces import Box
+from derive.model.entries import of_matrix
+from derive.robot.robot import Robot
+
+A, B = Box("A", 10.0), Box("B", 10.0)
+q1 = sympy.Symbol("q1")
+
+
+@pytest.fixture(scope="module")
+def context() -> Context:
+    return context_of(Robot.load("planar-3r"))
+
+
+def test_small_matrices_share_a_line(context: Context) -> None:
+    matrix = of_matrix(sympy.Matrix([[sympy.cos(q1), 0], [0, 1]]))
+    found = [small(context, symbol, matrix, entry_namer(symbol)) for symbol in (A, B)]
+    together = side_by_side([one for one in found if one is not None])
+    body = "\\begin{bmatrix} c_{1} & 0 \\\\ 0 & 1 \\end{bmatrix}"
+    assert together.lines == (f"A = {body} \\qquad B = {body}",)
+    assert together.blanks == ("A", "B")
+    assert [name.tex for name, _ in together.values] == ["(A)_{11}", "(A)_{22}", "(B)_{11}", "(B)_{22}"]
+
+
+def test_a_wide_matrix_is_not_small(context: Context) -> None:
+    wide = sympy.Matrix([[sympy.Symbol("a1") ** k * sympy.Symbol("a2") ** k for k in range(2, 22)]])
+    assert small(context, A, of_matrix(wide), entry_namer(A)) is None
+
+
+def test_components_of_a_vector_have_one_index() -> None:
+    assert component_namer(A)(2, 1).tex == "(A)_{2}"
+    assert entry_namer(A, ",")(2, 10).tex == "(A)_{2,10}"
+
+
+def test_what_is_left_out_is_said(context: Context) -> None:
+    plain = LaidOut(("A = 0",), by_entry=True)
+    assert formula(context, plain).note == ""
+    sparse = LaidOut(("A = 0",), by_entry=True, has_zeros=True)
+    assert formula(context, sparse).note == "Entries that are not listed are zero."
+    symmetric = LaidOut(("A = 0",), by_entry=True, has_zeros=True, symmetric=True)
+    assert formula(context, symmetric).note.startswith("The matrix is symmetric; ")
+
+
+def test_entries_are_copied_as_latex_and_python(context: Context) -> None:
+    laid_out = LaidOut(("A = c_{1}",), values=((A, sympy.cos(q1)),))
+    (entry,) = formula(context, laid_out).entries
+    assert (entry.name, entry.latex, entry.python) == ("A", "c_{1}", "cos(q1)")

@@ -1,0 +1,88 @@
+"""Handouts of all kinds of arms compile in every language, keep to their margins and stay short."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from derive.handouts.assemble import context_of, document, exercise, solutions
+from derive.handouts.language import languages
+from derive.handouts.latex_writer import latex
+from derive.robot.catalogue import catalogue_names
+from derive.robot.robot import Robot
+from derive.robot.style import (
+    AngleLetter,
+    Derivation,
+    FrameIndices,
+    Functions,
+    HandoutOptions,
+    InertiaLetter,
+    NotationOptions,
+    SliderLetter,
+)
+from tests.handouts.latex_runner import run_latex
+from tests.random_robots import robot_text
+
+pytestmark = pytest.mark.slow
+
+WORST_OVERFULL = 1.0
+MOST_PAGES = 40
+MOST_PAGES_WITH_STEPS = 60
+"""Of random arms of up to seven joints without any parallel axes, derivations and cosines written in full included."""
+
+LANGUAGES = languages()
+RANDOM_ROBOTS = 50
+
+
+def options_of(number: int, language: str) -> HandoutOptions:
+    """Each robot has notations of its own; every option occurs many times."""
+    pick = random.Random(number).choice
+    notation = NotationOptions(
+        pick(list(AngleLetter)),
+        pick(list(SliderLetter)),
+        pick(list(Functions)),
+        pick(list(FrameIndices)),
+        pick(list(InertiaLetter)),
+    )
+    return HandoutOptions(derivation=pick(list(Derivation)), language=language, notation=notation)
+
+
+def assert_is_clean(
+    robot: Robot, options: HandoutOptions, folder: Path, most: int = MOST_PAGES, *, sheets: bool = False
+) -> None:
+    """No error, nothing outside of the margins, no more pages than anybody prints; nothing in it needs a second run."""
+    context = context_of(robot, options)
+    whole = document(context)
+    made = (exercise(whole, context.text), solutions(whole, context.text)) if sheets else (whole,)
+    for sheet in made:
+        log = run_latex(latex(sheet, context.text), folder)
+        assert not log.errors
+        assert log.status == 0
+        assert log.overfull <= WORST_OVERFULL
+        assert 1 <= log.pages <= most
+
+
+@pytest.mark.parametrize("name", catalogue_names())
+def test_the_catalogue_in_all_languages(name: str, tmp_path: Path) -> None:
+    """As the robot file says, but for the language."""
+    robot = Robot.load(name)
+    for language in LANGUAGES:
+        assert_is_clean(robot, replace(robot.handout, language=language), tmp_path)
+
+
+@pytest.mark.parametrize("seed", range(RANDOM_ROBOTS))
+def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
+    """One to seven joints of all kinds; language, steps and notation change from one to the next."""
+    robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
+    options = options_of(seed, LANGUAGES[seed % len(LANGUAGES)])
+    assert_is_clean(robot, options, tmp_path, MOST_PAGES_WITH_STEPS)
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "planar-2r-perugia", "stanford-deluca", "kuka-lwr4"])
+def test_exercises_and_solutions(name: str, tmp_path: Path) -> None:
+    """Both sheets, with steps where there are solutions."""
+    options = HandoutOptions(derivation=Derivation.STEPS, language="it")
+    assert_is_clean(Robot.load(name), options, tmp_path, sheets=True)

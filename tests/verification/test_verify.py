@@ -1,0 +1,249 @@
+"""`verify` passes what is right, finds every planted fault, and says where."""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from derive.errors import VerificationError
+from derive.robot.robot import Robot
+from derive.verification.tolerance import TOLERANCE
+from derive.verification.verify import verify
+from tests.random_robots import random_robot
+from tests.verification.stand_in import write_stand_in
+
+ARM = """
+name: two-links
+title: Two links
+convention: standard
+joints:
+  - {type: revolute, a: a1}
+  - {type: revolute, theta: -q2, a: 0.4, alpha: pi/2, limits: [-1, 2]}
+gravity: [0, -9.81, 0]
+links:
+  - {mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.1}, motor: {mass: 0.3, inertia: 0.01, ratio: 50}}
+  - {mass: m2, com: [-0.2, 0.01, 0], inertia: {xx: 0.01, yy: 0.06, zz: 0.05}, friction: {viscous: 0.5, coulomb: 0.1}}
+parameters: {a1: 0.5}
+"""
+
+FUNCTIONS = (
+    "forward_kinematics",
+    "link_transforms",
+    "jacobian",
+    "jacobian_dot",
+    "analytic_jacobian_rpy",
+    "analytic_jacobian_zyz",
+    "inertia_matrix",
+    "coriolis_matrix",
+    "gravity_vector",
+    "inverse_dynamics",
+    "forward_dynamics",
+    "coriolis_vector",
+    "inverse_dynamics_dq",
+    "inverse_dynamics_dqd",
+    "regressor",
+    "base_regressor",
+    "base_parameters",
+)
+
+
+def altered(function: str, change: str) -> str:
+    """Code that wraps a function so that ``value`` is changed on its way out."""
+    return f"""
+_right = {function}
+def {function}(*arguments, params=None):
+    value = np.array(_right(*arguments, params=params))
+    {change}
+    return value
+"""
+
+
+def failure(folder: Path, fault: str, text: str = ARM) -> str:
+    robot = write_stand_in(folder, text, fault)
+    with pytest.raises(VerificationError) as caught:
+        verify(robot, folder, samples=6)
+    assert caught.value.exit_status == 1
+    return str(caught.value)
+
+
+def test_right_functions_pass_and_every_one_is_reported(tmp_path: Path) -> None:
+    report = verify(write_stand_in(tmp_path, ARM), tmp_path, samples=6)
+    assert tuple(row.function for row in report.rows) == FUNCTIONS
+    assert all(row.target == "numpy" and row.samples > 20 and row.worst < 1e-12 and not row.note for row in report.rows)
+    assert report.worst <= TOLERANCE
+    assert json.loads(json.dumps(report.as_dict()))["rows"][0]["function"] == "forward_kinematics"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_right_functions_of_random_robots_pass(tmp_path: Path, seed: int) -> None:
+    rng = random.Random(seed)
+    robot = write_stand_in(tmp_path, random_robot(rng, rng.randint(1, 5), dynamics=seed % 3 > 0).text)
+    assert verify(robot, tmp_path, samples=4, seed=seed).worst < 1e-11
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_a_relative_error_of_1e_8_in_one_entry_is_found(tmp_path: Path, function: str) -> None:
+    message = failure(tmp_path, altered(function, "value[..., -1] *= 1 + 1e-8"))
+    assert f"{function} of model_numpy.py differs: entry [" in message
+    assert " instead of " in message
+    assert ("q = [" in message) == (function != "base_parameters")
+    assert "m2 = " in message
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_a_value_that_is_not_a_number_is_found(tmp_path: Path, function: str) -> None:
+    message = failure(tmp_path, altered(function, "value[..., 0] = np.nan"))
+    assert "is nan instead of" in message
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_a_wrong_shape_is_found(tmp_path: Path, function: str) -> None:
+    assert "returns shape" in failure(tmp_path, altered(function, "value = value[..., None]"))
+
+
+def test_an_error_that_only_a_batch_shows_is_found(tmp_path: Path) -> None:
+    fault = altered("gravity_vector", "value = value if value.ndim < 2 else value[..., ::-1]")
+    assert "(a batch)" in failure(tmp_path, fault)
+
+
+def test_an_error_past_the_first_block_is_found(tmp_path: Path) -> None:
+    fault = altered("jacobian", "value = np.concatenate([value[:4096], 0 * value[4096:]])")
+    assert "(a long batch)" in failure(tmp_path, fault)
+
+
+def test_arguments_that_do_not_broadcast_are_found(tmp_path: Path) -> None:
+    fault = altered("coriolis_matrix", "assert arguments[0].shape == arguments[1].shape")
+    assert "raises AssertionError" in failure(tmp_path, fault)
+
+
+def test_a_function_that_writes_into_its_arguments_is_found(tmp_path: Path) -> None:
+    assert "read-only" in failure(tmp_path, altered("jacobian", "arguments[0][...] = 0"))
+
+
+def test_parameters_that_are_ignored_are_found(tmp_path: Path) -> None:
+    fault = "\n\ndef inertia_matrix(q, params=None):\n    return _value('inertia_matrix', [q], {'m2': 1.0})\n"
+    assert "inertia_matrix" in failure(tmp_path, fault)
+
+
+def test_an_error_in_friction_and_another_in_a_small_entry_are_found(tmp_path: Path) -> None:
+    fault = altered("inverse_dynamics", "value[..., 1] += 1e-6 * np.sign(arguments[1][..., 1])")
+    assert "inverse_dynamics" in failure(tmp_path, fault)
+    small = ARM.replace("mass: m2", "mass: 1.0e-6*m2").replace("{xx: 0.01, yy: 0.06, zz: 0.05}", "{zz: 5.0e-8}")
+    fault = altered("inertia_matrix", "value[..., 1, 1] *= 1 + 1e-6")
+    assert "entry [2,2]" in failure(tmp_path, fault, small)
+
+
+def test_a_missing_function_is_found(tmp_path: Path) -> None:
+    assert "jacobian" in failure(tmp_path, "\ndel jacobian\n")
+
+
+def test_a_function_of_the_manifest_that_nobody_verified_is_found(tmp_path: Path) -> None:
+    (tmp_path / "MANIFEST.json").write_text('{"operations": {"inertia_matrix": {}, "collision_matrix": {}}}')
+    assert "not verified: collision_matrix" in failure(tmp_path, "")
+
+
+def test_constants_of_another_robot_are_found(tmp_path: Path) -> None:
+    assert "DOF" in failure(tmp_path, "\nDOF = 3\n")
+    assert "PARAMETERS" in failure(tmp_path, "\nPARAMETERS = ('m1', 'm2')\n")
+
+
+def test_a_module_that_cannot_be_imported_is_one_message(tmp_path: Path) -> None:
+    assert re.search(r"model_numpy.py cannot be imported: \w+", failure(tmp_path, "\nimport nowhere_at_all\n"))
+    assert "SyntaxError" in failure(tmp_path, "\n1 +\n")
+
+
+def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(VerificationError, match=r"does not hold .*model_casadi\.py.*model_numpy\.py"):
+        verify(Robot.from_text(ARM), tmp_path)
+
+
+def test_nothing_is_left_in_the_process_or_the_folder(tmp_path: Path) -> None:
+    modules, path = set(sys.modules), list(sys.path)
+    verify(write_stand_in(tmp_path, ARM), tmp_path, samples=4)
+    assert not [name for name in set(sys.modules) - modules if "model" in name]
+    assert sys.path == path
+    assert [file.name for file in tmp_path.iterdir()] == ["model_numpy.py"]
+
+
+def test_the_same_seed_gives_the_same_report(tmp_path: Path) -> None:
+    robot = write_stand_in(tmp_path, ARM, altered("jacobian", "value *= 1 + 1e-12"))
+    first, second = (verify(robot, tmp_path, samples=4, seed=7) for _ in range(2))
+    assert first == second
+    assert first.worst > 1e-13
+
+
+def test_a_robot_whose_inertia_matrix_is_singular_is_verified_but_for_its_accelerations(tmp_path: Path) -> None:
+    massless = ARM.replace("mass: m2", "mass: 0*m2").replace("inertia: {xx: 0.01, yy: 0.06, zz: 0.05}", "inertia: {}")
+    robot = write_stand_in(tmp_path, massless, altered("forward_dynamics", "raise ZeroDivisionError"))
+    report = verify(robot, tmp_path, samples=4)
+    rows = {row.function: row for row in report.rows}
+    assert rows["forward_dynamics"].samples == 0
+    assert "singular" in rows["forward_dynamics"].note
+    assert rows["inertia_matrix"].samples > 0
+
+
+def test_random_parameters_keep_tensors_positive_and_cells_finite(tmp_path: Path) -> None:
+    from derive.verification.samples import sample_sets
+
+    text = ARM.replace("{zz: 0.1}", "{xx: Ixx, yy: Iyy, zz: Izz, xy: Ixy, xz: Ixz}").replace("a1: 0.5", "b: 1")
+    text = text.replace("a: a1", "a: sqrt(a1 - 2*b)").replace("parameters: {b: 1}", "parameters: {b: 1}\nruntime: [b]")
+    for sample_set in sample_sets(Robot.from_text(text), 6, np.random.default_rng(3)):
+        assert (np.linalg.eigvalsh(sample_set.oracle.arm.inertia) > -1e-12).all()
+        assert sample_set.parameters["a1"] > 2 * sample_set.parameters["b"]
+
+
+def test_configurations_lie_within_the_limits(tmp_path: Path) -> None:
+    from derive.verification.samples import sample_sets
+
+    for sample_set in sample_sets(Robot.from_text(ARM), 30, np.random.default_rng(1)):
+        second = sample_set.arguments["q"][:, 1]
+        assert second.min() >= -1
+        assert second.max() <= 2
+
+
+ROUNDED = """
+name: rounded-base
+convention: modified
+base: [[0.707107, -0.707107, 0, 1], [0.707107, 0.707107, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+joints:
+  - {type: revolute}
+  - {type: revolute, a: 0.4, alpha: 0.3}
+tool: [[1, 0, 0, 0.3], [0, 1, 0, 0.2], [0, 0, 1, 0.1], [0, 0, 0, 1]]
+"""
+
+
+def test_a_rounded_base_leaves_the_jacobian_undetermined_by_its_defect_and_no_more(tmp_path: Path) -> None:
+    in_world_axes = """
+def jacobian(q, params=None):
+    frames = link_transforms(q)
+    z, r = frames[..., 2], forward_kinematics(q)[..., None, :, 3] - frames[..., 3]
+    linear = np.cross(z[..., :3], r[..., :3])
+    return np.swapaxes(np.concatenate([linear, z[..., :3]], axis=-1), -1, -2){more}
+"""
+    robot = write_stand_in(tmp_path, ROUNDED, in_world_axes.format(more=""))
+    assert 1e-12 < verify(robot, tmp_path, samples=6).worst <= TOLERANCE
+    assert "jacobian" in failure(tmp_path, in_world_axes.format(more=" * (1 + 2e-5)"), ROUNDED)
+
+
+def test_rounding_in_the_oracle_is_not_taken_for_inertia(tmp_path: Path) -> None:
+    """The last link is a point on its own axis, on which the oracle's levers are rounding and not zero."""
+    text = """
+name: point-on-axis
+convention: standard
+joints:
+  - {type: revolute, a: 0.371752901208, alpha: pi/3}
+  - {type: revolute, d: -0.290053837538}
+gravity: [0, 0, -9.81]
+links:
+  - {mass: 0.1, com: [0, 0.1, 0.2], inertia: {yy: 0.02, zz: 0.01}}
+  - {mass: 0.5}
+"""
+    robot = write_stand_in(tmp_path, text, altered("forward_dynamics", "value = value + np.inf"))
+    (row,) = (row for row in verify(robot, tmp_path).rows if row.function == "forward_dynamics")
+    assert row.samples == 0
