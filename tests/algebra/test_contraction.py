@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from derive.algebra.angles import contracted_groups
+from derive.algebra.contraction import MAX_ENUMERATED, MAX_STARS, contract, paths, trees
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.errors import Location
@@ -129,3 +130,20 @@ def test_long_parallel_chains_stay_sums_of_angles(n: int) -> None:
     whole = "+".join(f"q{i}" for i in range(1, n + 1))
     relative = domain.ring.generator(f"cos {whole}") * c1 + domain.ring.generator(f"sin {whole}") * s1
     assert form.kinematic(relative) == sympy.cos(sum(sympy.Symbol(f"q{i}") for i in range(2, n + 1)))
+
+
+@pytest.mark.parametrize("size", range(1, MAX_STARS + 2))
+@pytest.mark.parametrize("sums", [True, False])
+def test_every_basis_spans_all_angles_and_the_own_one_comes_first(size: int, sums: bool) -> None:
+    bases = trees(size, sums)
+    assert bases[0] == tuple((0 if sums else i, i + 1) for i in range(size))
+    assert all(len(tree) == size and len(paths(tree, 0)) == size + 1 for tree in bases)
+    assert len(set(bases)) == len(bases)
+    if size <= MAX_ENUMERATED:
+        assert len(bases) == (size + 1) ** (size - 1)  # Cayley's formula
+
+
+def test_one_minus_a_squared_cosine_is_a_squared_sine() -> None:
+    (term,) = contract(1, False, (((0, 0), 1, 1), ((0, 2), -1, 1)))
+    assert (term.numerator, term.denominator) == (1, 1)
+    assert [(f.is_sine, f.edge, f.exponent) for f in term.factors] == [(True, (0, 1), 2)]

@@ -1,0 +1,79 @@
+"""Plans: how many operations they take, and that no rule changes what they stand for."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+
+import pytest
+
+from derive.lecture.plan import Plan, Plus, Term, Times, cheapest, factored, flat, grouped, nested, product_form
+from derive.lecture.terms import Terms
+
+NUMBERS = [Fraction(n) for n in (2, 3, 5, 7, 11)]
+
+
+def value(plan: Plan) -> Fraction:
+    match plan:
+        case Term(coefficient, monomial):
+            total = coefficient
+        case Times(coefficient, monomial, inner):
+            total = coefficient
+            for part, exponent in inner:
+                total *= value(part) ** exponent
+        case Plus(parts):
+            return sum((value(part) for part in parts), Fraction(0))
+    for factor, exponent in monomial:
+        total *= NUMBERS[factor] ** exponent
+    return total
+
+
+def some_terms(seed: int, signs: tuple[int, ...] = (-1, 1)) -> Terms:
+    rng = random.Random(seed)
+    monomials = {tuple((f, rng.randint(1, 2)) for f in sorted(rng.sample(range(5), 3))) for _ in range(7)}
+    return {m: Fraction(rng.choice(signs) * rng.randint(1, 4)) for m in sorted(monomials)}
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("signs", [(-1, 1), (-1,)])
+def test_every_rule_keeps_the_value(seed: int, signs: tuple[int, ...]) -> None:
+    terms = some_terms(seed, signs)
+    levels = [frozenset({0}), frozenset({1, 2})]
+    plans = [
+        flat(terms),
+        factored(terms, flat),
+        factored(terms, flat, frozenset({0, 1})),
+        grouped(terms, levels[1], flat),
+        nested(terms, levels),
+    ]
+    assert {value(plan) for plan in plans} == {value(plans[0])}
+    assert cheapest(plans).operations == min(plan.operations for plan in plans)
+
+
+def test_grouping_by_a_common_factor_saves_its_multiplications() -> None:
+    """x*y + x*z takes three operations, x*(y + z) two."""
+    one = Fraction(1)
+    terms = {((0, 1), (1, 1)): one, ((0, 1), (2, 1)): one}
+    assert (flat(terms).operations, factored(terms, flat).operations) == (3, 2)
+
+
+def test_a_square_of_a_sum_is_found() -> None:
+    square = {((0, 2),): Fraction(1), ((0, 1), (1, 1)): Fraction(2), ((1, 2),): Fraction(1)}
+    found = product_form(square)
+    assert isinstance(found, Times)
+    assert [exponent for _, exponent in found.inner] == [2]
+    assert value(found) == value(flat(square))
+
+
+def test_a_sum_that_is_no_product_is_left() -> None:
+    assert product_form({((0, 2),): Fraction(1), ((1, 2),): Fraction(1)}) is None
+    single = {((0, 1), (1, 1)): Fraction(1), ((0, 1), (2, 1)): Fraction(1)}
+    assert product_form(single) is None
+    assert product_form(single, monomials=True) is not None
+
+
+def test_a_sum_of_negatives_has_its_sign_outside() -> None:
+    terms = {((0, 1), (1, 1)): Fraction(-1), ((0, 1), (2, 1)): Fraction(-2)}
+    found = factored(terms, flat)
+    assert isinstance(found, Times)
+    assert found.coefficient == -1
