@@ -97,9 +97,11 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
             _(
                 "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
                 "%(roll)s and %(yaw)s is determined, and %(roll)s is taken as zero.",
-                roll=roll, pitch=pitch, yaw=yaw,
+                roll=roll,
+                pitch=pitch,
+                yaw=yaw,
             )
-        )  # fmt: skip
+        )
         return
     angles = (
         _atan2(_t(context, 3, 2), _t(context, 3, 3)),
@@ -115,9 +117,12 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         _(
             "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm\\pi/2$: there only "
             "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
-            zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$", roll=roll, pitch=pitch, yaw=yaw,
+            zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$",
+            roll=roll,
+            pitch=pitch,
+            yaw=yaw,
         )
-    )  # fmt: skip
+    )
 
 
 def euler_names(context: Context) -> Names:
@@ -158,9 +163,10 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
                 "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
                 "only the sum or the difference of %(first)s and %(third)s is determined, and %(third)s is taken as "
                 "zero.",
-                first=first, third=third,
+                first=first,
+                third=third,
             )
-        )  # fmt: skip
+        )
         return
     angles = (
         _atan2(_t(context, 2, 3), _t(context, 1, 3)),
@@ -176,9 +182,12 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         _(
             "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= \\pi$: there only "
             "%(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
-            zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$", first=first, second=second, third=third,
+            zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$",
+            first=first,
+            second=second,
+            third=third,
         )
-    )  # fmt: skip
+    )
 
 
 def _never_singular(context: Context, zero: Box) -> Paragraph:
