@@ -1,4 +1,4 @@
-"""The handout of a robot as files in memory: LaTeX, PDF and web page from one document."""
+"""The handout of a robot as files in memory: LaTeX, PDF and web page from one document; and the target ``latex``."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from derive.programs.functions import build_program
 from derive.programs.policy import Effort
 from derive.robot.robot import Robot
 from derive.robot.style import HandoutOptions
+from derive.targets.target import Source, Target
 
 
 class Format(StrEnum):
@@ -91,3 +92,17 @@ def _page(sheet: Document, context: Context) -> str:
         figure = viewer(context.robot, program, assumed, context.text, notation=context.notation)
     mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
     return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
+
+
+def _sheet(source: Source) -> dict[str, str]:
+    """``sheet.tex`` of a generated folder, as the robot file asks for it."""
+    context = context_of(source.robot)
+    return {"sheet.tex": latex(document(context), context.text)}
+
+
+TARGET = Target(
+    name="latex",
+    summary="the equations as a sheet to print, for pdflatex",
+    files=("sheet.tex",),
+    render=_sheet,
+)

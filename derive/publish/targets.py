@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from derive.errors import TargetError
-from derive.handouts.sheet_target import TARGET as LATEX
+from derive.handouts.render import TARGET as LATEX
 from derive.targets.c import TARGET as C
 from derive.targets.casadi import C_TARGET as CASADI_C
 from derive.targets.casadi import TARGET as CASADI
