@@ -68,6 +68,14 @@ class _Parser(argparse.ArgumentParser):
     """Usage errors are one line too: what a user typed may hold anything, and a usage block buries the reason."""
 
     def error(self, message: str) -> NoReturn:
+        """Refuse the arguments.
+
+        Args:
+            message: What is wrong with them.
+
+        Raises:
+            SystemExit: Always, with the status of wrong input.
+        """
         self.exit(WRONG_INPUT, f"{self.prog}: error: {one_line(message)}; see '{self.prog} --help'\n")
 
 

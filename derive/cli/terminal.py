@@ -118,10 +118,10 @@ def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=total)
 
-        def tell(robot: str, stage: str) -> None:
+        def _tell(robot: str, stage: str) -> None:
             bar.update(task, description=f"{robot}: {stage}", advance=1 if stage in ("done", "failed") else 0)
 
-        yield tell
+        yield _tell
 
 
 def positive(text: str) -> int:

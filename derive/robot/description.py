@@ -198,8 +198,8 @@ class Description:
     title: str
     convention: Convention
     joints: tuple[Joint, ...]
-    base: Matrix = IDENTITY
-    tool: Matrix = IDENTITY
+    base: Matrix = field(default_factory=lambda: IDENTITY)  # a factory, so that help() shows no tree
+    tool: Matrix = field(default_factory=lambda: IDENTITY)
     gravity: Vector | None = None
     links: tuple[Link, ...] = ()
     parameters: tuple[tuple[str, Expression], ...] = ()

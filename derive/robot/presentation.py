@@ -46,13 +46,14 @@ def read_handout(document: Document) -> HandoutOptions:
         RobotFileError: An unknown part, a part twice, or a language that is none.
     """
 
-    def choice(path: KeyPath, default: Choice) -> Choice:
+    def _chosen(path: KeyPath, default: Choice) -> Choice:
+        """The choice that the file makes among those of the default's kind."""
         scalar = document.scalar(path)
         return type(default)(scalar.text) if scalar else default
 
     default = HandoutOptions()
     parts = _parts(document)
-    derivation = choice(("handout", "derivation"), default.derivation)
+    derivation = _chosen(("handout", "derivation"), default.derivation)
     path: KeyPath = ("handout", "language")
     language = document.scalar(path)
     if language is not None and LANGUAGE.fullmatch(language.text) is None:
@@ -63,11 +64,11 @@ def read_handout(document: Document) -> HandoutOptions:
             "write for instance en, it, pt or pt_BR",
         )
     notation = NotationOptions(
-        angle=choice((*_NOTATION, "angle"), AngleLetter.NAME),
-        prismatic=choice((*_NOTATION, "prismatic"), SliderLetter.NAME),
-        functions=choice((*_NOTATION, "functions"), Functions.SHORT),
-        frames=choice((*_NOTATION, "frames"), FrameIndices.RIGHT),
-        inertia=choice((*_NOTATION, "inertia"), InertiaLetter.B),
+        angle=_chosen((*_NOTATION, "angle"), AngleLetter.NAME),
+        prismatic=_chosen((*_NOTATION, "prismatic"), SliderLetter.NAME),
+        functions=_chosen((*_NOTATION, "functions"), Functions.SHORT),
+        frames=_chosen((*_NOTATION, "frames"), FrameIndices.RIGHT),
+        inertia=_chosen((*_NOTATION, "inertia"), InertiaLetter.B),
     )
     return HandoutOptions(parts, derivation, language.text if language else default.language, notation)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pydoc
 from pathlib import Path
 
 import pytest
@@ -52,3 +53,7 @@ def test_no_robot_shows_a_tree(name: str) -> None:
     robot = load(name)
     assert "Number(" not in repr(robot) + repr(robot.joints) + repr(robot.links)
     assert len(repr(robot).splitlines()) == robot.n + 3
+
+
+def test_help_shows_no_tree_either() -> None:
+    assert "Number(" not in pydoc.render_doc(Robot)

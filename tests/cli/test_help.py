@@ -24,6 +24,7 @@ HEAVY = (
     "derive.mechanics",
     "derive.model",
     "derive.targets",
+    "derive.api",
     "derive.handouts",
 )
 
