@@ -20,7 +20,7 @@ from derive.handouts.document import (
     rows_of,
     spans,
 )
-from derive.handouts.figure.latex_writer import PREAMBLE, latex_drawing
+from derive.handouts.figure.writers import PREAMBLE, latex_drawing
 from derive.handouts.language import Text
 from derive.handouts.layout.lines import displays
 from derive.handouts.textbook import latex_template, macros

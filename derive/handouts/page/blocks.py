@@ -7,7 +7,7 @@ from html import escape
 
 from derive.handouts.document import Blank, Block, Figure, Formula, Kind, Paragraph, Rows, Steps, Table, spans
 from derive.handouts.figure.drawing import label_runs
-from derive.handouts.figure.svg_writer import svg_drawing
+from derive.handouts.figure.writers import svg_drawing
 from derive.handouts.language import Text
 from derive.targets import templating
 from derive.targets.escape import html_text

@@ -1,0 +1,171 @@
+r"""A drawing as text: LaTeX for the sheet, SVG for the web page.
+
+The LaTeX needs no package: a ``picture`` with labels of LaTeX over paths of raw PDF operators. ``\derivepath{...}``
+hands PDF operators to pdfTeX, LuaTeX or XeTeX; their origin is the current point and their unit is the PDF point
+(1/72 inch). ``\derivelabel{r g b}{...}`` sets a label in a colour.
+
+The SVG is readable on light and on dark: black becomes the colour of the text around; other lines and letters are mixed
+with it, so that they stand out from a dark page too. It has a title for those who cannot see it.
+
+Why neither goes through matplotlib: decision 13 in docs/decisions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+
+from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Label, Path, label_runs
+
+PREAMBLE = r"""\ifdefined\pdfextension
+  \providecommand{\derivepath}[1]{\pdfextension literal {#1}}
+\else\ifdefined\pdfliteral
+  \providecommand{\derivepath}[1]{\pdfliteral{#1}}
+\else
+  \providecommand{\derivepath}[1]{\special{pdf:content #1}}
+\fi\fi
+\ifdefined\XeTeXversion
+  \providecommand{\derivelabel}[2]{\special{color push rgb #1}#2\special{color pop}}
+\else
+  \providecommand{\derivelabel}[2]{\derivepath{#1 rg}#2\derivepath{0 g}}
+\fi
+"""
+"""Definitions that the drawings need; no package."""
+
+LABEL_FONT = r"\fontsize{9}{11}\selectfont"
+
+_PDF_POINT = 72.0 / 72.27
+_LONGEST_LINE = 400
+_HORIZONTAL = {-1: "l", 0: "", 1: "r"}
+_VERTICAL = {-1: "b", 0: "", 1: "t"}
+
+_ANCHORS = {-1: "start", 0: "middle", 1: "end"}
+_RISE = {-1: 0.0, 0: 0.32, 1: 0.72}
+"""Baseline below the anchor, in letter sizes."""
+
+_SHIFT = {0: 0.0, -1: 2.2, 1: -3.2}
+"""Baseline of a subscript and a superscript below that of the line [pt]."""
+
+_SERIF = "KaTeX_Main, 'Latin Modern Math', 'Times New Roman', serif"
+_FONTS = {"italic": ' font-style="italic"', "upright": "", "mono": ' font-family="monospace"'}
+
+
+def latex_drawing(drawing: Drawing) -> str:
+    """A ``picture`` environment as large as the canvas.
+
+    Args:
+        drawing: What to draw.
+    """
+    body = "\n".join(_latex_items(drawing))
+    size = f"({_number(drawing.width)},{_number(drawing.height)})"
+    return (
+        f"\\begingroup\\setlength{{\\unitlength}}{{1pt}}{LABEL_FONT}%\n"
+        f"\\begin{{picture}}{size}\n{body}\n\\end{{picture}}%\n\\endgroup"
+    )
+
+
+def _latex_items(drawing: Drawing) -> Iterator[str]:
+    """Neighbouring paths go into one literal as long as a line allows, which keeps their order among the labels."""
+    line: list[str] = []
+    for item in (*drawing.items, None):
+        operators = _pdf_operators(item) if isinstance(item, Path) else ""
+        if line and (not operators or sum(map(len, line)) + len(operators) > _LONGEST_LINE):
+            yield f"\\put(0,0){{\\derivepath{{q 1 J 1 j {' '.join(line)} Q}}}}"
+            line = []
+        if operators:
+            line.append(operators)
+        if isinstance(item, Label):
+            yield _latex_label(item)
+
+
+def _pdf_operators(item: Path) -> str:
+    """PDF operators: colours, width and dashes, the outline, and how it is painted."""
+    points = [f"{_number(x * _PDF_POINT)} {_number(y * _PDF_POINT)}" for x, y in item.points]
+    state = []
+    if item.fill is not None:
+        state.append(f"{_pdf_color(item.fill)} rg")
+    if item.stroke is not None:
+        state.append(f"{_pdf_color(item.stroke)} RG {_number(item.width * _PDF_POINT)} w")
+        state.append("[3 2] 0 d" if item.dashed else "[] 0 d")
+    outline = f"{points[0]} m " + " ".join(f"{point} l" for point in points[1:]) + (" h" if item.closed else "")
+    painting = {(True, True): "B", (True, False): "f", (False, True): "S", (False, False): "n"}
+    return " ".join([*state, outline, painting[item.fill is not None, item.stroke is not None]])
+
+
+def _latex_label(item: Label) -> str:
+    anchor = _HORIZONTAL[item.anchor[0]] + _VERTICAL[item.anchor[1]]
+    text = f"${item.latex}$"
+    if item.color != BLACK:
+        text = f"\\derivelabel{{{_pdf_color(item.color)}}}{{{text}}}"
+    place = f"({_number(item.at[0])},{_number(item.at[1])})"
+    return f"\\put{place}{{\\makebox(0,0){f'[{anchor}]' if anchor else ''}{{{text}}}}}"
+
+
+def _pdf_color(color: Color) -> str:
+    return " ".join(_number(part, 3) for part in color)
+
+
+def svg_drawing(drawing: Drawing, scale: float = 1.5) -> str:
+    """One ``<svg>`` element.
+
+    Args:
+        drawing: What to draw.
+        scale: Pixels per point; the element shrinks with a narrow page.
+    """
+    width, height = _number(drawing.width), _number(drawing.height)
+    title = f"<title>{_xml_text(drawing.title)}</title>" if drawing.title else ""
+    role = f'role="img" aria-label="{_xml_text(drawing.title)}"' if drawing.title else 'aria-hidden="true"'
+    body = "\n".join(
+        _svg_path(item, drawing.height) if isinstance(item, Path) else _svg_label(item, drawing.height)
+        for item in drawing.items
+    )
+    style = f"max-width:100%;width:{_number(drawing.width * scale)}px;height:auto"
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" {role} viewBox="0 0 {width} {height}" style="{style}" '
+        f'stroke-linejoin="round" stroke-linecap="round" font-family="{_SERIF}" font-size="{_number(LABEL_SIZE)}">'
+        f"{title}\n{body}\n</svg>"
+    )
+
+
+def _svg_path(item: Path, height: float) -> str:
+    points = " L".join(f"{_number(x)} {_number(height - y)}" for x, y in item.points)
+    dashes = ' stroke-dasharray="4 2.5"' if item.dashed else ""
+    area = item.fill is not None and item.stroke is not None
+    fill = _svg_paint("fill", item.fill, solid=area) if item.fill is not None else 'fill="none"'
+    stroke = "" if item.stroke is None else f" {_svg_paint('stroke', item.stroke, solid=area)}"
+    width = "" if item.stroke is None else f' stroke-width="{_number(item.width)}"'
+    return f'<path d="M{points}{"Z" if item.closed else ""}" {fill}{stroke}{width}{dashes}/>'
+
+
+def _svg_paint(attribute: str, color: Color, solid: bool = False) -> str:
+    """Solid bodies keep their colours on every background."""
+    if max(color) == 0.0:
+        return f'{attribute}="currentColor"'
+    code = "#" + "".join(f"{round(255 * part):02x}" for part in color)
+    if solid:
+        return f'{attribute}="{code}"'
+    return f'{attribute}="{code}" style="{attribute}:color-mix(in srgb,{code} 65%,currentColor)"'
+
+
+def _svg_label(item: Label, height: float) -> str:
+    x, y = item.at[0], height - item.at[1] + _RISE[item.anchor[1]] * LABEL_SIZE
+    place = f'x="{_number(x)}" y="{_number(y)}" text-anchor="{_ANCHORS[item.anchor[0]]}"'
+    spans, before = [], 0.0
+    for run in label_runs(item.latex):
+        change, before = _SHIFT[run.shift] - before, _SHIFT[run.shift]  # relative to the run before
+        shift = f' dy="{_number(change)}"' if change else ""
+        size = f' font-size="{_number(SCRIPT_SIZE)}"' if run.shift else ""
+        spans.append(f"<tspan{shift}{size}{_FONTS[run.style]}>{_xml_text(run.text)}</tspan>")
+    return f"<text {place} {_svg_paint('fill', item.color)}>{''.join(spans)}</text>"
+
+
+def _xml_text(text: str) -> str:
+    """Escaped, without characters that XML cannot hold."""
+    return escape("".join(c if c.isprintable() else " " for c in text))
+
+
+def _number(value: float, digits: int = 2) -> str:
+    """A number with as few characters as so many decimals allow."""
+    text = f"{value:.{digits}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return "0" if text == "-0" else text
