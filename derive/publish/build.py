@@ -12,7 +12,7 @@ from typing import Any
 
 from derive.programs.policy import Effort
 from derive.publish.manifest import FILE as MANIFEST
-from derive.publish.manifest import compiled_files, is_current, read_manifest
+from derive.publish.manifest import compiled_files, contents, is_current, read_manifest
 from derive.publish.publish import heal, publish
 from derive.publish.render import compile_libraries, library_names, render_robot
 from derive.publish.targets import targets_named
@@ -224,7 +224,7 @@ def check_robot(
     """
     target, chosen = folder_of(robot, out), targets_named(targets)
     wanted = render_robot(robot, chosen, effort).files
-    found = {name: _contents(target / name) for name in wanted}
+    found = {name: contents(target / name) for name in wanted}
     libraries = library_names(chosen)
     absent = [name for name in libraries if not (target / name).is_file()]
     listed = [name for names in _listed_files(target) for name in names]
@@ -241,11 +241,3 @@ def _listed_files(folder: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Texts and libraries of a folder by its manifest."""
     manifest = read_manifest(folder) or {"files": {}}
     return tuple(manifest["files"]), compiled_files(manifest)
-
-
-def _contents(path: Path) -> bytes | None:
-    """What a file holds; None if there is none of ours, or it cannot be read."""
-    try:
-        return None if path.is_symlink() else path.read_bytes()
-    except OSError:
-        return None

@@ -109,17 +109,25 @@ def is_current(
         return False
     wanted = (robot_digest, version, [target.name for target in targets], effort)
     found = tuple(manifest.get(key) for key in ("robot_file_sha256", "version", "targets", "effort"))
-    compiled = all((folder / name).is_file() for name in compiled_files(manifest))
-    return (
-        found == wanted
-        and compiled
-        and all(_is_untouched(folder / name, hash_) for name, hash_ in manifest["files"].items())
-    )
-
-
-def _is_untouched(path: Path, expected: object) -> bool:
-    """Whether a file has the hash that the manifest says."""
-    try:
-        return not path.is_symlink() and hashlib.sha256(path.read_bytes()).hexdigest() == expected
-    except OSError:
+    if found != wanted or not all((folder / name).is_file() for name in compiled_files(manifest)):
         return False
+    for name, expected in manifest["files"].items():
+        data = contents(folder / name)
+        if data is None or hashlib.sha256(data).hexdigest() != expected:
+            return False
+    return True
+
+
+def contents(path: Path) -> bytes | None:
+    """What a generated file holds.
+
+    Args:
+        path: The file.
+
+    Returns:
+        Its bytes; None if it is a link, is not there, or cannot be read.
+    """
+    try:
+        return None if path.is_symlink() else path.read_bytes()
+    except OSError:
+        return None

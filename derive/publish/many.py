@@ -11,6 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from types import FrameType
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
@@ -108,11 +109,17 @@ def _run(
 ) -> list[R | BuildFailure]:
     """The work on every robot, here or in processes of their own."""
     if min(jobs, len(robots)) <= 1:
-        with _interrupts_noted() as interrupted:
-            done: list[R | BuildFailure] = []
+        done: list[R | BuildFailure] = []
+        noted: list[int] = []
+
+        def _note(number: int, _frame: FrameType | None) -> None:
+            noted.append(number)
+            raise KeyboardInterrupt
+
+        with _interrupts(_note):
             for robot in robots:
                 done.append(_attempt(work, robot))
-                if interrupted:  # somebody on the way has swallowed it
+                if noted:  # what is raised inside of a finaliser or a foreign library's call may never arrive
                     raise KeyboardInterrupt
                 _tell(done[-1], progress)
         return done
@@ -144,7 +151,7 @@ def _in_processes(
     """Results by index; robots whose process died are missing."""
     results: dict[int, R | BuildFailure] = {}
     with _pool(min(jobs, len(robots))) as pool:
-        with _interrupts_ignored():
+        with _interrupts(signal.SIG_IGN):  # a terminal interrupts every process: those started here leave it to us
             futures: dict[Future[R | BuildFailure], int] = {
                 pool.submit(_attempt, work, robot): index for index, robot in enumerate(robots)
             }
@@ -174,32 +181,13 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
 
 
 @contextmanager
-def _interrupts_noted() -> Iterator[list[int]]:
-    """The interrupts that came: one raised inside of a finaliser or a foreign library's call may never arrive."""
-    noted: list[int] = []
+def _interrupts(answer: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
+    """Another answer to interrupts; only the main thread can give one, and who ignores them goes on ignoring them."""
     ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     if ignored or threading.current_thread() is not threading.main_thread():
-        yield noted
-        return
-
-    def _note(number: int, _frame: object) -> None:
-        noted.append(number)
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGINT, _note)
-    try:
-        yield noted
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """A terminal interrupts every process; those started here leave it to us and print no traceback of their own."""
-    if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.signal(signal.SIGINT, answer)
     try:
         yield
     finally:

@@ -313,8 +313,19 @@ def load_c_model(path: Path, compiler: Command) -> CModel:
     return CModel(shared, path.with_suffix(".h").read_text(encoding="utf-8"))
 
 
-def _load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
-    """CasADi's C export; joints and parameters are read in its heading."""
+def load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
+    """Compile and load CasADi's C export; joints and parameters are read in its heading.
+
+    Args:
+        path: ``model_casadi.c``.
+        compiler: The compiler's command.
+
+    Returns:
+        Its functions.
+
+    Raises:
+        VerificationError: It does not compile.
+    """
     import casadi
 
     temporary = tempfile.TemporaryDirectory(prefix="derive-")
@@ -341,7 +352,7 @@ _IMPORTED: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {
 
 _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
     "model.c": load_c_model,
-    "model_casadi.c": _load_casadi_c,
+    "model_casadi.c": load_casadi_c,
 }
 
 COMPILED = frozenset(_COMPILED)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,8 +92,16 @@ def _range(joint: Joint, robot: Robot, parameters: Mapping[str, float]) -> tuple
 
 def _draw_parameters(robot: Robot, index: int, rng: np.random.Generator) -> dict[str, float]:
     """Positive numbers, the file's own in the first set, at which the robot is finite and if possible physical."""
+    free = free_symbols(robot)
+    tensors = [link.inertia for link in robot.links]
+    products = {name for tensor in tensors for cell in (tensor.xy, tensor.xz, tensor.yz) for name in names(cell)}
+    known = {name: value for name, value in parameter_values(robot).items() if name in free}
     fallback: dict[str, float] | None = None
-    for numbers in _candidates(robot, index, rng):
+    for low, high in [region for region in REGIONS for _ in range(ATTEMPTS if free else 1)]:
+        # large products of inertia would make a tensor indefinite
+        numbers = {name: float(rng.uniform(low, high)) * (0.02 if name in products else 1.0) for name in free}
+        for name, value in known.items():
+            numbers[name] = float(value) * (1.0 if index == 0 else numbers[name] / high)
         try:
             arm = Oracle.of(robot, numbers).arm
         except ExpressionError:
@@ -108,16 +116,3 @@ def _draw_parameters(robot: Robot, index: int, rng: np.random.Generator) -> dict
             remedy="give them numbers under 'parameters'",
         )
     return fallback
-
-
-def _candidates(robot: Robot, index: int, rng: np.random.Generator) -> Iterator[dict[str, float]]:
-    """Random numbers from one range after the other; products of inertia are small, else tensors are indefinite."""
-    free = free_symbols(robot)
-    tensors = [link.inertia for link in robot.links]
-    small = {name for tensor in tensors for cell in (tensor.xy, tensor.xz, tensor.yz) for name in names(cell)}
-    known = {name: value for name, value in parameter_values(robot).items() if name in free}
-    for low, high in REGIONS:
-        for _ in range(ATTEMPTS if free else 1):
-            drawn = {name: float(rng.uniform(low, high)) * (0.02 if name in small else 1.0) for name in free}
-            near = {name: float(value) * (1.0 if index == 0 else drawn[name] / high) for name, value in known.items()}
-            yield {**drawn, **near}

@@ -144,9 +144,15 @@ def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: 
 
 def _worst_error(where: str, function: str, trial: Trial, expected: Expectation) -> float:
     """The worst error of one call, if it is within the tolerance."""
-    got = _value(where, trial, expected)
-    if got is None:
-        return 0.0
+    try:
+        with np.errstate(all="ignore"):
+            got = np.asarray(trial.run(), dtype=float)
+    except Exception as error:
+        divided = isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
+        if divided and isinstance(expected, PartialExpectation) and not expected.regular.all():
+            return 0.0  # by zero, which may be right there
+        found = f"{where} raises {type(error).__name__}: {error} ({trial.how})"
+        raise VerificationError(found, remedy=REMEDY) from error
     shape = expected.value.shape
     if trial.repeated:
         shape = (trial.repeated, *shape[1:])
@@ -164,19 +170,6 @@ def _worst_error(where: str, function: str, trial: Trial, expected: Expectation)
             remedy=REMEDY,
         )
     return worst
-
-
-def _value(where: str, trial: Trial, expected: Expectation) -> Array | None:
-    """What the generated function returns; None where it ends in a division by zero that may be right."""
-    try:
-        with np.errstate(all="ignore"):
-            return np.asarray(trial.run(), dtype=float)
-    except Exception as error:
-        zero = isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
-        if zero and isinstance(expected, PartialExpectation) and not expected.regular.all():
-            return None
-        found = f"{where} raises {type(error).__name__}: {error} ({trial.how})"
-        raise VerificationError(found, remedy=REMEDY) from error
 
 
 def _difference(function: str, trial: Trial, expected: Expectation, got: Array, errors: Array) -> str:
