@@ -178,6 +178,17 @@ class Chain(Generic[S]):
         """The vector 0."""
         return (self.zero, self.zero, self.zero)
 
+    def row(self, i: int, convention: Convention) -> Frame[S]:
+        """A_i, the DH transform of row i: DH frame i in DH frame i-1.
+
+        Args:
+            i: From 1.
+            convention: That of the table.
+        """
+        joint = self.joints[i - 1]
+        motion = joint.motion(self.zero, self.one)
+        return motion @ self.ends[i - 1] if convention is Convention.STANDARD else joint.fixed @ motion
+
 
 def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
     """The arm as a chain of joint motions between constant frames.

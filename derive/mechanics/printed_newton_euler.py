@@ -28,7 +28,6 @@ from derive.errors import QuantityError
 from derive.mechanics.chain import Chain, Domain, build_chain, central_inertia, constant_vector
 from derive.mechanics.joint_motion import along_axes
 from derive.mechanics.vectors import (
-    Frame,
     Matrix,
     S,
     Vector,
@@ -239,7 +238,7 @@ def _link_data(
 ) -> LinkData[S]:
     """What is known of link i (from 0): ``before`` is R_{i-1}, ``rates`` those of its joint, +z being positive."""
     joint, link = chain.joints[i], robot.links[i]
-    row: Frame[S] = joint.motion(chain.zero, chain.one) @ chain.ends[i]
+    row = chain.row(i + 1, robot.convention)
     rotation, back = matmul(before, row.rotation), transpose(row.rotation)
     com, tensor = constant_vector(link.com, domain), central_inertia(link, domain).matrix
     return LinkData(

@@ -112,7 +112,7 @@ class KinematicModel:
             QuantityError: No such row.
         """
         self._require_index(i, 1)
-        return frame_matrix(self.kinematics.row(i), self.form.kinematic)
+        return frame_matrix(self.kinematics.transform(i - 1, i), self.form.kinematic)
 
     def transform(self, i: int, j: int) -> Matrix:
         """T_j^i = A_{i+1} ... A_j: DH frame j in DH frame i, without base and tool.

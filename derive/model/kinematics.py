@@ -33,18 +33,6 @@ class Kinematics:
 
     # -- frames
 
-    def row(self, i: int) -> PolynomialFrame:
-        """A_i, the transform of row i.
-
-        Args:
-            i: From 1.
-        """
-        joint = self.chain.joints[i - 1]
-        motion = joint.motion(self.chain.zero, self.chain.one)
-        if self.robot.convention is Convention.STANDARD:
-            return motion @ self.chain.ends[i - 1]
-        return joint.fixed @ motion
-
     def transform(self, i: int, j: int) -> PolynomialFrame:
         """DH frame j in DH frame i, without base and tool.
 
@@ -58,7 +46,7 @@ class Kinematics:
             elif i > j:
                 found = self.transform(j, i).inverse
             else:
-                found = self.transform(i, j - 1) @ self.row(j)
+                found = self.transform(i, j - 1) @ self.chain.row(j, self.robot.convention)
             self._frames[i, j] = found
         return self._frames[i, j]
 

@@ -9,7 +9,7 @@ theirs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -18,72 +18,73 @@ from typing import Any, Generic
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.ring import TooManyTerms
+from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_types import Expr, Matrix
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
 from derive.model.kinematics import Kinematics
 from derive.model.matrices import columns_matrix, frame_matrix
-from derive.robot.description import Convention, Joint
+from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 
 
-class SymPyDomain:
-    """A `derive.mechanics.chain.Domain` whose scalars are SymPy expressions.
+class LeafDomain(Generic[S]):
+    """A `derive.mechanics.chain.Domain` whose scalars are made of the exact cells, angles and offsets of an arm.
 
     Args:
-        domain: A polynomial domain in which every angle is a generator by itself; leaves are written from it.
+        domain: A polynomial domain in which every angle is a generator by itself.
+        scalar: Makes a scalar of a polynomial.
     """
 
-    def __init__(self, domain: PolynomialDomain) -> None:
-        self.domain = domain
-        self.form = LectureForm(domain)
+    def __init__(self, domain: PolynomialDomain, scalar: Callable[[Polynomial], S]) -> None:
+        self._domain = domain
+        self._scalar = scalar
 
-    def number(self, value: int | Fraction) -> Expr:
+    def number(self, value: int | Fraction) -> S:
         """A rational.
 
         Args:
             value: The number.
         """
-        return sympy.Rational(Fraction(value).numerator, Fraction(value).denominator)
+        return self._scalar(self._domain.number(value))
 
-    def constant(self, expression: Expression) -> Expr:
+    def constant(self, expression: Expression) -> S:
         """A cell without joint variables.
 
         Args:
             expression: The cell.
         """
-        return self.form.kinematic(self.domain.constant(expression))
+        return self._scalar(self._domain.constant(expression))
 
-    def cosine_sine(self, angle: Expression) -> tuple[Expr, Expr]:
+    def cosine_sine(self, angle: Expression) -> tuple[S, S]:
         """Cosine and sine of a constant angle.
 
         Args:
             angle: The angle [rad].
         """
-        c, s = self.domain.cosine_sine(angle)
-        return self.form.kinematic(c), self.form.kinematic(s)
+        cosine, sine = self._domain.cosine_sine(angle)
+        return self._scalar(cosine), self._scalar(sine)
 
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Expr, Expr]:
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[S, S]:
         """Cosine and sine of ``sign*q + theta`` of a revolute joint.
 
         Args:
             index: Number of the joint, from 0.
             joint: Its row of the table.
         """
-        c, s = self.domain.joint_cosine_sine(index, joint)
-        return self.form.kinematic(c), self.form.kinematic(s)
+        cosine, sine = self._domain.joint_cosine_sine(index, joint)
+        return self._scalar(cosine), self._scalar(sine)
 
-    def joint_offset(self, index: int, joint: Joint) -> Expr:
+    def joint_offset(self, index: int, joint: Joint) -> S:
         """``sign*q + d`` of a prismatic joint.
 
         Args:
             index: Number of the joint, from 0.
             joint: Its row of the table.
         """
-        return self.form.kinematic(self.domain.joint_offset(index, joint))
+        return self._scalar(self._domain.joint_offset(index, joint))
 
 
 @dataclass(frozen=True)
@@ -175,7 +176,7 @@ class LongChain:
     def chain(self) -> Chain[Expr]:
         """The arm over SymPy expressions, each angle by itself."""
         alone = PolynomialDomain(self.robot, rates=False, sums=lambda group: False)
-        return build_chain(self.robot, SymPyDomain(alone))
+        return build_chain(self.robot, LeafDomain(alone, LectureForm(alone).kinematic))
 
     @cached_property
     def kinematics(self) -> NestedKinematics[Expr]:
@@ -201,7 +202,7 @@ class LongChain:
         Returns:
             4x4.
         """
-        return frame_matrix(_product([self.chain.base, *(self._row(k) for k in range(1, i + 1))]))
+        return frame_matrix(_product([self.chain.base, *self._rows(0, i)]))
 
     def transform(self, i: int, j: int) -> Matrix:
         """DH frame j in DH frame i, without base and tool.
@@ -214,18 +215,15 @@ class LongChain:
             4x4.
         """
         if i < j:
-            return frame_matrix(_product([self._row(k) for k in range(i + 1, j + 1)]))
+            return frame_matrix(_product(self._rows(i, j)))
         t = self.transform(j, i)
         turned = t[:3, :3].T
         rows = turned.row_join(-turned * t[:3, 3])
         return sympy.ImmutableMatrix(rows.col_join(sympy.Matrix([[0, 0, 0, 1]])))
 
-    def _row(self, i: int) -> Frame[Expr]:
-        joint = self.chain.joints[i - 1]
-        motion = joint.motion(self.chain.zero, self.chain.one)
-        if self.robot.convention is Convention.STANDARD:
-            return motion @ self.chain.ends[i - 1]
-        return joint.fixed @ motion
+    def _rows(self, i: int, j: int) -> list[Frame[Expr]]:
+        """A_{i+1} ... A_j."""
+        return [self.chain.row(k, self.robot.convention) for k in range(i + 1, j + 1)]
 
 
 def _product(frames: Sequence[Frame[S]]) -> Frame[S]:
@@ -264,61 +262,6 @@ def _count(scalar: Any) -> int:
     return scalar.value if isinstance(scalar, TermCount) else int(scalar != 0)
 
 
-class TermCountDomain:
-    """A `derive.mechanics.chain.Domain` of numbers of terms.
-
-    Args:
-        domain: Where the leaves are counted; every angle stands by itself in it.
-    """
-
-    def __init__(self, domain: PolynomialDomain) -> None:
-        self._domain = domain
-
-    def number(self, value: int | Fraction) -> TermCount:
-        """A rational.
-
-        Args:
-            value: The number.
-        """
-        return TermCount(int(value != 0))
-
-    def constant(self, expression: Expression) -> TermCount:
-        """A cell without joint variables.
-
-        Args:
-            expression: The cell.
-        """
-        return TermCount(len(self._domain.constant(expression)))
-
-    def cosine_sine(self, angle: Expression) -> tuple[TermCount, TermCount]:
-        """Cosine and sine of a constant angle.
-
-        Args:
-            angle: The angle [rad].
-        """
-        cosine, sine = self._domain.cosine_sine(angle)
-        return TermCount(len(cosine)), TermCount(len(sine))
-
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[TermCount, TermCount]:
-        """Cosine and sine of the angle of a revolute joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
-        cosine, sine = self._domain.joint_cosine_sine(index, joint)
-        return TermCount(len(cosine)), TermCount(len(sine))
-
-    def joint_offset(self, index: int, joint: Joint) -> TermCount:
-        """Displacement of a prismatic joint.
-
-        Args:
-            index: Number of the joint, from 0.
-            joint: Its row of the table.
-        """
-        return TermCount(len(self._domain.joint_offset(index, joint)))
-
-
 def nested_term_counts(robot: Robot) -> NestedKinematics[TermCount]:
     """Numbers of terms of the entries of T and J, without multiplying out.
 
@@ -326,4 +269,4 @@ def nested_term_counts(robot: Robot) -> NestedKinematics[TermCount]:
         robot: The robot.
     """
     alone = PolynomialDomain(robot, rates=False, sums=lambda group: False)
-    return nested_kinematics(build_chain(robot, TermCountDomain(alone)))
+    return nested_kinematics(build_chain(robot, LeafDomain(alone, lambda p: TermCount(len(p)))))

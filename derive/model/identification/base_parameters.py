@@ -126,12 +126,12 @@ def _defined(base: BaseSet, numbers: Mapping[str, Expression]) -> bool:
 
 def _proven(geometry: Robot, candidates: Sequence[Parameter], friction: Sequence[Parameter], samples: int) -> BaseSet:
     domain = PolynomialDomain(with_unit_rotors(geometry), rates=False, max_terms=MAX_TERMS)
-    residues, pivots, form = _independent(domain, candidates, samples)
+    residues, pivots, reduced = _independent(domain, candidates, samples)
     solver = ColumnSolver(domain, residues)
     relations: list[Relation] = []
     too_long: list[Parameter] = []
     for j in sorted(set(range(len(candidates))) - set(pivots)):
-        support = [candidates[pivot] for k, pivot in enumerate(pivots) if form[k, j]]
+        support = [candidates[pivot] for k, pivot in enumerate(pivots) if reduced[k, j]]
         try:
             coefficients = solver.solve(candidates[j], support)
         except TooManyTerms:
@@ -157,8 +157,8 @@ def _independent(
             matrix[:, place[pair], j] = value.values[:, 0]
         for i, value in enumerate(units.gravity(parameter)):
             matrix[:, len(place) + i, j] = value.values[:, 0]
-    pivots, form = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
-    return residues, pivots, form
+    pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
+    return residues, pivots, reduced
 
 
 def _candidates(robot: Robot) -> list[Parameter]:
