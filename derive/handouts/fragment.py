@@ -17,7 +17,6 @@ from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import EntryNamer, bold
 from derive.model.entries import expanded_terms, of_matrix
-from derive.model.model import Model
 from derive.model.quantities import REGISTRY, parse
 from derive.robot.robot import Robot
 from derive.robot.style import PARTS, HandoutOptions
@@ -90,7 +89,6 @@ def _packages(section: Section) -> Iterator[str]:
 
 def _quantity(context: Context, name: str) -> Section:
     """A section that holds one quantity, as the handout prints it where it does."""
-    model = context.entries.model
     word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
     if word not in REGISTRY:  # what is meant may be a part or a quantity
         raise TargetError(
@@ -98,19 +96,17 @@ def _quantity(context: Context, name: str) -> Section:
             allowed=f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
             remedy=near_miss(word, (*PARTS, *REGISTRY)),
         )
-    row, indices, entry = parse(model, name)
+    row, indices, entry = parse(context.entries.model, name)
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
-    laid_out = _known(context, row.name, indices) if entry is None else None
-    laid_out = laid_out or _written(context, name, row.name, indices, model)
+    laid_out = _as_printed(context, row.name) if entry is None and not indices else None
+    laid_out = laid_out or _by_value(context, name, row.name, indices)
     return Section("", "", (formula(context, laid_out, _FUNCTIONS.get(row.name, "")),))
 
 
-def _known(context: Context, name: str, indices: tuple[int, ...]) -> LaidOut | None:
+def _as_printed(context: Context, name: str) -> LaidOut | None:
     """As the handout prints it; None for what no part prints as a whole."""
     layouter, symbols, entries = context.layouter, context.symbols, context.entries
-    if indices:
-        return None
     match name:
         case "T":
             return layouter.lay_out(bold("T"), EntryNamer(symbols, "t"), entries.T)
@@ -131,9 +127,9 @@ class _Name:
     entry: Callable[[int, int], Box]
 
 
-def _written(context: Context, text: str, name: str, indices: tuple[int, ...], model: Model) -> LaidOut:
+def _by_value(context: Context, text: str, name: str, indices: tuple[int, ...]) -> LaidOut:
     """Any other quantity, or an entry: by the value that the model has for it."""
-    value = model.quantity(text)
+    value = context.entries.model.quantity(text)
     called = _called(context, name, indices)
     if hasattr(value, "shape"):
         limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
