@@ -49,5 +49,5 @@ def test_anything_else_is_refused(expression: object) -> None:
 def test_shared_parts_stay_shared() -> None:
     part = sympy.sin(X) + Y
     tree = expression_from_sympy(part**2 + sympy.cos(part))
-    power, call = sorted(tree.terms, key=lambda term: type(term).__name__, reverse=True)  # type: ignore[union-attr]
+    power, call = sorted(tree.terms, key=lambda term: type(term).__name__, reverse=True)
     assert power.base is call.arguments[0]

@@ -67,7 +67,7 @@ def test_a_slip_is_found(wrong: str, kinds: tuple[SlipKind, ...]) -> None:
     repair = diagnose_vector(read(wrong), list(VALUES), holds)
     assert repair is not None
     assert repair.kinds == kinds
-    assert holds(read(repair.formula.name))  # type: ignore[union-attr]
+    assert holds(read(repair.formula.name))
 
 
 def test_names_come_in_order() -> None:
