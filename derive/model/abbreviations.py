@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from math import gcd, lcm
-from typing import Protocol
 
 import sympy
 
@@ -49,7 +48,7 @@ def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matr
         raise QuantityError(f"abbreviations by {way!r}", allowed="christoffel or coefficients")
     if quantity not in allowed[way]:
         raise QuantityError(f"abbreviations of {quantity!r} by {way}", allowed=", ".join(allowed[way]))
-    writer: _Writer = _ByChristoffel(model) if way == "christoffel" else _ByCoefficients(model)
+    writer = _ByChristoffel(model) if way == "christoffel" else _ByCoefficients(model)
     matrix, definitions, letter = _matrix(model, quantity, writer), writer.names.definitions(), writer.names.letter
     if len(definitions) != 1:
         return matrix, definitions
@@ -57,28 +56,7 @@ def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matr
     return matrix.xreplace({symbol: sympy.Symbol(letter)}), {sympy.Symbol(letter): value}
 
 
-class _Writer(Protocol):
-    """Writes sums over rates, and entries of B and g."""
-
-    names: _Names
-
-    def rate_sum(self, pairs: Pairs) -> Expr:
-        """sum p * rate.
-
-        Args:
-            pairs: p and rate.
-        """
-
-    def constant_part(self, p: Polynomial, written: Expr) -> Expr:
-        """An entry of B or g.
-
-        Args:
-            p: The entry.
-            written: As the model writes it.
-        """
-
-
-def _matrix(model: DynamicModel, quantity: str, writer: _Writer) -> Matrix:
+def _matrix(model: DynamicModel, quantity: str, writer: _ByChristoffel | _ByCoefficients) -> Matrix:
     n = range(model.n)
 
     def _inertia(i: int, j: int) -> Expr:

@@ -19,7 +19,6 @@ from derive.mechanics.chain import build_chain
 from derive.mechanics.screws import with_unit_rotors
 from derive.model.dynamic_form import times_rate
 from derive.model.identification.base_parameters import BaseSet, base_set
-from derive.model.identification.column_relations import Coefficient
 from derive.model.identification.parameter_values import grouped_values, standard_values
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.model.kinematic_model import KinematicModel
@@ -62,12 +61,15 @@ class ClosedIdentification:
         values = grouped_values(self.model.robot, self.base, self.model.domain)
         moved: dict[Parameter, list[Expr]] = {parameter: [] for parameter in self.base.parameters}
         for relation in self.base.relations:
+            assert self.base.domain is not None, "relations come with their ring"
+            write = LectureForm(self.base.domain).kinematic
             value = values[relation.parameter]
             for parameter, factor in relation.terms:
                 if factor.numerator.is_constant:
                     values[parameter] = values[parameter] + factor.numerator.constant_term * value
                 else:
-                    moved[parameter].append(self._coefficient(factor) * self.model.form.dynamic(value))
+                    ratio = write(factor.numerator) / write(factor.denominator)
+                    moved[parameter].append(ratio * self.model.form.dynamic(value))
         return sympy.ImmutableMatrix(
             [sympy.Add(self.model.form.dynamic(values[p]), *moved[p]) for p in self.base.parameters]
         )
@@ -81,11 +83,6 @@ class ClosedIdentification:
     def base_regressor(self) -> Matrix:
         """The regressor Y of the base parameters, nxb."""
         return self._matrix(UnitDynamics(self._chain, ends=False), self.base.parameters)
-
-    def _coefficient(self, factor: Coefficient) -> Expr:
-        assert self.base.domain is not None, "relations come with their ring"
-        form = LectureForm(self.base.domain)
-        return form.kinematic(factor.numerator) / form.kinematic(factor.denominator)
 
     # -- columns
 

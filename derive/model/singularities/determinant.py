@@ -166,7 +166,9 @@ def _singularities(robot: Robot, style: Style, contraction: Contraction) -> Sing
 
 def _factors(domain: PolynomialDomain, determinants: list[Polynomial]) -> list[Factor]:
     """The factors of all blocks: one number, what does not move, then what does, from the base outwards."""
-    factoring, lengths = Factoring(domain), _lengths(domain.robot)
+    robot, factoring = domain.robot, Factoring(domain)
+    cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)] + [row[3] for row in robot.tool[:3]]
+    lengths = sorted({abs(cell.value) for cell in cells if isinstance(cell, Number) and cell.value})
     number, powers = domain.ring.one, dict[Polynomial, Factor]()
     for p in determinants:
         for factor in factoring.factors(p):
@@ -180,17 +182,10 @@ def _factors(domain: PolynomialDomain, determinants: list[Polynomial]) -> list[F
     return [Factor(number, 1)] * (number != 1) + rest
 
 
-def _lengths(robot: Robot) -> list[Fraction]:
-    """The numeric lengths of a robot, which the coefficients of a factor should be."""
-    cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)]
-    cells += [row[3] for row in robot.tool[:3]]
-    return sorted({abs(cell.value) for cell in cells if isinstance(cell, Number) and cell.value})
-
-
 def _scaled(domain: PolynomialDomain, factor: Factor, lengths: list[Fraction]) -> tuple[Polynomial, Factor]:
     """A rational power and a factor whose product is the one given.
 
-    The coefficients of a sum become lengths of the robot if one number makes all of them so, else whole numbers
+    The coefficients of a sum become numeric lengths of the robot if one number makes all of them so, else whole numbers
     without a common divisor; most of them positive.
     """
     ring, p = domain.ring, factor.value
