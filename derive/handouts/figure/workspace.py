@@ -29,6 +29,9 @@ _SAMPLES_PER_CELL = 10.0
 _CELLS = (12, 80)
 """Fewest and most cells of the grid along the longer side of the cloud."""
 
+_ONE_POINT = 1e-9
+"""A cloud smaller than this is a point, which gives a plot no scale; a metre is shown then [m]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Assumption:
@@ -120,6 +123,8 @@ def _panel(axes: Any, x: Array, y: Array, labels: tuple[str, str], title: str) -
     axes.scatter(x, y, s=0.6, color=_CLOUD, linewidths=0.0, rasterized=True)
     for line in outline(x, y):
         axes.plot(line[:, 0], line[:, 1], color=_EDGE)
+    if max(np.ptp(x), np.ptp(y)) < _ONE_POINT:
+        axes.set(xlim=(x[0] - 0.5, x[0] + 0.5), ylim=(y[0] - 0.5, y[0] + 0.5))
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.figure.workspace import outline, sample_workspace
+from derive.handouts.figure.workspace import outline, sample_workspace, workspace_bytes
 from derive.robot.robot import Robot
 
 PLANAR = """
@@ -39,6 +39,14 @@ def test_the_same_seed_gives_the_same_points() -> None:
     first, again, other = (sample_workspace(poses, 50, seed).points for seed in (3, 3, 4))
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_workspace_of_one_point_is_plotted_without_a_warning() -> None:
+    pytest.importorskip("matplotlib")
+    points = sample_workspace(RobotPoses(Robot.load("dh-modified-deluca")), 10, 0).points
+    assert np.ptp(points, axis=1).max() <= 1e-12
+    assert workspace_bytes(points, ".svg", "a point").startswith(b"<?xml")
 
 
 def test_a_ring_has_an_outer_and_an_inner_outline() -> None:
