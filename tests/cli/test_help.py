@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
-from derive import __version__
 from derive.cli.main import COMMANDS, main
+from derive.version import __version__
 from tests.places import ROOT
 
 HEAVY = (

@@ -11,6 +11,7 @@ import nbformat
 import pytest
 
 from derive import Model, Robot
+from derive.notebook import MOST_LINES
 from derive.robot.catalogue import catalogue_names
 from tests.docs.console import ROOT
 
@@ -56,6 +57,7 @@ def test_every_robot_and_model_shows_itself(name: str) -> None:
     latex = model._repr_latex_()
     assert latex.startswith("$")
     assert latex.count("\\begin") == latex.count("\\end")
+    assert latex.count("\\\\\n") <= 4 * MOST_LINES
     assert model.singularities._repr_latex_().startswith("$")
 
 

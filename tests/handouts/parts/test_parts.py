@@ -1,0 +1,103 @@
+"""What holds for every part of the handout, whatever it shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import cache
+
+import pytest
+
+from derive.handouts.assemble import context_of
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Formula, Rows, Section, Steps, blocks_of
+from derive.handouts.dynamics import DynamicsLayout
+from derive.handouts.parts.bodies import link_jacobians
+from derive.handouts.parts.example import example
+from derive.handouts.parts.figure import arm, convention
+from derive.handouts.parts.inertia import energies, inertia
+from derive.handouts.parts.jacobian import jacobian
+from derive.handouts.parts.kinematics import end_effector, transforms
+from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
+from derive.handouts.parts.newton_euler import newton_euler
+from derive.handouts.parts.orientation import orientation
+from derive.handouts.parts.recursion import JointLetters, Recursion
+from derive.handouts.parts.singularities import singularities
+from derive.handouts.parts.table import dh_table, parameters
+from derive.robot.robot import Robot
+from derive.robot.style import Derivation, HandoutOptions
+
+KINEMATICS = {
+    part.__name__: part
+    for part in (arm, dh_table, convention, parameters, transforms, end_effector, orientation, jacobian, singularities)
+}
+DYNAMICS = {
+    part.__name__: part
+    for part in (
+        *(link_jacobians, energies, inertia, christoffel, coriolis, skew, gravity, equations_of_motion),
+        *(newton_euler, example),
+    )
+}
+PARTS: dict[str, Callable[[Context], Iterable[Block]]] = KINEMATICS | DYNAMICS
+WITH_LINKS = ("planar-2r-perugia", "scara-perugia")
+ROBOTS = (*WITH_LINKS, "anthropomorphic-arm", "skeleton-modified")
+
+
+@cache
+def blocks(part: str, robot: str, derivation: Derivation) -> tuple[Block, ...]:
+    """All blocks of a part, those inside of steps included."""
+    context = context_of(Robot.load(robot), HandoutOptions(derivation=derivation))
+    if part in DYNAMICS and not context.has_closed_dynamics:
+        return ()
+    return tuple(blocks_of(Section(part, part, tuple(PARTS[part](context)))))
+
+
+def lines(found: Iterable[Block]) -> list[str]:
+    """The displayed mathematics, line by line."""
+    rows = [row for block in found if isinstance(block, Formula) for row in block.rows]
+    rows += [block for block in found if isinstance(block, Rows)]
+    return [line for row in rows for line in row.lines]
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("part", PARTS)
+def test_steps_add_to_the_result_and_take_nothing_away(part: str, robot: str) -> None:
+    result, stepwise = (blocks(part, robot, derivation) for derivation in (Derivation.RESULT, Derivation.STEPS))
+    assert not [block for block in result if isinstance(block, Steps)]
+    shown = [block.rows for block in stepwise if isinstance(block, Formula)]
+    assert all(block.rows in shown for block in result if isinstance(block, Formula))
+    assert len(stepwise) >= len(result)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("part", PARTS)
+def test_brackets_of_every_line_are_closed(part: str, robot: str) -> None:
+    for line in lines(blocks(part, robot, Derivation.STEPS)):
+        plain = line.replace("\\{", "").replace("\\}", "")
+        assert plain.count("{") == plain.count("}"), line
+        for opening, closing in (("\\left", "\\right"), ("\\begin", "\\end")):
+            words = [line.count(word + extra) for word in (opening, closing) for extra in ("arrow",)]
+            assert line.count(opening) - words[0] == line.count(closing) - words[1], line
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_no_part_is_empty_for_a_robot_with_everything(part: str) -> None:
+    assert blocks(part, "scara-perugia", Derivation.RESULT) or part == "convention"
+
+
+@pytest.mark.parametrize("robot", WITH_LINKS)
+def test_the_layout_of_the_dynamics_names_one_entry_for_both_sides(robot: str) -> None:
+    """B is symmetric: b_ij is printed by the name above the diagonal."""
+    layout = context_of(Robot.load(robot)).dynamics
+    assert isinstance(layout, DynamicsLayout)
+    assert layout.inertia_entry(2, 1) == layout.inertia_entry(1, 2)
+
+
+@pytest.mark.parametrize("revolute", [True, False])
+@pytest.mark.parametrize("standard", [True, False])
+def test_the_recursion_goes_outward_over_motion_and_inward_over_forces(standard: bool, revolute: bool) -> None:
+    context = context_of(Robot.load("scara-perugia"))
+    recursion, joint = Recursion(standard, context.symbols), JointLetters.any_joint(revolute)
+    outward, inward = (" ".join(map(str, way(joint))) for way in (recursion.outward, recursion.inward))
+    assert "omega" in outward
+    assert "tau" in inward
+    assert "tau" not in outward
