@@ -1,4 +1,4 @@
-"""The handout of a robot as files in memory: LaTeX, PDF and web page from one document; and the target ``latex``."""
+"""The handout of a robot as files in memory: LaTeX, PDF and web page from one document; and the sheet of a folder."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from derive.programs.functions import build_program
 from derive.programs.policy import Effort
 from derive.robot.robot import Robot
 from derive.robot.style import HandoutOptions
-from derive.targets.target import Source, Target
 
 
 class Format(StrEnum):
@@ -94,15 +93,14 @@ def _page(sheet: Document, context: Context) -> str:
     return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
 
 
-def _sheet(source: Source) -> dict[str, str]:
-    """``sheet.tex`` of a generated folder, as the robot file asks for it."""
-    context = context_of(source.robot)
+def generated_sheet(robot: Robot) -> dict[str, str]:
+    """The sheet of a generated folder, as the robot file asks for it.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        ``sheet.tex``.
+    """
+    context = context_of(robot)
     return {"sheet.tex": latex(document(context), context.text)}
-
-
-TARGET = Target(
-    name="latex",
-    summary="the equations as a sheet to print, for pdflatex",
-    files=("sheet.tex",),
-    render=_sheet,
-)

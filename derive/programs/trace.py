@@ -7,7 +7,8 @@ from fractions import Fraction
 from functools import cached_property
 
 from derive.mechanics.chain import Chain, build_chain
-from derive.programs.cheapest_kinematics import Stations
+from derive.mechanics.vectors import Frame
+from derive.programs.cheapest_kinematics import Stations, cheapest_jacobian, cheapest_pose
 from derive.programs.closed_form import ClosedForm
 from derive.programs.formulation import FormulationChoice
 from derive.programs.frame_choice import (
@@ -98,6 +99,16 @@ class Trace:
     def stations(self) -> Stations | None:
         """Where vectors come from on their way to the world; None where base or tool is a rotation only nearly."""
         return Stations(self.chain, self.runs) if has_exact_rotations(self.robot) else None
+
+    @cached_property
+    def shortest_pose(self) -> Frame[Value] | None:
+        """T by the shortest ways to the world frame, where there are stations; several functions start from it."""
+        return None if self.stations is None else cheapest_pose(self.stations)
+
+    @cached_property
+    def shortest_jacobian(self) -> list[list[Value]] | None:
+        """J by the shortest ways to the world frame, rows first."""
+        return None if self.stations is None else cheapest_jacobian(self.stations)
 
     @cached_property
     def closed_forms(self) -> tuple[ClosedForm, ...]:

@@ -12,8 +12,10 @@ from pathlib import Path
 from derive.errors import OutputError, TargetError
 from derive.programs.functions import build_program
 from derive.programs.policy import Effort
+from derive.programs.program import Program
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
+from derive.publish.processes import in_another_process
 from derive.robot.robot import Robot
 from derive.targets import templating
 from derive.targets.compiler import Command, compile_shared
@@ -54,13 +56,22 @@ def render_robot(robot: Robot, targets: Sequence[Target], effort: Effort = Effor
     Returns:
         The files in memory.
     """
-    source = source_of(robot, targets, effort)
-    heading = {"title": python_docstring(robot.title), "name": robot.name, "version": __version__}
-    files = {PACKAGE: templating.render("package/__init__.py.jinja", **heading).encode()}
-    for target in targets:
-        files |= {name: text.encode() for name, text in target.render(source).items()}
+    early = [target for target in targets if not target.needs_program]
+    with in_another_process(_render_early, robot, early) as early_texts:
+        source = source_of(robot, targets, effort)
+        heading = {"title": python_docstring(robot.title), "name": robot.name, "version": __version__}
+        files = {PACKAGE: templating.render("package/__init__.py.jinja", **heading).encode()}
+        for target in targets:
+            texts = target.render(source) if target.needs_program else early_texts()[target.name]
+            files |= {name: text.encode() for name, text in texts.items()}
     files[MANIFEST] = manifest_text(source, targets, files, effort).encode()
     return Rendered(files, source.program.operations)
+
+
+def _render_early(robot: Robot, targets: Sequence[Target]) -> dict[str, dict[str, str]]:
+    """The files of targets that need no program, by target."""
+    source = Source(robot, Program((), ()), __version__)
+    return {target.name: target.render(source) for target in targets}
 
 
 def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Source:

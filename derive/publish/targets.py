@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from derive.errors import TargetError
-from derive.handouts.render import TARGET as LATEX
 from derive.targets.c import TARGET as C
 from derive.targets.casadi import C_TARGET as CASADI_C
 from derive.targets.casadi import TARGET as CASADI
@@ -13,7 +12,23 @@ from derive.targets.javascript import TARGET as JAVASCRIPT
 from derive.targets.native import TARGET as NATIVE
 from derive.targets.numpy import TARGET as NUMPY
 from derive.targets.readme import TARGET as README
-from derive.targets.target import Target
+from derive.targets.target import Source, Target
+
+
+def _sheet(source: Source) -> dict[str, str]:
+    # SymPy takes as long to import as a sheet to render: it is imported where that is done, beside the search.
+    from derive.handouts.render import generated_sheet
+
+    return generated_sheet(source.robot)
+
+
+LATEX = Target(
+    name="latex",
+    summary="the equations as a sheet to print, for pdflatex",
+    files=("sheet.tex",),
+    render=_sheet,
+    needs_program=False,
+)
 
 _ALL = (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, LATEX, README)
 

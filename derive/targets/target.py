@@ -37,6 +37,7 @@ class Target:
         summary: One line for help texts.
         files: Names of the files that it writes.
         render: Makes their contents, by file name; a pure function.
+        needs_program: Whether it is made of the program; else it is rendered while the program is searched for.
         default: Whether a build writes it when no target is named.
         requires: Names of the targets whose files it needs.
         compiled: Libraries that a build compiles from them: for each the files that it depends on, the first of
@@ -47,6 +48,7 @@ class Target:
     summary: str
     files: tuple[str, ...]
     render: Callable[[Source], dict[str, str]]
+    needs_program: bool = True
     default: bool = True
     requires: tuple[str, ...] = ()
     compiled: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

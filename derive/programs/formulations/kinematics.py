@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
 from derive.mechanics.vectors import Frame, column
-from derive.programs.cheapest_kinematics import cheapest_jacobian, cheapest_links, cheapest_pose
+from derive.programs.cheapest_kinematics import cheapest_links
 from derive.programs.formulation import Formulation
 from derive.programs.optimise.improve import improved_values
 from derive.programs.tape.derivative import derivative
@@ -31,8 +31,8 @@ def poses(trace: Trace) -> Iterator[Formulation]:
         Row by row.
     """
     yield Formulation(_FROM_THE_BASE, lambda: _entries(trace, [recursion.forward_kinematics(trace.chain)]))
-    if (stations := trace.stations) is not None:
-        yield Formulation(f"columns of the pose by {_SHORTEST}", lambda: _entries(trace, [cheapest_pose(stations)]))
+    if (pose := trace.shortest_pose) is not None:
+        yield Formulation(f"columns of the pose by {_SHORTEST}", lambda: _entries(trace, [pose]))
 
 
 def link_poses(trace: Trace) -> Iterator[Formulation]:
@@ -60,8 +60,8 @@ def jacobians(trace: Trace) -> Iterator[Formulation]:
         Row by row.
     """
     yield Formulation("geometric, from axes and origins", lambda: flat(recursion.jacobian(trace.chain)))
-    if (stations := trace.stations) is not None:
-        yield Formulation(f"geometric, columns by {_SHORTEST}", lambda: flat(cheapest_jacobian(stations)))
+    if (matrix := trace.shortest_jacobian) is not None:
+        yield Formulation(f"geometric, columns by {_SHORTEST}", lambda: flat(matrix))
 
 
 def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
@@ -108,9 +108,9 @@ def _pairs(trace: Trace) -> Iterator[tuple[str, Callable[[], Matrix], Callable[[
     """Geometric Jacobian and pose, in the ways in which they may be cheapest."""
     chain = trace.chain
     yield "geometric Jacobian", lambda: recursion.jacobian(chain), lambda: recursion.forward_kinematics(chain)
-    if (stations := trace.stations) is not None:
-        words = "geometric Jacobian by the shortest ways to the world frame"
-        yield words, lambda: cheapest_jacobian(stations), lambda: cheapest_pose(stations)
+    matrix, pose = trace.shortest_jacobian, trace.shortest_pose
+    if matrix is not None and pose is not None:
+        yield "geometric Jacobian by the shortest ways to the world frame", lambda: matrix, lambda: pose
 
 
 def _entries(trace: Trace, frames: Sequence[Frame[Value]]) -> list[Value]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from heapq import heappop, heappush
+from operator import attrgetter
 
 from derive.programs.optimise.network import Definition, Monomial, Network, Operand, Polynomial
 from derive.programs.policy import POLICY
@@ -29,10 +30,12 @@ class _Term:
     """A term of sums, with the divisors in it, and in pairs with other terms as far as they have been asked for."""
 
     number: int
-    monomial: Monomial
-    coefficient: Ref
+    content: tuple[Monomial, Ref]
     factors: list[Entry]
     pairs: dict[int, list[Entry]]
+
+
+_IN_ORDER = attrgetter("content")
 
 
 class Extractor:
@@ -116,10 +119,10 @@ class Extractor:
 
     def _divide(self, polynomial: tuple[tuple[Monomial, Ref], ...]) -> tuple[list[Entry], int]:
         """The divisors of a polynomial, one entry for each, and the number of their places."""
-        terms = [self._terms.get(term) or self._term(*term) for term in polynomial]
+        terms = [self._terms.get(term) or self._term(term) for term in polynomial]
         found = [entry for term in terms for entry in term.factors]
         if 1 < len(terms) <= POLICY.longest_paired:
-            terms.sort(key=lambda term: (term.monomial, term.coefficient))
+            terms.sort(key=_IN_ORDER)
             for i, one in enumerate(terms):
                 pairs = one.pairs
                 for other in terms[i + 1 :]:
@@ -131,8 +134,9 @@ class Extractor:
             groups[number] = entry if old is None else (number, old[1] + entry[1], old[2] + entry[2])
         return list(groups.values()), len(found)
 
-    def _term(self, monomial: Monomial, coefficient: Ref) -> _Term:
+    def _term(self, content: tuple[Monomial, Ref]) -> _Term:
         """A term with its pairs of factors, the coefficient among them."""
+        monomial, coefficient = content
         found: list[Entry] = []
         here = (monomial,)
         if coefficient not in UNITS:
@@ -149,12 +153,12 @@ class Extractor:
                     seen.add(pair)
                     left = monomial[:i] + monomial[i + 1 : j] + monomial[j + 1 :]
                     found.append((self._number(pair, {pair: ONE}), [(here, left, coefficient, 1)], 1))
-        term = self._terms[monomial, coefficient] = _Term(len(self._terms), monomial, coefficient, found, {})
+        term = self._terms[content] = _Term(len(self._terms), content, found, {})
         return term
 
     def _pair(self, one: _Term, other: _Term) -> list[Entry]:
         """Two terms of a sum as divisors: as they are, and with the coefficient of the first taken out."""
-        a, j, b, k = one.monomial, one.coefficient, other.monomial, other.coefficient
+        (a, j), (b, k) = one.content, other.content
         terms = (a, b)
         saving = term_cost(a, j) + term_cost(b, k) + 1
         common = _common(a, b) if len(a) + len(b) > 2 and a and b else ()

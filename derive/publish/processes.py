@@ -1,0 +1,74 @@
+"""Work done in another process meanwhile, where that is possible: what does not wait for the search runs beside it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from multiprocessing.connection import Connection
+from typing import ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+@contextmanager
+def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
+    """Do some work beside what follows.
+
+    It is done in a copy of this process, which ends with it. Where processes cannot be copied, where there is but one
+    core, in a process that shares its work already, and if anything goes wrong over there, it is done here once its
+    result is asked for: with the same result and the same errors.
+
+    Args:
+        work: A function whose result can be pickled.
+        arguments: Its arguments.
+        options: Its named arguments.
+
+    Yields:
+        What waits for the result and returns it.
+    """
+
+    def _here() -> R:
+        return work(*arguments, **options)
+
+    if not _is_worthwhile():
+        yield cache(_here)
+        return
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_do_and_send, args=(_here, sender), daemon=True)
+    process.start()
+    sender.close()
+
+    def _received() -> R:
+        try:
+            found: tuple[R, ...] = receiver.recv()
+        except EOFError:
+            found = ()
+        return found[0] if found else _here()
+
+    try:
+        yield cache(_received)
+    finally:
+        process.kill()
+        process.join()
+        receiver.close()
+
+
+def _is_worthwhile() -> bool:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    can_copy = "fork" in multiprocessing.get_all_start_methods() and os.name == "posix"
+    return can_copy and cores > 1 and multiprocessing.parent_process() is None
+
+
+def _do_and_send(work: Callable[[], object], sender: Connection) -> None:
+    """Send the result; nothing where there is none. An interrupt is the other process's affair."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        sender.send((work(),))
+    except Exception:  # done again where it is asked for, and told there
+        sender.close()
