@@ -60,23 +60,21 @@ class FormulationChoice:
         """
         return program_cost(self._priced, copy(self._graph, outputs, self._priced, self._known, self.numbers))
 
-    def near(self, formulations: Iterable[Formulation], margin: float) -> tuple[Formulation, ...]:
+    def near(self, formulations: Iterable[Formulation], margin: float | None) -> tuple[Formulation, ...]:
         """The formulations worth improving.
 
         Args:
             formulations: All of them.
-            margin: How many times the cheapest they may cost as traced with symbols.
+            margin: How many times the cheapest they may cost as traced with symbols; None for any cost.
 
         Returns:
             Those that cost no more, traced.
         """
-        traced = [(formulation.words, formulation.trace()) for formulation in formulations]
-        costs = [program_cost(self._graph, [value.ref for value in values]).body for _, values in traced]
-        return tuple(
-            Formulation(words, _traced(values))
-            for (words, values), cost in zip(traced, costs, strict=True)
-            if cost <= margin * min(costs)
-        )
+        if margin is None:
+            return tuple(Formulation(f.words, _given(f.trace())) for f in tuple(formulations))
+        traced = [Formulation(f.words, _given(f.trace())) for f in formulations]
+        costs = [program_cost(self._graph, [value.ref for value in f.trace()]).body for f in traced]
+        return tuple(f for f, cost in zip(traced, costs, strict=True) if cost <= margin * min(costs))
 
     def cheapest(self, formulations: Sequence[Formulation], *, search: bool = True) -> tuple[Formulation, Tape]:
         """The cheapest formulation once all are improved, the first of equals.
@@ -113,7 +111,7 @@ class FormulationChoice:
         return formulations[winner], tape
 
 
-def _traced(values: Sequence[Value]) -> Callable[[], Sequence[Value]]:
+def _given(values: Sequence[Value]) -> Callable[[], Sequence[Value]]:
     return lambda: values
 
 

@@ -7,14 +7,16 @@ own, so that no mistake is made twice.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol, TypeVar
 
 from derive.errors import QuantityError
 from derive.programs.formulation import Formulation
 from derive.programs.formulations import dynamics, identification, kinematics
 from derive.programs.policy import POLICY, Effort
 from derive.programs.program import Column, Function, Interface, Magnitude, Program
+from derive.programs.tape.cost import program_cost
 from derive.programs.trace import Trace
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.names import free_symbols
@@ -56,6 +58,11 @@ class Row:
     columns: Callable[[Trace], tuple[Column, ...]] | None = None
     is_optional: bool = False
     without_value: Callable[[Trace], Formulation] | None = None
+
+    @property
+    def may_lack_value(self) -> bool:
+        """Whether there are robots that have no value of it in any configuration."""
+        return self.is_optional or self.without_value is not None
 
 
 ROWS = (
@@ -294,15 +301,56 @@ ROWS = (
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}
 
 
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Spread(Protocol):
+    """How pieces of work that do not depend on each other are done: one by one, or several at once."""
+
+    def __call__(self, work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
+        """Do the work.
+
+        Args:
+            work: Done with each piece.
+            pieces: The pieces.
+            sizes: How long each takes, roughly and relative to each other.
+
+        Returns:
+            The result of each piece.
+        """
+
+
+def one_by_one(work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
+    """The `Spread` over one process.
+
+    Args:
+        work: Done with each piece.
+        pieces: The pieces.
+        sizes: Of no interest.
+
+    Returns:
+        The result of each piece.
+    """
+    return [work(piece) for piece in pieces]
+
+
 def build_program(
-    robot: Robot, effort: Effort = Effort.FULL, *, names: Container[str] = frozenset(INTERFACES)
+    robot: Robot,
+    effort: Effort = Effort.FULL,
+    *,
+    names: Container[str] = frozenset(INTERFACES),
+    spread: Spread = one_by_one,
 ) -> Program:
     """The functions of a robot: kinematics, and dynamics where the file has links.
+
+    All are traced on one graph; then the cheapest formulation of each is chosen, of one independently of the others.
 
     Args:
         robot: The robot.
         effort: How long the cheapest programs are looked for.
         names: Only the functions of these names.
+        spread: How the choices are spread over processes; the program does not depend on it.
 
     Returns:
         The program.
@@ -311,27 +359,65 @@ def build_program(
         QuantityError: A cell divides by zero or has no real root once the parameters have their numbers.
     """
     trace = Trace(robot, effort)
-    functions = [_function(row, trace) for row in ROWS if row.interface.name in names and row.exists(robot)]
+    rows = [row for row in ROWS if row.interface.name in names and row.exists(robot)]
+    traced = [_Traced.of(row, trace) for row in rows]
+    functions = spread(_Traced.function, traced, [function.size for function in traced])
     return Program(tuple(function for function in functions if function is not None), free_symbols(robot))
 
 
-def _function(row: Row, trace: Trace) -> Function | None:
-    """One function; None for an optional one without a value in any configuration.
+@dataclass(frozen=True, slots=True)
+class _Traced:
+    """A function whose formulations stand on the graph; none where none has a value.
 
-    Cells without a value have been refused by the functions before, which are not optional: a division by zero here is
-    that of singular angles, or of an inertia matrix that is singular everywhere.
+    Cells without a value are refused by the functions that must have one: elsewhere a division by zero is that of
+    singular angles, or of an inertia matrix that is singular everywhere.
     """
-    columns = row.columns(trace) if row.columns else ()
-    sizes = {"n": trace.n, "p": len(columns)}
-    shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
-    try:
-        formulations = row.formulations(trace)
-        near = tuple(formulations) if row.margin is None else trace.choice.near(formulations, row.margin)
-        formulation, tape = trace.choice.cheapest(near, search=row.search)
-    except QuantityError:
-        if row.is_optional:
+
+    row: Row
+    trace: Trace
+    columns: tuple[Column, ...]
+    formulations: tuple[Formulation, ...]
+
+    @classmethod
+    def of(cls, row: Row, trace: Trace) -> _Traced:
+        """Trace a function.
+
+        Args:
+            row: The function.
+            trace: Of the robot.
+
+        Returns:
+            What is worth improving.
+        """
+        columns = row.columns(trace) if row.columns else ()
+        try:
+            formulations = trace.choice.near(row.formulations(trace), row.margin)
+        except QuantityError:
+            if not row.may_lack_value:
+                raise
+            formulations = ()
+        return cls(row, trace, columns, formulations)
+
+    @property
+    def size(self) -> int:
+        """Operations among which is searched."""
+        graph, weight = self.trace.graph, 4 if self.row.search else 1
+        return weight * sum(program_cost(graph, [v.ref for v in f.trace()]).nodes for f in self.formulations)
+
+    def function(self) -> Function | None:
+        """The function with its tape; None for an optional one without a value in any configuration."""
+        row, choice = self.row, self.trace.choice
+        try:
+            chosen = choice.cheapest(self.formulations, search=row.search) if self.formulations else None
+        except QuantityError:
+            if not row.may_lack_value:
+                raise
+            chosen = None
+        if chosen is None and row.without_value is not None:
+            chosen = choice.cheapest([row.without_value(self.trace)])
+        if chosen is None:
             return None
-        if row.without_value is None:
-            raise
-        formulation, tape = trace.choice.cheapest([row.without_value(trace)])
-    return Function(row.interface, shape, tape, formulation.words, columns)
+        sizes = {"n": self.trace.n, "p": len(self.columns)}
+        shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
+        formulation, tape = chosen
+        return Function(row.interface, shape, tape, formulation.words, self.columns)

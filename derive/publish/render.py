@@ -15,7 +15,7 @@ from derive.programs.policy import Effort
 from derive.programs.program import Program
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
-from derive.publish.processes import in_another_process
+from derive.publish.processes import in_another_process, in_two_processes
 from derive.robot.robot import Robot
 from derive.targets import templating
 from derive.targets.compiler import Command, compile_shared
@@ -86,7 +86,7 @@ def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.F
         The robot with its program.
     """
     names = (PACKAGE, *(name for target in targets for name in target.files), MANIFEST)
-    return Source(robot, build_program(robot, effort), __version__, tuple(sorted(names)))
+    return Source(robot, build_program(robot, effort, spread=in_two_processes), __version__, tuple(sorted(names)))
 
 
 def library_names(targets: Iterable[Target]) -> tuple[str, ...]:
