@@ -12,7 +12,7 @@ import numpy.typing as npt
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 
 Array = npt.NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.verification.oracle.arm import Array
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.identification import fitting_states
-from derive.verification.oracle.oracle import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.rates import distance_from_singularity
 from derive.verification.samples import SampleSet
 from derive.verification.tolerance import (

@@ -23,7 +23,7 @@ import numpy as np
 from derive.errors import TargetError, VerificationError
 from derive.targets.compiler import Command, compile_shared
 from derive.verification.oracle.arm import Array
-from derive.verification.oracle.oracle import FUNCTIONS
+from derive.verification.oracle.functions import FUNCTIONS
 
 C_OPTIONS = ("-std=c99", "-O0")
 """What is right without optimisation is right; compiling is most of the time spent here."""

@@ -16,7 +16,7 @@ from derive.robot.inertial_parameters import has_regressor
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.arm import Array
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 
 REGIONS = ((0.3, 1.7), (0.05, 0.4), (1.5, 4.0), (5.0, 20.0), (0.001, 0.01))
 """Ranges tried in turn for free parameters, until every cell has a value: ``sqrt(a1 - 2)`` needs a1 > 2."""

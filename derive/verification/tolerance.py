@@ -15,8 +15,8 @@ import numpy as np
 from derive.programs.functions import INTERFACES
 from derive.programs.program import Magnitude
 from derive.verification.oracle.arm import Array
+from derive.verification.oracle.functions import ANGLES, Oracle
 from derive.verification.oracle.identification import Identification
-from derive.verification.oracle.oracle import ANGLES, Oracle
 
 TOLERANCE = 1e-9
 """Largest relative error of a generated function; rounding leaves about 1e-14, a wrong term 1e-3 and more."""

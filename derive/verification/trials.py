@@ -10,7 +10,7 @@ import numpy as np
 
 from derive.verification.generated import GeneratedModel, Parameters
 from derive.verification.oracle.arm import Array
-from derive.verification.oracle.oracle import ANGLES, FUNCTIONS
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import SampleSet
 
 BLOCK_ROWS = 8231

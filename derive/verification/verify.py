@@ -17,7 +17,7 @@ from derive.targets.compiler import Command, find_compiler
 from derive.verification.expectation import Expectation, PartialExpectation, expectation
 from derive.verification.generated import COMPILED, MODULES, GeneratedModel, compile_models, load_models
 from derive.verification.oracle.arm import Array
-from derive.verification.oracle.oracle import ANGLES, FUNCTIONS
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import sample_sets
 from derive.verification.tolerance import TOLERANCE
 from derive.verification.trials import Trial, trials

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.places import ROOT
 
 EXAMPLE = ROOT / "examples" / "mpc_casadi.py"

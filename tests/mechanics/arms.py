@@ -16,7 +16,7 @@ from derive.mechanics.floats import FloatDomain
 from derive.model.identification.base_parameters import base_set
 from derive.robot.expression import Number
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.random_robots import configurations, random_robot
 
 Array = npt.NDArray[np.float64]

@@ -14,7 +14,7 @@ from derive.model.matrices import columns_matrix, frame_matrix, only_link, only_
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
 from tests.mechanics.arms import SEEDS, arm_of, assert_close
 

@@ -15,8 +15,8 @@ from derive.model.model import Model
 from derive.robot.catalogue import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, rotor_jacobians
-from derive.verification.oracle.oracle import Oracle
 from tests.evaluate import evaluate
 from tests.random_robots import robot_text
 

@@ -22,7 +22,7 @@ from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
 from derive.verification.generated import GeneratedModel, load_models
-from derive.verification.oracle.oracle import FUNCTIONS, Oracle
+from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from derive.verification.tolerance import TOLERANCE
 from derive.verification.verify import verify
 from tests.random_robots import RandomRobot, configurations, random_robot, robots

@@ -15,7 +15,7 @@ from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_string
 from derive.targets.javascript import camel_case, render_javascript
 from derive.verification.expectation import expectation
-from derive.verification.oracle.oracle import FUNCTIONS
+from derive.verification.oracle.functions import FUNCTIONS
 from derive.verification.samples import sample_sets
 from tests.random_robots import random_robot
 from tests.targets.generated_models import planar, source_of

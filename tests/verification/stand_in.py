@@ -9,13 +9,13 @@ from pathlib import Path
 
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import FUNCTIONS
+from derive.verification.oracle.functions import FUNCTIONS
 
 HEAD = """
 from functools import cache
 
 import numpy as np
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from derive.model.identification.base_parameters import base_set
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot

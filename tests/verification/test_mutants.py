@@ -17,7 +17,7 @@ from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
 from derive.verification.generated import GeneratedModel, load_models
-from derive.verification.oracle.oracle import FUNCTIONS
+from derive.verification.oracle.functions import FUNCTIONS
 from derive.verification.samples import SampleSet, sample_sets
 from derive.verification.verify import verify
 from tests.random_robots import random_robot

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import ANGLES, FUNCTIONS
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import SampleSet, sample_sets
 from derive.verification.tolerance import TOLERANCE, bounds, regressor_size, relative_errors
 

@@ -29,8 +29,8 @@ from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, HandoutOptions, InertiaLetter, NotationOptions
+from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
-from derive.verification.oracle.oracle import Oracle
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import robot_text

@@ -27,7 +27,7 @@ from derive.robot.expression import Number, Pi, Product
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, FrameIndices, HandoutOptions, NotationOptions
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import random_robot, robot_text

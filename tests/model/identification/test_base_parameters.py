@@ -28,7 +28,7 @@ from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, multiply, power, substitute
 from derive.robot.inertial_parameters import Parameter, standard_parameters
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.places import ROOT
 from tests.random_robots import RandomRobot, random_robot, robot_text
 

@@ -20,7 +20,7 @@ from derive.model.singularities.determinant import JacobianBlock, Outcome, Singu
 from derive.robot.catalogue import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
 from tests.random_robots import random_robot
 

@@ -17,7 +17,7 @@ from derive.programs.trace import Trace
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.programs.formulations.test_recursions import Case, assert_close, case_of, units
 from tests.programs.recursion_values import ARITHMETIC, STEP, State, derivative, inputs_of, value
 

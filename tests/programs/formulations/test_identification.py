@@ -18,7 +18,7 @@ from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import Oracle
+from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
 from tests.programs.recursion_values import random_state, value
 from tests.random_robots import random_robot, robot_text

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 
 from derive.robot.robot import Robot
-from derive.verification.oracle.oracle import ANGLES, FUNCTIONS, Oracle
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.rates import distance_from_singularity
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
 from tests.verification.oracle.pinocchio_reference import Array, Reference, reference

@@ -10,8 +10,8 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle import frames, newton
 from derive.verification.oracle.arm import Arm, Array, numeric_arm
+from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from derive.verification.oracle.identification import Identification
-from derive.verification.oracle.oracle import FUNCTIONS, Oracle
 
 NAMES = ("scara-perugia", "stanford-deluca", "kuka-kr5", "puma560-corke")
 STEP = 1e-6

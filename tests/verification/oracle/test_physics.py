@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 
 from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import (
     com_jacobians,
     inertia_derivatives,
@@ -16,7 +17,6 @@ from derive.verification.oracle.lagrange import (
     potential_energy,
     rotor_jacobians,
 )
-from derive.verification.oracle.oracle import Oracle
 from tests.random_robots import Array, RandomRobot, configurations, robots
 
 STEP = 1e-6
