@@ -65,7 +65,7 @@ def assert_is_clean(
         assert 1 <= log.pages <= most
 
 
-@pytest.mark.parametrize(("number", "name"), enumerate(catalogue_names()))
+@pytest.mark.parametrize(("number", "name"), list(enumerate(catalogue_names())))
 def test_the_catalogue_in_one_language_after_another(number: int, name: str, tmp_path: Path) -> None:
     """As the robot file says, but for the language; in the widest notation it is in `test_sheet_notations`."""
     robot = Robot.load(name)
