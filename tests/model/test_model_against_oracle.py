@@ -54,7 +54,7 @@ def _sympy(value: Any) -> Any:
 def close(ours: Any, theirs: Any) -> None:
     theirs = np.asarray(theirs, dtype=float).reshape(np.shape(ours))
     scale = max(1.0, float(np.max(np.abs(theirs), initial=0.0)))
-    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-9 * scale)
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-11 * scale)
 
 
 def check_kinematics(n: Numbers) -> None:

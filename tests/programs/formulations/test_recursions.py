@@ -20,7 +20,7 @@ from tests.programs.recursion_values import State, derivative, random_state, val
 from tests.random_robots import RandomRobot, random_robot
 
 TOLERANCE = 1e-11
-SEEDS = range(20)
+SEEDS = range(14)
 
 
 @dataclass(frozen=True)
