@@ -238,11 +238,14 @@ class PolynomialDomain:
             case Call("tan", (argument,)):
                 inverse = self.ring.generator(_inverse_name(canonical(Call("cos", (argument,)))))
                 return self.cosine_sine(argument)[1] * inverse
-            case Call(function, (argument,)):
-                return self.cosine_sine(argument)[0 if function == "cos" else 1]
-        raise ExpressionError(
-            "atan2 in an algebraic expression", allowed="sums and products of sines, cosines and names"
-        )
+            case Call("cos", (argument,)):
+                return self.cosine_sine(argument)[0]
+            case Call("sin", (argument,)):
+                return self.cosine_sine(argument)[1]
+            case Call(function):
+                raise ExpressionError(
+                    f"{function} in an algebraic expression", allowed="sums and products of sines, cosines and names"
+                )
 
     def _number_root(self, value: Fraction) -> Polynomial:
         """A rational's square root from those of primes."""

@@ -9,7 +9,7 @@ import sympy
 
 from derive.errors import ExpressionError, quoted
 from derive.robot.expression import ZERO, Call, Expression, Name, Pi, add, multiply, number, power
-from derive.robot.limits import CELL_LIMITS
+from derive.robot.size_limits import CELL_LIMITS
 
 _PLAIN = {"sin", "cos", "tan", "atan2", "sign"}
 _RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}

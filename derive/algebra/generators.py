@@ -261,7 +261,7 @@ class Atoms:
             case Call("sqrt", (argument,)):
                 self.add_value(argument)
                 self.roots[canonical(argument)] = None
-            case Call(function, (argument,)):
+            case Call("cos" | "sin" | "tan" as function, (argument,)):
                 self.add_angle(argument)
                 if function == "tan":
                     self.inverses[canonical(Call("cos", (argument,)))] = None

@@ -65,7 +65,7 @@ class QuotientRing:
             raise TooManyTerms(MAX_TERMS)
         self._renamed = _split_angles(robot, given)
         renamed = [substitute(e, self._renamed) for e in given]
-        algebraic = [_opaque(e) for e in renamed]
+        algebraic = [opaque(e) for e in renamed]
         plain = [_without_division(e) for e in algebraic]
         atoms = collect(plain, ())
         units_are_plain = all(isinstance(unit, Name) for unit in atoms.units)
@@ -86,7 +86,7 @@ class QuotientRing:
         Raises:
             CheckError: A denominator is zero.
         """
-        a, b = (self._quotient(_opaque(substitute(formula, self._renamed))) for formula in (ours, theirs))
+        a, b = (self._quotient(opaque(substitute(formula, self._renamed))) for formula in (ours, theirs))
         if a.denominator == b.denominator:
             return _settled(a.numerator - b.numerator)
         return _settled(a.numerator * b.denominator - b.numerator * a.denominator)
@@ -136,11 +136,19 @@ def _division_by_zero(e: Expression) -> CheckError:
     return CheckError(f"division by zero: {to_text(e)[:80]} is zero everywhere")
 
 
-def _opaque(e: Expression) -> Expression:
-    """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets."""
+def opaque(e: Expression, meanings: dict[str, Expression] | None = None) -> Expression:
+    """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets.
+
+    Args:
+        e: Any tree.
+        meanings: Receives for each such symbol what it stands for.
+    """
     if isinstance(e, Call) and e.function in NOT_ALGEBRAIC:
-        return Name(to_text(mapped(e, canonical)))
-    return mapped(e, _opaque)
+        name = to_text(mapped(e, canonical))
+        if meanings is not None:
+            meanings[name] = e
+        return Name(name)
+    return mapped(e, lambda part: opaque(part, meanings))
 
 
 def _without_division(e: Expression) -> Expression:
@@ -165,7 +173,7 @@ def _denominators(e: Expression) -> int:
 
 def _split_angles(robot: Robot, formulas: Iterable[Expression]) -> dict[str, Expression]:
     """Joint angles of which fractions occur, cos(q1/2): they get sines and cosines of their own."""
-    units = collect((_without_division(_opaque(e)) for e in formulas), ()).units
+    units = collect((_without_division(opaque(e)) for e in formulas), ()).units
     revolute = {joint.variable for joint in robot.joints if joint.is_revolute}
     return {
         unit.name: Name(f"({unit.name})")

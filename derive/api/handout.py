@@ -11,7 +11,7 @@ from derive.api.robots import RobotLike, configuration, load
 from derive.errors import TargetError, listed
 from derive.handouts.fragment import fragment_text
 from derive.handouts.render import Format, handout_files
-from derive.publish.publish import write_files
+from derive.publish.atomic_folder import write_files
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, chosen_notation, chosen_parts
 

@@ -14,7 +14,7 @@ from derive.handouts.figure.matplotlib_writer import drawing_bytes, require_matp
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.workspace import sample_workspace, workspace_bytes
 from derive.handouts.notation.notation import Notation
-from derive.publish.publish import write_files
+from derive.publish.atomic_folder import write_files
 from derive.robot.robot import Robot
 
 SUFFIXES = (".pdf", ".svg", ".png")

@@ -16,7 +16,7 @@ from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed
 from derive.checking.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location
 from derive.lecture.shorthand import read_formula
-from derive.lecture.sympy_types import Matrix
+from derive.lecture.to_sympy import Matrix
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
 from derive.robot.expression import number

@@ -8,7 +8,7 @@ from enum import Enum
 from derive.checking.diagnosis import Question, Repair
 from derive.checking.printed import NO_CITATION, NO_REMARK, Citation, Remark
 from derive.errors import DeriveError, Location, UnknownNameError
-from derive.lecture.sympy_types import Expr
+from derive.lecture.to_sympy import Expr
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot

@@ -23,14 +23,13 @@ from derive.checking.diagnosis import Question
 from derive.checking.findings import FileReport, Finding, Role, verdict_at
 from derive.errors import CheckError, DeriveError, ExpressionError, Location, quoted
 from derive.lecture.form import LectureForm
-from derive.lecture.sympy_types import Expr, Matrix
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.to_sympy import Expr, Matrix, expression_to_sympy
 from derive.robot.description import Convention
 from derive.robot.document import Node, YamlMapping, YamlScalar
 from derive.robot.expression import Expression
-from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.robot import Robot
+from derive.robot.size_limits import FORMULA_LIMITS
 
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
 """Formulas about frames have symbols and no joints."""

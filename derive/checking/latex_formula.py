@@ -33,9 +33,9 @@ from derive.robot.expression import (
     number,
     power,
 )
-from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.parser import place
 from derive.robot.robot import Robot
+from derive.robot.size_limits import FORMULA_LIMITS
 
 MAX_LENGTH = 40_000
 """Characters of one formula; a printed page holds some 4,000."""

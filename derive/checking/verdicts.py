@@ -19,11 +19,12 @@ import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.from_sympy import expression_from_sympy
+from derive.algebra.quotients import opaque
 from derive.checking.diagnosis import Question, Repair, diagnose
 from derive.checking.findings import Finding
 from derive.errors import DeriveError
 from derive.lecture.form import LectureForm
-from derive.lecture.sympy_types import Expr
+from derive.lecture.to_sympy import Expr, expression_to_sympy
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.style import Style
 
@@ -94,14 +95,20 @@ def judge(finding: Finding) -> Judgement:
 
 
 def _difference_terms(question: Question) -> tuple[Expr, ...]:
-    """SymPy terms of printed minus right, angle sums contracted and squares reduced; none of no polynomials."""
-    printed, right = substitute(question.printed, question.definitions), question.right
+    """SymPy terms of printed minus right, angle sums contracted and squares reduced; none of no polynomials.
+
+    sign(qd1), as in Coulomb friction, counts as a symbol.
+    """
+    meanings: dict[str, Expression] = {}
+    whole = substitute(question.printed, question.definitions)
+    printed, right = opaque(whole, meanings), opaque(question.right, meanings)
     try:
         domain = PolynomialDomain(question.robot, [printed, right], max_terms=MAX_TERMS)
         polynomial = domain.constant(printed) - domain.constant(right)
         difference = LectureForm(domain, style=Style.EXPANDED).kinematic(polynomial)
     except DeriveError:
         return ()
+    difference = difference.xreplace({sympy.Symbol(name): expression_to_sympy(e) for name, e in meanings.items()})
     return tuple(term for term in sympy.Add.make_args(difference) if term != 0)
 
 

@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
     """
     from derive.api.handout import fragment, handout
-    from derive.publish.publish import write_files
+    from derive.publish.atomic_folder import write_files
 
     formats = [form for form in ("tex", "pdf", "html") if getattr(arguments, form)]
     _require_one_purpose(arguments, [*formats, *(name for name in ("exercise", "json") if getattr(arguments, name))])

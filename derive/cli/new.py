@@ -7,7 +7,7 @@ from pathlib import Path
 
 from derive.cli.terminal import positive
 from derive.errors import OutputError, RobotFileError, quoted
-from derive.robot.limits import FILE_LIMITS
+from derive.robot.size_limits import FILE_LIMITS
 
 SUMMARY = "write a commented robot file to start from"
 DESCRIPTION = "Write NAME.yaml, a commented robot file that builds as it is. An existing file is never overwritten."

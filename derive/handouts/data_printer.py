@@ -8,8 +8,7 @@ from derive.handouts.notation.names import Glyph
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Piece, joined
 from derive.handouts.notation.printer import LatexPrinter
-from derive.lecture.sympy_types import Expr
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.to_sympy import Expr, expression_to_sympy
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot

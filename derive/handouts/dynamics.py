@@ -19,7 +19,7 @@ from derive.handouts.notation.names import Glyph
 from derive.handouts.notation.pieces import Box, Break, Piece, binary, concatenate, italic, script
 from derive.handouts.notation.printer import MINUS, LatexPrinter
 from derive.handouts.notation.symbols import EntryNamer, Symbols
-from derive.lecture.sympy_types import Expr
+from derive.lecture.to_sympy import Expr
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.entries import Entries
 from derive.robot.names import acceleration_name, velocity_name

@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
-from derive.lecture.sympy_types import Expr
 from derive.lecture.terms import PrintedFactor
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 
-_FUNCTIONS = {"sin": sympy.sin, "cos": sympy.cos, "tan": sympy.tan, "sqrt": sympy.sqrt, "atan2": sympy.atan2}
+Expr = Any
+"""A SymPy expression; SymPy comes without types."""
+
+Matrix = Any
+"""A SymPy matrix; those of a model are immutable."""
+
+_FUNCTIONS = {
+    "sin": sympy.sin,
+    "cos": sympy.cos,
+    "tan": sympy.tan,
+    "sqrt": sympy.sqrt,
+    "atan2": sympy.atan2,
+    "sign": sympy.sign,
+}
 
 
 @cache

@@ -19,7 +19,7 @@ from derive.algebra.quotients import QuotientRing
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
-from derive.lecture.sympy_types import Expr
+from derive.lecture.to_sympy import Expr
 from derive.model.dynamic_model import DynamicModel
 from derive.model.quantities import parse, pick
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, names

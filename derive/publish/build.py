@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from derive.programs.policy import Effort
+from derive.publish.atomic_folder import heal, publish
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, contents, is_current, read_manifest
-from derive.publish.publish import heal, publish
 from derive.publish.render import compile_libraries, library_names, render_robot
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot

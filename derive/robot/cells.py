@@ -29,8 +29,8 @@ from derive.robot.expression import (
     number,
     rebuilt,
 )
-from derive.robot.limits import FILE_LIMITS
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
+from derive.robot.size_limits import FILE_LIMITS
 
 _DEGREE = multiply(number(Fraction(1, 180)), Pi())
 _MILLIMETRE = number(Fraction(1, 1000))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import yaml
 
 from derive.errors import Location, RobotFileError, path_text, quoted
-from derive.robot.limits import FILE_LIMITS
+from derive.robot.size_limits import FILE_LIMITS
 
 KeyPath = tuple[str | int, ...]
 """A place in the tree by keys and positions from 0: ``("joints", 0, "theta")``."""

@@ -13,9 +13,9 @@ from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.expression import Expression
-from derive.robot.limits import FILE_LIMITS
 from derive.robot.presentation import read_figure, read_handout
 from derive.robot.schema import check_structure
+from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.style import Contraction, Style
 from derive.robot.table import read_frame, read_gravity, read_joints, read_links
 from derive.robot.validate import validate

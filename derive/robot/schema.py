@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, WithJsonSche
 
 from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
-from derive.robot.limits import FILE_LIMITS
+from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.style import PARTS, AngleLetter, Derivation, FrameIndices, Functions, InertiaLetter, SliderLetter
 
 NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"

@@ -24,7 +24,7 @@ from derive.robot.expression import (
     number,
     to_text,
 )
-from derive.robot.limits import FILE_LIMITS
+from derive.robot.size_limits import FILE_LIMITS
 
 DEFAULT_GRAVITY_SYMBOL = "g"
 """The symbol of gravity where a file with links does not say: it points along -z of the world frame."""

@@ -9,7 +9,8 @@ import pytest
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
-from derive.errors import Location
+from derive.errors import ExpressionError, Location
+from derive.robot.expression import Call, Name
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 
@@ -40,3 +41,9 @@ def test_the_square_of_a_root_of_a_sine_is_the_sine() -> None:
     root, sine, cosine = polynomials("sqrt(sin(alpha1))", "sin(alpha1)", "cos(alpha1)")
     assert root * root == sine
     assert root * sine * root == 1 - cosine * cosine
+
+
+def test_a_function_that_the_ring_does_not_know_is_no_sine() -> None:
+    sign = Call("sign", (Name("a1"),))
+    with pytest.raises(ExpressionError, match="sign in an algebraic expression"):
+        PolynomialDomain(ROBOT, [sign]).constant(sign)

@@ -12,6 +12,7 @@ from derive.checking.comparison import check_expression, check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.findings import Finding, Role
 from derive.checking.printed import CorpusFile, Printed
+from derive.checking.verdicts import judge
 from derive.errors import CheckError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model
@@ -129,3 +130,14 @@ def test_every_slip_in_a_right_formula_is_found(name: str) -> None:
     sample = tuple(rng.sample(changed, min(60, len(changed))))
     report = check_file(CorpusFile(name, file.robot, sample))
     assert len(report.wrong) == len(sample), [f.text for f in report.findings if f.verdict.equal]
+
+
+def test_the_sign_of_a_velocity_is_a_symbol_in_a_difference() -> None:
+    link = "{mass: m1, com: [0, 0, 0], inertia: {zz: J1}, friction: {coulomb: f1}}"
+    text = "name: wheel\nconvention: standard\njoints: [{type: revolute, d: 0, a: 0, alpha: 0}]\ngravity: [0, 0, -g]\n"
+    model = Model(Robot.from_text(f"{text}links: [{link}]\n"))
+    found = check_expression(model, "tau[1]", "J1*qdd1 + 3*f1*sign(qd1)")
+    assert [str(term) for term in judge(found).difference] == ["2*f1*sign(qd1)"]
+    lacking = judge(check_expression(model, "tau[1]", "J1*qdd1"))
+    assert lacking.repair is not None
+    assert lacking.repair.text == "missing term: f1*sign(qd1)"

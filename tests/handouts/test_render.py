@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from derive.handouts.render import Format, handout_files
-from derive.publish.publish import MARKS
+from derive.publish.atomic_folder import MARKS
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import require_latex
 

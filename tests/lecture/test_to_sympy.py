@@ -11,9 +11,9 @@ from derive.errors import Location
 from derive.lecture.terms import FactorTable
 from derive.lecture.to_sympy import expression_to_sympy, factor_to_sympy
 from derive.robot.evaluate import evaluate
-from derive.robot.limits import FORMULA_LIMITS
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.robot import Robot
+from derive.robot.size_limits import FORMULA_LIMITS
 
 HERE = Location("<test>")
 

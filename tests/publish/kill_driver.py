@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from derive.publish import publish, staging
+from derive.publish import atomic_folder, staging
 
 VERSIONS = {
     name: {
@@ -33,7 +33,7 @@ VERSIONS = {
 
 def put(name: str, target: Path) -> None:
     """Publishes one of the two versions."""
-    publish.publish(VERSIONS[name], target, "arm", lambda folder: None)
+    atomic_folder.publish(VERSIONS[name], target, "arm", lambda folder: None)
 
 
 def state(target: Path) -> str:
@@ -68,7 +68,7 @@ def steps(target: Path) -> list[str]:
 
         _, status = os.waitpid(child(work), 0)
         states.append(state(target))
-        publish.heal(target.parent)
+        atomic_folder.heal(target.parent)
         healed = state(target)
         states.append(healed if healed in VERSIONS else f"not healed: {healed}")
         if os.WEXITSTATUS(status) == 0:
@@ -150,7 +150,7 @@ def main() -> None:
     """Mode, folder, and whether folders may be exchanged in one step."""
     mode, target, swap = sys.argv[1], Path(sys.argv[2]), sys.argv[3] == "swap"
     if not swap:
-        publish.exchange = lambda one, other: False  # type: ignore[assignment]
+        atomic_folder.exchange = lambda one, other: False  # type: ignore[assignment]
     assert staging.exchange is not None
     print(json.dumps({"steps": steps, "moments": moments, "builds": builds}[mode](target)))
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from derive.errors import DeriveError, OutputError
-from derive.publish import publish as publishing
-from derive.publish.publish import heal, publish
+from derive.publish import atomic_folder
+from derive.publish.atomic_folder import heal, publish
 from derive.publish.staging import exclusively, hold, release
 
 
@@ -44,7 +44,7 @@ def target(tmp_path: Path) -> Path:
 def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Every test with and without an atomic exchange of folders."""
     if request.param == "two renames":
-        monkeypatch.setattr(publishing, "exchange", lambda one, other: False)
+        monkeypatch.setattr(atomic_folder, "exchange", lambda one, other: False)
     return str(request.param)
 
 

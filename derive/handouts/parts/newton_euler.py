@@ -15,8 +15,7 @@ from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
 from derive.handouts.textbook import textbook
-from derive.lecture.sympy_types import Expr
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.to_sympy import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, velocity_name
 

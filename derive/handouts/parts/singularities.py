@@ -18,7 +18,7 @@ from derive.handouts.notation.names import Glyph
 from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, Piece, concatenate, italic, script
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import EntryNamer, bold
-from derive.lecture.sympy_types import Expr
+from derive.lecture.to_sympy import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.conditions import Posture
 from derive.model.singularities.determinant import MAX_TERMS, Outcome, SingularFactor, Singularities

@@ -14,7 +14,7 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
-from derive.lecture.sympy_types import Expr, Matrix
+from derive.lecture.to_sympy import Expr, Matrix
 from derive.mechanics.chain import build_chain
 from derive.mechanics.screws import with_unit_rotors
 from derive.model.dynamic_form import times_rate

@@ -12,8 +12,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factors import Factor
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
-from derive.lecture.sympy_types import Expr
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.to_sympy import Expr, expression_to_sympy
 
 Write = Callable[[Polynomial], Expr]
 

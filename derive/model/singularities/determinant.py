@@ -17,7 +17,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factors import Factor, Factoring
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
-from derive.lecture.sympy_types import Expr, Matrix
+from derive.lecture.to_sympy import Expr, Matrix
 from derive.model.kinematics import Kinematics, Reference
 from derive.model.matrices import aligned_latex
 from derive.model.singularities.blocks import square_blocks
