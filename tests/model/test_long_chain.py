@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.algebra.domain import PolynomialDomain
 from derive.lecture.form import LectureForm
-from derive.mechanics.chain import build_chain
 from derive.model.kinematics import Kinematics, Reference, jacobian_columns
-from derive.model.long_chain import SymPyDomain, nested_kinematics
+from derive.model.long_chain import LongChain, nested_kinematics
 from derive.model.matrices import columns_matrix, frame_matrix, only_link, only_rotor, symmetric_matrix
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values, to_float
@@ -31,7 +29,7 @@ def test_nested_kinematics_is_that_of_the_oracle(seed: int) -> None:
 def test_nested_expressions_have_the_values_of_expanded_polynomials(name: str) -> None:
     robot = Robot.load(name)
     model = Model(robot)
-    nested = nested_kinematics(build_chain(robot, SymPyDomain(PolynomialDomain(robot, sums=lambda group: False))))
+    nested = LongChain(robot).kinematics
     symbols = sorted({*model.T.free_symbols, *frame_matrix(nested.end).free_symbols}, key=str)
     values = {symbol.name: 0.3 + 0.1 * k for k, symbol in enumerate(symbols)}
     assert_close(evaluate(frame_matrix(nested.end), values), evaluate(model.T, values))
