@@ -83,9 +83,12 @@ class PolynomialDomain:
             for i, members in enumerate(self.angles)
             if members
         ]
-        for pairs in (moving, [sine_and_cosine(e, repr(e)) for e in self._constant_angles()]):
-            yield from (sine for sine, _ in pairs)
-            yield from (cosine for _, cosine in pairs)
+        constant = [sine_and_cosine(angle, repr(angle)) for angle in self._constant_angles()]
+        # of an angle near 0 the cosine's squares go: s^2 is a small number, 1 - c^2 the difference of two large ones
+        small = [sine_and_cosine(scaled(Pi(), rest), repr(scaled(Pi(), rest)))[::-1] for rest in atoms.pi_rests]
+        for pairs in (moving, constant, small):
+            yield from (eliminated for eliminated, _ in pairs)
+            yield from (kept for _, kept in pairs)
         for i, joint in enumerate(joints):
             if not joint.is_revolute:
                 yield Generator(Kind.VARIABLE, joint.variable, Name(joint.variable), i)
@@ -100,21 +103,20 @@ class PolynomialDomain:
             yield Generator(Kind.PI, "pi", Pi())
 
     def _constant_angles(self) -> Iterator[Expression]:
-        """The constant angles that have a sine and a cosine of their own."""
+        """The constant angles with a symbol that have a sine and a cosine of their own."""
         atoms = self.atoms
         for unit, divisor in atoms.units.items():
             if not (isinstance(unit, Name) and unit.name in self._revolute):
                 parts = [Fraction(1, divisor)] if atoms.is_common(unit) else list(atoms.multiples[unit])
                 yield from (scaled(unit, part) for part in parts)
-        yield from (scaled(Pi(), rest) for rest in atoms.pi_rests)
 
     def _relate(self) -> None:
         """Roots and inverses last: their relations hold polynomials in the other generators."""
         for g in self.generators:
             if g.kind is Kind.PRIME_ROOT:
                 self.ring.relate_root(g.name, self.constant(g.argument))
-            elif g.kind in (Kind.SINE, Kind.CONSTANT_SINE):
-                self.ring.relate_sine(g.name, g.partner)
+            elif g.partner and self.ring.index[g.name] < self.ring.index[g.partner]:
+                self.ring.relate_angle(g.name, g.partner)
         for g in reversed(self.generators):
             if g.kind is Kind.ROOT:
                 self.ring.relate_root(g.name, self.constant(g.argument))

@@ -77,15 +77,15 @@ class Ring:
 
     # -- relations, added while the ring is set up
 
-    def relate_sine(self, sine: str, cosine: str) -> None:
-        """The Pythagorean identity s^2 + c^2 = 1: every square of the sine becomes 1 - c^2.
+    def relate_angle(self, eliminated: str, kept: str) -> None:
+        """The Pythagorean identity s^2 + c^2 = 1: every square of the one becomes 1 less the square of the other.
 
         Args:
-            sine: Name of the generator s.
-            cosine: Name of the generator c of the same angle, lower in the order.
+            eliminated: Name of the generator s, or c.
+            kept: Name of the other one of the same angle, lower in the order.
         """
-        c = self.generator(cosine)
-        self.relate_root(sine, 1 - c * c)
+        other = self.generator(kept)
+        self.relate_root(eliminated, 1 - other * other)
 
     def relate_root(self, name: str, radicand: Polynomial) -> None:
         """The square of a root, w^2 = x.

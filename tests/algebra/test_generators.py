@@ -62,3 +62,11 @@ def test_what_expressions_need_is_collected_innermost_first() -> None:
     assert (len(atoms.roots), len(atoms.inverses), atoms.has_pi) == (2, 2, True)
     assert list(atoms.primes) == [3]
     assert list(atoms.pi_rests) == [Fraction(1, 5)]
+
+
+def test_squares_of_a_small_constant_angle_stay_squares_of_its_sine() -> None:
+    text = "name: arm\ntitle: Arm\nconvention: standard\njoints:\n  - {type: revolute, alpha: pi/100}\n"
+    domain = PolynomialDomain(Robot.from_text(text), rates=False)
+    cosine, sine = domain.cosine_sine(domain.robot.joints[0].alpha)
+    assert cosine * cosine - 1 == -(sine * sine)
+    assert len(sine * sine) == 1

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from derive.lecture.to_sympy import expression_to_sympy
@@ -239,6 +239,7 @@ def test_random_arms_have_the_determinant_of_the_recursion(seed: int, n: int) ->
 
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 6))
+@example(seed=897535, n=2)  # a twist of -0.07 degrees: cos^2 - 1 would lose ten of its digits
 def test_random_arms_lose_rank_where_it_is_stated(seed: int, n: int) -> None:
     arm = Arm(Robot.from_text(random_robot(random.Random(seed), n, dynamics=False).text), seed)
     for condition in arm.found.conditions:
