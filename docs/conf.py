@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -65,6 +66,14 @@ def _formula(block: bool) -> Any:
     return visit
 
 
+def _at_home(app: Sphinx, page: str, source: list[str]) -> None:
+    """README is the first page; links are as in the repository, so those out of ``docs`` lead elsewhere in the site."""
+    if page == "index":
+        readme = (ROOT / "README.md").read_text(encoding="utf-8")
+        source[0] = re.sub(r"\]\((?!https?:|#|docs/)", "](../", readme).replace("](docs/", "](") + source[0]
+    source[0] = source[0].replace("](../bench/results/", "](bench/results/")
+
+
 def _plain(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
     """Docstrings hold formulas, not markup: ``a1*c1`` and ``|qd|`` stay as they are, outside of backticks."""
     for number, line in enumerate(lines):
@@ -78,5 +87,7 @@ def _escaped(text: str) -> str:
 
 def setup(app: Sphinx) -> None:
     """Formulas are drawn by the KaTeX that derive brings along: the site needs no network."""
+    shutil.copytree(ROOT / "bench" / "results", ROOT / "docs" / "bench" / "results", dirs_exist_ok=True)
+    app.connect("source-read", _at_home)
     app.connect("autodoc-process-docstring", _plain, priority=100)
     app.add_html_math_renderer("katex", (_formula(False), None), (_formula(True), None))

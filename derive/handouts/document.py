@@ -21,7 +21,7 @@ class Paragraph:
     """Running text.
 
     Attributes:
-        text: With ``$mathematics$`` and `` `code` ``.
+        text: With ``$mathematics$`` and code between backticks.
     """
 
     text: str
@@ -250,7 +250,7 @@ def spans(text: str) -> Iterator[Span]:
     """The parts of a text.
 
     Args:
-        text: With ``$mathematics$`` and `` `code` ``.
+        text: With ``$mathematics$`` and code between backticks.
 
     Yields:
         Its spans, in their order.

@@ -5,6 +5,8 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -23,9 +25,9 @@ _WORTH_A_PROCESS = 10_000
 def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
     """Do some work beside what follows.
 
-    It is done in a copy of this process, which ends with it. Where processes cannot be copied, where there is but one
-    core, in a process that shares its work already, and if anything goes wrong over there, it is done here once its
-    result is asked for: with the same result and the same errors.
+    It is done in a copy of this process, which ends with it. Where processes cannot be copied safely, where there is
+    but one core, in a process that shares its work already, and if anything goes wrong over there, it is done here
+    once its result is asked for: with the same result and the same errors.
 
     Args:
         work: A function whose result can be pickled.
@@ -64,9 +66,14 @@ def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kw
 
 
 def _is_worthwhile() -> bool:
+    """Whether there is a second core, and a copy is safe.
+
+    A copy of a process with threads may wait for ever for a lock that one of them held, and the libraries of other
+    systems than Linux start threads of their own.
+    """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    can_copy = "fork" in multiprocessing.get_all_start_methods() and os.name == "posix"
-    return can_copy and cores > 1 and multiprocessing.parent_process() is None
+    alone = threading.active_count() == 1 and multiprocessing.parent_process() is None
+    return sys.platform == "linux" and alone and cores > 1
 
 
 def _do_and_send(work: Callable[[], object], sender: Connection) -> None:

@@ -62,7 +62,7 @@ def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -
     """The expression on as many lines as it needs.
 
     Args:
-        head: What stands on the first line before the expression, such as ``b_{11} = ``.
+        head: What stands on the first line before the expression, such as ``b_{11} =``.
         pieces: The expression.
         width: Room on a line [pt].
 
