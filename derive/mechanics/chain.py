@@ -13,6 +13,7 @@ and Control of Robots, ch. 3).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Generic, Protocol, TypeVar
@@ -202,20 +203,18 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
     """
     zero, one = domain.number(0), domain.number(1)
     base = _constant_frame(robot.base, domain)
-    rows = [_row_frame(joint, domain, zero, one) for joint in robot.joints]
+    rows = []
+    for joint in robot.joints:  # K = Trans(x, a) Rot(x, alpha); the two commute, so it serves both conventions
+        c, s = domain.cosine_sine(joint.alpha)
+        turn = ((one, zero, zero), (zero, c, -s), (zero, s, c))
+        rows.append(Frame(turn, (domain.constant(joint.a), zero, zero)))
     unit = Frame(identity(zero, one), (zero, zero, zero))
     standard = robot.convention is Convention.STANDARD
     fixed, ends = ([unit, *rows[:-1]], rows) if standard else (rows, [unit] * len(rows))
     links = robot.links or [Link()] * robot.n
     joints = tuple(_chain_joint(*each, domain) for each in zip(range(robot.n), robot.joints, links, fixed, strict=True))
     tool = ends[-1] @ _constant_frame(robot.tool, domain)
-    bodies = [_link_body(link, end, domain) for link, end in zip(robot.links, ends, strict=True)] if robot.links else []
-    for i in range(1, len(bodies)):
-        motor = robot.links[i].motor
-        if motor is not None:
-            bodies[i - 1] = bodies[i - 1] + _rotor_body(
-                motor, fixed[i], None if standard else robot.joints[i].d, domain
-            )
+    bodies = _bodies(robot, fixed, ends, domain) if robot.links else []
     gravity = (zero, zero, zero)
     if robot.gravity is not None:
         gravity = multiply(transpose(base.rotation), constant_vector(robot.gravity, domain))
@@ -249,12 +248,6 @@ def _constant_frame(matrix: tuple[tuple[Expression, ...], ...], domain: Domain[S
     return Frame((rotation[0], rotation[1], rotation[2]), (rows[0][3], rows[1][3], rows[2][3]))
 
 
-def _row_frame(joint: Joint, domain: Domain[S], zero: S, one: S) -> Frame[S]:
-    """K = Trans(x, a) Rot(x, alpha); the two commute, so it serves both conventions."""
-    c, s = domain.cosine_sine(joint.alpha)
-    return Frame(((one, zero, zero), (zero, c, -s), (zero, s, c)), (domain.constant(joint.a), zero, zero))
-
-
 def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: Domain[S]) -> ChainJoint[S]:
     if joint.is_revolute:
         cosine, sine = domain.joint_cosine_sine(index, joint)
@@ -279,21 +272,26 @@ def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: 
     )
 
 
-def _link_body(link: Link, end: Frame[S], domain: Domain[S]) -> Body[S]:
-    """One link alone, about the origin of its joint frame; ``end`` leads from there to its DH frame."""
-    mass = domain.constant(link.mass)
-    r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
-    turned = matmul(matmul(end.rotation, central_inertia(link, domain).matrix), transpose(end.rotation))
-    return Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r))
+def _bodies(robot: Robot, fixed: Sequence[Frame[S]], ends: Sequence[Frame[S]], domain: Domain[S]) -> list[Body[S]]:
+    """Every link about the origin of its joint frame, with the rotor of the next joint as a rigid part of it.
 
-
-def _rotor_body(motor: Motor, fixed: Frame[S], along: Expression | None, domain: Domain[S]) -> Body[S]:
-    """The rotor of a joint as a rigid part of the link before it; its own spin is in `ChainJoint`.
-
-    It sits at o_{i-1} in the standard convention, at o_i (``along`` = d_i further on the axis) in the modified one.
+    ``ends`` lead from joint frames to DH frames. A rotor's own spin is in `ChainJoint`; it sits at o_{i-1} in the
+    standard convention, at o_i, d_i further on the axis, in the modified one.
     """
-    axis, place = column(fixed.rotation, 2), fixed.position
-    if along is not None:
-        place = add(place, scale(domain.constant(along), axis))
-    mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
-    return Body(mass, scale(mass, place), axial_tensor(inertia, axis) + steiner(mass, place))
+    bodies = []
+    for link, end in zip(robot.links, ends, strict=True):
+        mass = domain.constant(link.mass)
+        r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
+        turned = matmul(matmul(end.rotation, central_inertia(link, domain).matrix), transpose(end.rotation))
+        bodies.append(Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r)))
+    for i in range(1, len(bodies)):
+        motor = robot.links[i].motor
+        if motor is None:
+            continue
+        u, place = column(fixed[i].rotation, 2), fixed[i].position
+        if robot.convention is Convention.MODIFIED:
+            place = add(place, scale(domain.constant(robot.joints[i].d), u))
+        mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
+        rotor = Body(mass, scale(mass, place), axial_tensor(inertia, u) + steiner(mass, place))
+        bodies[i - 1] = bodies[i - 1] + rotor
+    return bodies

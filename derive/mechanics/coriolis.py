@@ -76,6 +76,41 @@ class _Composite(Generic[S]):
     first_rate: Vector[S]
     second_rate: Matrix[S]
 
+    def to_parent(self, joint: ChainJoint[S], rate: S) -> _Composite[S]:
+        """Seen from link i-1, in joint frame i-1.
+
+        Args:
+            joint: Joint i.
+            rate: Its rate.
+        """
+        c, s, fixed, p, mass = joint.cosine, joint.sine, joint.fixed.rotation, origin(joint), self.mass
+        # before the joint's turn, which for a revolute joint adds rate z x x to every x'
+        first, (x, y, z) = turn_vector(c, s, self.first), turn_vector(c, s, self.first_rate)
+        second, second_rate = turn_about_z(c, s, self.second), turn_matrix(c, s, self.second_rate)
+        if joint.revolute:
+            x, y = x - rate * first[1], y + rate * first[0]
+            xy = rate * second.xy
+            swept_x = (-xy, -(rate * second.yy), -(rate * second.yz))
+            swept_y = (rate * second.xx, xy, rate * second.xz)
+            second_rate = (add(second_rate[0], swept_x), add(second_rate[1], swept_y), second_rate[2])
+        # in the axes, and then seen from the origin, of joint frame i-1: P + h p^T + p h^T + m p p^T
+        first, first_rate = multiply(fixed, first), multiply(fixed, (x, y, z))
+        second_rate = add_matrices(matmul(matmul(fixed, second_rate), transpose(fixed)), outer(first_rate, p))
+        second, moved = turn_tensor(fixed, second), add(first, scale(mass, p))
+        shifted = Symmetric(
+            second.xx + (first[0] + moved[0]) * p[0],
+            second.yy + (first[1] + moved[1]) * p[1],
+            second.zz + (first[2] + moved[2]) * p[2],
+            second.xy + (moved[0] * p[1] + first[1] * p[0]),
+            second.xz + (moved[0] * p[2] + first[2] * p[0]),
+            second.yz + (moved[1] * p[2] + first[2] * p[1]),
+        )
+        if not joint.revolute:
+            slide = scale(rate, axis(joint))
+            first_rate = add(first_rate, scale(mass, slide))
+            second_rate = add_matrices(second_rate, outer(slide, moved))
+        return _Composite(mass, moved, shifted, first_rate, second_rate)
+
 
 @dataclass(frozen=True, slots=True)
 class _ColumnWrench(Generic[S]):
@@ -94,6 +129,25 @@ class _ColumnWrench(Generic[S]):
     unit: Vector[S]
     eta: Vector[S]
     kappa: Vector[S]
+
+    def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _ColumnWrench[S]:
+        """From joint frame i to i-1.
+
+        Args:
+            joint: Joint i.
+            omega: Angular velocity of link i-1.
+            rate: Of joint i.
+        """
+        p = origin(joint)
+        force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
+        moment = add(to_parent(joint, self.moment), cross(p, force))
+        eta = add(to_parent(joint, self.eta), cross(p, unit))
+        kappa, lever = self.kappa, cross(p, cross(unit, omega))
+        if joint.revolute:
+            kappa = (kappa[0] - rate * self.eta[1], kappa[1] + rate * self.eta[0], kappa[2])
+        else:
+            lever = add(lever, cross(scale(rate, axis(joint)), unit))
+        return _ColumnWrench(force, moment, unit, eta, add(to_parent(joint, kappa), lever))
 
 
 def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
@@ -116,7 +170,7 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
         matrix[j][j] = generalized_force(joint, column.force, column.moment)
         for i in range(j - 1, -1, -1):
             inner, omega = chain.joints[i], omegas[i + 1]
-            column = _inward(chain.joints[i + 1], column, omega, rates[i + 1])
+            column = column.to_parent(chain.joints[i + 1], omega, rates[i + 1])
             if i == j - 1:  # the rotor of joint j, on link i
                 k = axis(joint)
                 turn = scale(half * joint.coupling, cross(omega, k))
@@ -139,7 +193,7 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
         composites.append(_Composite(body.mass, body.first_moment, second, null, (null, null, null)))
     for k in range(chain.n - 1, 0, -1):
         joint, own = chain.joints[k], composites[k - 1]
-        moved = _to_parent(joint, composites[k], rates[k])
+        moved = composites[k].to_parent(joint, rates[k])
         spin = hat(scale(half * joint.coupling * rates[k], axis(joint)), chain.zero)
         composites[k - 1] = _Composite(
             own.mass + moved.mass,
@@ -149,46 +203,6 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
             add_matrices(moved.second_rate, spin),
         )
     return composites
-
-
-def _to_parent(joint: ChainJoint[S], composite: _Composite[S], rate: S) -> _Composite[S]:
-    """Seen from link i-1, in joint frame i-1."""
-    c, s, fixed, p = joint.cosine, joint.sine, joint.fixed.rotation, origin(joint)
-    # before the joint's turn, which for a revolute joint adds rate z x x to every x'
-    first, (x, y, z) = turn_vector(c, s, composite.first), turn_vector(c, s, composite.first_rate)
-    second, second_rate = turn_about_z(c, s, composite.second), turn_matrix(c, s, composite.second_rate)
-    if joint.revolute:
-        x, y = x - rate * first[1], y + rate * first[0]
-        xy = rate * second.xy
-        swept = (
-            (-xy, -(rate * second.yy), -(rate * second.yz)),
-            (rate * second.xx, xy, rate * second.xz),
-        )
-        second_rate = (add(second_rate[0], swept[0]), add(second_rate[1], swept[1]), second_rate[2])
-    # in the axes, and then seen from the origin, of joint frame i-1
-    first, first_rate = multiply(fixed, first), multiply(fixed, (x, y, z))
-    second_rate = add_matrices(matmul(matmul(fixed, second_rate), transpose(fixed)), outer(first_rate, p))
-    second = _shifted(composite.mass, first, turn_tensor(fixed, second), p)
-    first = add(first, scale(composite.mass, p))
-    if not joint.revolute:
-        slide = scale(rate, axis(joint))
-        first_rate = add(first_rate, scale(composite.mass, slide))
-        second_rate = add_matrices(second_rate, outer(slide, first))
-    return _Composite(composite.mass, first, second, first_rate, second_rate)
-
-
-def _shifted(mass: S, first: Vector[S], second: Symmetric[S], p: Vector[S]) -> Symmetric[S]:
-    """Second moments about a point from which the old one is seen at ``p``: P + h p^T + p h^T + m p p^T."""
-    moved = add(first, scale(mass, p))
-    a, b, c = ((first[k] + moved[k]) * p[k] for k in range(3))
-    return Symmetric(
-        second.xx + a,
-        second.yy + b,
-        second.zz + c,
-        second.xy + (moved[0] * p[1] + first[1] * p[0]),
-        second.xz + (moved[0] * p[2] + first[2] * p[0]),
-        second.yz + (moved[1] * p[2] + first[2] * p[1]),
-    )
 
 
 def _column_at_joint(
@@ -216,17 +230,3 @@ def _column_at_joint(
         eta=(-p.xz, -p.yz, p.xx + p.yy),
         kappa=(-(swing_y + e[2][0]), swing_x - e[2][1], planar),
     )
-
-
-def _inward(joint: ChainJoint[S], column: _ColumnWrench[S], omega: Vector[S], rate: S) -> _ColumnWrench[S]:
-    """From joint frame i to i-1; ``omega`` of link i-1, ``rate`` of joint i."""
-    p = origin(joint)
-    force, unit = to_parent(joint, column.force), to_parent(joint, column.unit)
-    moment = add(to_parent(joint, column.moment), cross(p, force))
-    eta = add(to_parent(joint, column.eta), cross(p, unit))
-    kappa, lever = column.kappa, cross(p, cross(unit, omega))
-    if joint.revolute:
-        kappa = (kappa[0] - rate * column.eta[1], kappa[1] + rate * column.eta[0], kappa[2])
-    else:
-        lever = add(lever, cross(scale(rate, axis(joint)), unit))
-    return _ColumnWrench(force, moment, unit, eta, add(to_parent(joint, kappa), lever))

@@ -31,8 +31,7 @@ from derive.mechanics.joint_motion import (
     to_child,
     to_parent,
 )
-from derive.mechanics.link_motion import FrameChoice, link_motions
-from derive.mechanics.newton_euler import body_wrench
+from derive.mechanics.newton_euler import FrameChoice, body_wrench, link_motions
 from derive.mechanics.vectors import (
     Matrix,
     S,
@@ -120,6 +119,24 @@ class _Articulated(Generic[S]):
             add(self.moment, other.moment),
         )
 
+    def to_parent(self, joint: ChainJoint[S]) -> _Articulated[S]:
+        """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^.
+
+        Args:
+            joint: Joint i.
+        """
+        p = origin(joint)
+        mass, inertia = tensor_to_parent(joint, self.mass), tensor_to_parent(joint, self.inertia)
+        turned = matrix_to_parent(joint, self.coupling)
+        m = mass.matrix
+        moved = add_matrices(turned, transpose((cross(p, m[0]), cross(p, m[1]), cross(p, m[2]))))
+        force = to_parent(joint, self.force)
+        moment = add(to_parent(joint, self.moment), cross(p, force))
+        left, right = [cross(p, row) for row in turned], [cross(p, row) for row in moved]
+        i, above = inertia.matrix, ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+        shifted = Symmetric(*(i[r][c] + (left[c][r] + right[r][c]) for r, c in above))
+        return _Articulated(mass, moved, shifted, force, moment)
+
 
 @dataclass(frozen=True, slots=True)
 class _Release(Generic[S]):
@@ -180,7 +197,7 @@ def _releases(
         link = link if beyond is None else link + beyond
         release, free = _release(joint, link, torques[i] - joint.coupling * dot(axis(joint), before.alpha))
         found.append(release)
-        beyond = _to_parent(joint, free)
+        beyond = free.to_parent(joint)
         turning = scale(joint.coupling * rates[i], cross(before.omega, axis(joint)))
         beyond = replace(beyond, moment=add(beyond.moment, turning))
     return found[::-1]
@@ -219,22 +236,3 @@ def _less(tensor: Symmetric[F], a: Vector[F], divided: Vector[F]) -> Symmetric[F
         tensor.xz - divided[2] * a[0],
         tensor.yz - divided[2] * a[1],
     )
-
-
-def _to_parent(joint: ChainJoint[F], link: _Articulated[F]) -> _Articulated[F]:
-    """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^."""
-    p = origin(joint)
-    mass, inertia = tensor_to_parent(joint, link.mass), tensor_to_parent(joint, link.inertia)
-    turned = matrix_to_parent(joint, link.coupling)
-    m = mass.matrix
-    moved = add_matrices(turned, transpose((cross(p, m[0]), cross(p, m[1]), cross(p, m[2]))))
-    force = to_parent(joint, link.force)
-    moment = add(to_parent(joint, link.moment), cross(p, force))
-    left, right = [cross(p, row) for row in turned], [cross(p, row) for row in moved]
-    i = inertia.matrix
-
-    def _entry(r: int, c: int) -> F:
-        return i[r][c] + (left[c][r] + right[r][c])
-
-    shifted = Symmetric(_entry(0, 0), _entry(1, 1), _entry(2, 2), _entry(0, 1), _entry(0, 2), _entry(1, 2))
-    return _Articulated(mass, moved, shifted, force, moment)

@@ -71,6 +71,14 @@ class FrameMotion(Generic[S]):
         w, wd, v, vd = (multiply(rotation, u) for u in (self.w, self.wd, self.v, self.vd))
         return FrameMotion(w, wd, v, vd)
 
+    def swept(self, r: Vector[S]) -> Vector[S]:
+        """omegad x r + omega x (omega x r).
+
+        Args:
+            r: From the frame's origin.
+        """
+        return add(cross(self.wd, r), cross(self.w, cross(self.w, r)))
+
 
 @dataclass(frozen=True, slots=True)
 class LinkWrench(Generic[S]):
@@ -114,6 +122,42 @@ class LinkData(Generic[S]):
     mass: S
     inertia: Matrix[S]
     viscous: S
+
+    def next_motion(self, m: FrameMotion[S]) -> FrameMotion[S]:
+        """The motion of frame i.
+
+        Args:
+            m: That of frame i-1, in the coordinates of link i.
+        """
+        rate, acceleration = scale(self.qd, self.z), scale(self.qdd, self.z)
+        if self.revolute:
+            w = add(m.w, rate)
+            joined = FrameMotion(w, add(add(m.wd, acceleration), cross(m.w, rate)), m.v, m.vd)
+        else:
+            twice = cross(m.w, rate)
+            joined = FrameMotion(m.w, m.wd, add(m.v, rate), add(add(m.vd, acceleration), add(twice, twice)))
+        v = add(cross(joined.w, self.p), joined.v)
+        return FrameMotion(joined.w, joined.wd, v, add(joined.swept(self.p), joined.vd))
+
+    def step(
+        self, previous: FrameMotion[S], motion: FrameMotion[S], following: LinkWrench[S], turn: Matrix[S]
+    ) -> LinkStep[S]:
+        """Forces and moments of link i.
+
+        Args:
+            previous: Motion of frame i-1.
+            motion: Motion of frame i.
+            following: Wrench of link i+1, in its own coordinates.
+            turn: Takes that into the coordinates of link i.
+        """
+        a = add(motion.swept(self.s), motion.vd)
+        resultant = scale(self.mass, a)
+        spin = add(multiply(self.inertia, motion.wd), cross(motion.w, multiply(self.inertia, motion.w)))
+        next_f, next_n = multiply(turn, following.f), multiply(turn, following.n)
+        f = add(resultant, next_f)
+        n = add(add(next_n, cross(self.p, next_f)), add(cross(add(self.p, self.s), resultant), spin))
+        tau = dot(n if self.revolute else f, self.z) + self.viscous * self.qd
+        return LinkStep(self, previous, motion, a, resultant, spin, following, LinkWrench(f, n), tau)
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,7 +256,18 @@ def _recursion(
     robot: Robot, domain: Domain[S], qd: Sequence[S], qdd: Sequence[S], load: LinkWrench[S] | None, *, base: bool
 ) -> PrintedRecursion[S]:
     """Outward, then inward; ``base``: in the axes of frame 0, else those of link i in frame i."""
-    _require_printed(robot)
+    if robot.convention is not Convention.STANDARD:
+        raise QuantityError("Newton-Euler equations of lectures", allowed="the standard convention")
+    if not robot.has_dynamics:
+        raise QuantityError(f"dynamics of {robot.name}", allowed="robots with `links`")
+    for i, link in enumerate(robot.links, 1):
+        rotor = link.motor or Motor()
+        if any(cell != ZERO for cell in (rotor.mass, rotor.inertia, link.armature, link.coulomb)):
+            raise QuantityError(
+                f"rotor, armature or Coulomb friction of link {i}",
+                allowed="none: these equations know rigid links and viscous friction",
+                remedy="use without_rotors(robot)",
+            )
     chain: Chain[S] = build_chain(robot, domain)
     unit = identity(chain.zero, chain.one)
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
@@ -222,12 +277,12 @@ def _recursion(
     for i in range(chain.n):
         before = links[-1].rotation if links else unit
         links.append(_link_data(robot, domain, chain, i, before, (rates[i], accelerations[i]), base=base))
-        motions.append(_next_motion(links[i], motions[i] if base else motions[i].turned(links[i].before)))
+        motions.append(links[i].next_motion(motions[i] if base else motions[i].turned(links[i].before)))
     wrench = load or LinkWrench(chain.null, chain.null)
     steps: list[LinkStep[S]] = []
     for i in range(chain.n - 1, -1, -1):
         turn = unit if base or i + 1 == chain.n else transpose(links[i + 1].before)
-        steps.append(_link_step(links[i], motions[i], motions[i + 1], wrench, turn))
+        steps.append(links[i].step(motions[i], motions[i + 1], wrench, turn))
         wrench = steps[-1].wrench
     steps.reverse()
     return PrintedRecursion(tuple(steps), tuple(along_axes(chain, [step.tau for step in steps])))
@@ -254,54 +309,3 @@ def _link_data(
         inertia=matmul(matmul(rotation, tensor), transpose(rotation)) if base else tensor,
         viscous=joint.viscous,
     )
-
-
-def _next_motion(link: LinkData[S], m: FrameMotion[S]) -> FrameMotion[S]:
-    """The motion of frame i from that of frame i-1, both in the coordinates of link i."""
-    rate, acceleration = scale(link.qd, link.z), scale(link.qdd, link.z)
-    if link.revolute:
-        w = add(m.w, rate)
-        joined = FrameMotion(w, add(add(m.wd, acceleration), cross(m.w, rate)), m.v, m.vd)
-    else:
-        twice = cross(m.w, rate)
-        joined = FrameMotion(m.w, m.wd, add(m.v, rate), add(add(m.vd, acceleration), add(twice, twice)))
-    v = add(cross(joined.w, link.p), joined.v)
-    return FrameMotion(joined.w, joined.wd, v, add(_swept(joined, link.p), joined.vd))
-
-
-def _link_step(
-    link: LinkData[S],
-    previous: FrameMotion[S],
-    motion: FrameMotion[S],
-    following: LinkWrench[S],
-    turn: Matrix[S],
-) -> LinkStep[S]:
-    """Forces and moments of link i; ``turn`` takes those of link i+1 into the coordinates of link i."""
-    a = add(_swept(motion, link.s), motion.vd)
-    resultant = scale(link.mass, a)
-    spin = add(multiply(link.inertia, motion.wd), cross(motion.w, multiply(link.inertia, motion.w)))
-    next_f, next_n = multiply(turn, following.f), multiply(turn, following.n)
-    f = add(resultant, next_f)
-    n = add(add(next_n, cross(link.p, next_f)), add(cross(add(link.p, link.s), resultant), spin))
-    tau = dot(n if link.revolute else f, link.z) + link.viscous * link.qd
-    return LinkStep(link, previous, motion, a, resultant, spin, following, LinkWrench(f, n), tau)
-
-
-def _swept(motion: FrameMotion[S], r: Vector[S]) -> Vector[S]:
-    """omegad x r + omega x (omega x r)."""
-    return add(cross(motion.wd, r), cross(motion.w, cross(motion.w, r)))
-
-
-def _require_printed(robot: Robot) -> None:
-    if robot.convention is not Convention.STANDARD:
-        raise QuantityError("Newton-Euler equations of lectures", allowed="the standard convention")
-    if not robot.has_dynamics:
-        raise QuantityError(f"dynamics of {robot.name}", allowed="robots with `links`")
-    for i, link in enumerate(robot.links, 1):
-        rotor = link.motor or Motor()
-        if any(cell != ZERO for cell in (rotor.mass, rotor.inertia, link.armature, link.coulomb)):
-            raise QuantityError(
-                f"rotor, armature or Coulomb friction of link {i}",
-                allowed="none: these equations know rigid links and viscous friction",
-                remedy="use without_rotors(robot)",
-            )

@@ -1,4 +1,7 @@
-"""The regressor: torques per unit of every parameter, tau = Y(q, qd, qdd) pi.
+"""The regressor: torques per unit of every parameter, tau = Y(q, qd, qdd) pi, and the screws that it is made of.
+
+The screw of joint a in a frame of link k is the angular velocity of the link and the velocity of the frame's origin
+while joint a alone moves at unit rate (Featherstone, Rigid Body Dynamics Algorithms, section 2.2).
 
 One outward pass gives the motion of every link and the screws of all joints in its frame. The wrench of a unit
 parameter has few entries there, and its work on the screw of joint a is the entry (a, parameter): with acceleration a
@@ -7,20 +10,104 @@ parameter has few entries there, and its work on the screw of joint a is the ent
     mass: v.a,    first moment: U^T v + a x w,    tensor: w.(E alpha + omega x E omega) for the unit tensors E.
 
 So no wrench has to be carried inward (compare Gautier and Khalil 1988; Siciliano et al., Robotics, section 7.2.2).
+Rotors are unit bodies of their own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic
 
-from derive.mechanics.chain import Chain
-from derive.mechanics.joint_motion import along_axes, axis
-from derive.mechanics.link_motion import LinkMotion, angular_acceleration_tensor, link_motions
-from derive.mechanics.screws import Screw, link_screws, rotor_place
+from derive.mechanics.chain import Chain, ChainJoint
+from derive.mechanics.joint_motion import along_axes, axis, origin, to_child
+from derive.mechanics.newton_euler import LinkMotion, angular_acceleration_tensor, link_motions
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, scale, transpose
+from derive.robot.description import Link, Motor
+from derive.robot.expression import ONE
 from derive.robot.inertial_parameters import Parameter
+from derive.robot.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Screw(Generic[S]):
+    """A unit rate of one joint, seen from a frame of a link further out.
+
+    Attributes:
+        angular: Angular velocity, in the frame's axes.
+        linear: Velocity of the frame's origin, in the frame's axes.
+    """
+
+    angular: Vector[S]
+    linear: Vector[S]
+
+    def at(self, place: Vector[S]) -> Vector[S]:
+        """Velocity of a point of the link.
+
+        Args:
+            place: The point in the frame.
+        """
+        return add(self.linear, cross(self.angular, place))
+
+    def seen_from(self, frame: Frame[S]) -> Screw[S]:
+        """The screw in another frame fixed on the same link.
+
+        Args:
+            frame: That frame in this one.
+        """
+        turned = transpose(frame.rotation)
+        return Screw(multiply(turned, self.angular), multiply(turned, self.at(frame.position)))
+
+
+def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
+    """The screws of joints 1..k of every link k, in joint frame k, rates counted positive along +z.
+
+    Args:
+        chain: The arm.
+    """
+    found: list[list[Screw[S]]] = []
+    for joint in chain.joints:
+        found.append(next_screws(chain, joint, found[-1] if found else []))
+    return found
+
+
+def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
+    """The screws of the link behind a joint.
+
+    Args:
+        chain: The arm.
+        joint: Joint i.
+        before: Those of link i-1, in joint frame i-1.
+
+    Returns:
+        i screws, in joint frame i.
+    """
+    outward = [Screw(to_child(joint, screw.angular), to_child(joint, screw.at(origin(joint)))) for screw in before]
+    along = (chain.zero, chain.zero, chain.one)
+    return [*outward, Screw(along, chain.null) if joint.revolute else Screw(chain.null, along)]
+
+
+def with_unit_rotors(robot: Robot) -> Robot:
+    """The robot with nothing on it but its rotors, each of unit mass and unit inertia.
+
+    In its chain ``coupling`` is sign * ratio, ``armature`` is ratio^2, and the body of link i-1 is the rotor of joint
+    i, so that its first moment is the rotor's place.
+
+    Args:
+        robot: A robot with links.
+    """
+    motors = (link.motor and Motor(ONE, ONE, link.motor.ratio) for link in robot.links)
+    return replace(robot, links=tuple(Link(motor=motor) for motor in motors))
+
+
+def rotor_place(chain: Chain[S], joint: int) -> Vector[S]:
+    """Where the rotor of a joint sits, in joint frame ``joint - 1``.
+
+    Args:
+        chain: The chain of a robot `with_unit_rotors`.
+        joint: From 1, not the first.
+    """
+    return chain.bodies[joint - 2].first_moment
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +140,7 @@ class Regressor(Generic[S]):
     """Columns of the regressor of one arm in one state.
 
     Args:
-        chain: The chain of the robot with unit rotors, see `derive.mechanics.screws.with_unit_rotors`.
+        chain: The chain of the robot with unit rotors, see `derive.mechanics.regressor.with_unit_rotors`.
         qd: Joint velocities, n entries.
         qdd: Joint accelerations, n entries.
         ends: Whether the links' parameters are those in the DH frames of the file; else in joint frames.
@@ -100,38 +187,37 @@ class Regressor(Generic[S]):
         Returns:
             n entries; those of joints beyond it are 0.
         """
-        found = self._along_z(parameter)
+        i, part = parameter.joint - 1, parameter.part
+        if parameter.of_link:
+            view = self._views[i]
+            found = [_power(part, view.motion, screw) for screw in view.screws]
+        elif part in ("mm", "Im"):
+            found = self._of_rotor(i, part)
+        else:
+            if part == "f":
+                assert self._sign is not None, "Coulomb friction needs a sign"
+                own = self._sign(self._qd[i])
+            else:
+                own = {"Ia": self._qdd, "b": self._qd}[part][i]
+            return [own if k == i else self.chain.zero for k in range(self.chain.n)]
         joints = self.chain.joints[: len(found)]
         signed = [value if joint.sign > 0 else -value for joint, value in zip(joints, found, strict=True)]
         return signed + [self.chain.zero] * (self.chain.n - len(found))
 
-    def _along_z(self, parameter: Parameter) -> list[S]:
-        """The torques of the joints that feel it, counted positive along +z."""
-        i, part = parameter.joint - 1, parameter.part
-        if parameter.of_link:
-            view = self._views[i]
-            return [_power(part, view.motion, screw) for screw in view.screws]
-        if part == "mm":
-            if i == 0:
-                return []
-            carrier, place = self._joint_views[i - 1], rotor_place(self.chain, i + 1)
-            acceleration = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, place))
-            return [dot(screw.at(place), acceleration) for screw in carrier.screws]
-        if part == "Im":
-            return self._rotor_inertia(i)
-        own = {"Ia": self._qdd[i], "b": self._qd[i]}.get(part)
-        if own is None:
-            assert self._sign is not None, "Coulomb friction needs a sign"
-            own = self._sign(self._qd[i])
-        before = [self.chain.zero] * i
-        return [*before, own if self.chain.joints[i].sign > 0 else -own]
+    def _of_rotor(self, i: int, part: str) -> list[S]:
+        """Per unit of a rotor's mass or inertia, counted positive along +z.
 
-    def _rotor_inertia(self, i: int) -> list[S]:
-        """The rate of its momentum (omega.u + k rate) u on link i-1, and k times that about u on its own joint."""
+        Its inertia makes the rate of its momentum (omega.u + k rate) u on link i-1, and k times that about u on its
+        own joint.
+        """
         joint, acceleration, rate = self.chain.joints[i], self._accelerations[i], self._rates[i]
         if i == 0:
-            return [joint.armature * acceleration]
+            return [] if part == "mm" else [joint.armature * acceleration]
         u, carrier = axis(joint), self._joint_views[i - 1]
+        if part == "mm":
+            place = rotor_place(self.chain, i + 1)
+            felt = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, place))
+            return [dot(screw.at(place), felt) for screw in carrier.screws]
         omega, alpha = carrier.motion.omega, carrier.motion.alpha
         spin_rate = dot(u, alpha) + joint.coupling * acceleration
         spin = dot(u, omega) + joint.coupling * rate

@@ -49,8 +49,7 @@ from derive.mechanics.joint_motion import (
     origin,
     to_parent,
 )
-from derive.mechanics.link_motion import PLAIN, FrameChoice, LinkMotion, link_motions
-from derive.mechanics.newton_euler import body_wrench, rotor_moment
+from derive.mechanics.newton_euler import PLAIN, FrameChoice, LinkMotion, body_wrench, link_motions, rotor_moment
 from derive.mechanics.vectors import (
     Matrix,
     S,
@@ -82,6 +81,20 @@ class _MovingBody(Generic[S]):
     first_rate: Vector[S]
     second_rate: Matrix[S]
 
+    def to_parent(self, joint: ChainJoint[S], origin_rate: Vector[S]) -> _MovingBody[S]:
+        """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot.
+
+        Args:
+            joint: Joint i.
+            origin_rate: pdot.
+        """
+        p = origin(joint)
+        first_rate = to_parent(joint, self.first_rate)
+        body = body_to_parent(joint, self.body)
+        second_rate = add_matrices(matrix_to_parent(joint, self.second_rate), outer(first_rate, p))
+        second_rate = add_matrices(second_rate, outer(origin_rate, body.first_moment))
+        return _MovingBody(body, add(first_rate, scale(body.mass, origin_rate)), second_rate)
+
 
 @dataclass(frozen=True, slots=True)
 class _Response(Generic[S]):
@@ -100,6 +113,36 @@ class _Response(Generic[S]):
     unit: Vector[S]
     eta: Vector[S]
     delta: Vector[S]
+
+    def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _Response[S]:
+        """From joint frame i to i-1.
+
+        Args:
+            joint: Joint i.
+            omega: Angular velocity of link i-1.
+            rate: Of joint i.
+        """
+        p = origin(joint)
+        force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
+        moment = add(to_parent(joint, self.moment), cross(p, force))
+        eta = add(to_parent(joint, self.eta), cross(p, unit))
+        delta = add(to_parent(joint, self.delta), cross(_origin_rate(joint, omega, rate), unit))
+        return _Response(force, moment, unit, eta, delta)
+
+    def inner_derivative(self, inner: ChainJoint[S], motion: LinkMotion[S]) -> S:
+        """d tau_j / d q_i in rates, i < j.
+
+        Args:
+            inner: Joint i.
+            motion: Of link i.
+        """
+        zddot = column(motion.tensor, 2)
+        if not inner.revolute:
+            return dot(self.unit, zddot)
+        x, y, _ = motion.omega
+        ax, ay, _ = motion.acceleration
+        lever = self.delta[0] * y - self.delta[1] * x
+        return (self.unit[0] * ay - self.unit[1] * ax) + dot(self.eta, zddot) + (lever + lever)
 
 
 def torque_velocity_derivative(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
@@ -147,17 +190,24 @@ def torque_position_derivative(
     for j, joint in enumerate(chain.joints):
         response = _response(chain, joint, bodies[j], motions[j + 1])
         matrix[j][j] = generalized_force(joint, response.force, response.moment)
-        response = _with_carried_wrench(joint, response, wrenches[j])
+        # seen from the links before, the carried wrench turns with a revolute joint and is shifted by a prismatic one
+        (fx, fy, fz), (nx, ny, nz) = wrenches[j]
+        turned: Vector[S] = (-fy, fx, fz - fz)
+        if joint.revolute:
+            moment = add(response.moment, (-ny, nx, nz - nz))
+            response = replace(response, force=add(response.force, turned), moment=moment)
+        else:
+            response = replace(response, moment=add(response.moment, turned))
         for i in range(j - 1, -1, -1):
             inner = chain.joints[i]
-            response = _inward(chain.joints[i + 1], response, omegas[i + 1], rates[i + 1])
+            response = response.to_parent(chain.joints[i + 1], omegas[i + 1], rates[i + 1])
             if i == j - 1:  # the rotor of joint j, on link i
                 u = axis(joint)
                 eta = add(response.eta, scale(joint.coupling, u))
                 delta = add(response.delta, scale(half * joint.coupling, cross(omegas[j], u)))
                 response = replace(response, eta=eta, delta=delta)
             upper = generalized_force(inner, response.force, response.moment)
-            lower = _inner_derivative(inner, response, motions[i + 1])
+            lower = response.inner_derivative(inner, motions[i + 1])
             same = joint.sign == inner.sign
             matrix[i][j], matrix[j][i] = (upper, lower) if same else (-upper, -lower)
     return matrix
@@ -198,23 +248,13 @@ def _moving_composites(
     for i in range(chain.n - 1, 0, -1):
         joint, inner = chain.joints[i], bodies[i - 1]
         spin = hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
-        moved = _to_parent(joint, bodies[i], _origin_rate(joint, omegas[i], rates[i]))
+        moved = bodies[i].to_parent(joint, _origin_rate(joint, omegas[i], rates[i]))
         bodies[i - 1] = _MovingBody(
             inner.body + moved.body,
             add(inner.first_rate, moved.first_rate),
             add_matrices(add_matrices(inner.second_rate, moved.second_rate), spin),
         )
     return bodies
-
-
-def _to_parent(joint: ChainJoint[S], moving: _MovingBody[S], origin_rate: Vector[S]) -> _MovingBody[S]:
-    """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot."""
-    p = origin(joint)
-    first_rate = to_parent(joint, moving.first_rate)
-    body = body_to_parent(joint, moving.body)
-    second_rate = add_matrices(matrix_to_parent(joint, moving.second_rate), outer(first_rate, p))
-    second_rate = add_matrices(second_rate, outer(origin_rate, body.first_moment))
-    return _MovingBody(body, add(first_rate, scale(body.mass, origin_rate)), second_rate)
 
 
 def _origin_rate(joint: ChainJoint[S], omega: Vector[S], rate: S) -> Vector[S]:
@@ -244,33 +284,3 @@ def _response(chain: Chain[S], joint: ChainJoint[S], moving: _MovingBody[S], mot
     )
     moment = add(add(cross(h, a_z), multiply(body.inertia.matrix, zddot)), spread)
     return _Response(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
-
-
-def _with_carried_wrench(joint: ChainJoint[S], response: _Response[S], wrench: Wrench[S]) -> _Response[S]:
-    """Seen from the links before, the wrench turns with a revolute joint and is shifted by a prismatic one."""
-    (fx, fy, fz), (nx, ny, nz) = wrench
-    lever: Vector[S] = (-fy, fx, fz - fz)
-    if not joint.revolute:
-        return replace(response, moment=add(response.moment, lever))
-    return replace(response, force=add(response.force, lever), moment=add(response.moment, (-ny, nx, nz - nz)))
-
-
-def _inward(joint: ChainJoint[S], response: _Response[S], omega: Vector[S], rate: S) -> _Response[S]:
-    """From joint frame i to i-1; ``omega`` of link i-1, ``rate`` of joint i."""
-    p = origin(joint)
-    force, unit = to_parent(joint, response.force), to_parent(joint, response.unit)
-    moment = add(to_parent(joint, response.moment), cross(p, force))
-    eta = add(to_parent(joint, response.eta), cross(p, unit))
-    delta = add(to_parent(joint, response.delta), cross(_origin_rate(joint, omega, rate), unit))
-    return _Response(force, moment, unit, eta, delta)
-
-
-def _inner_derivative(joint: ChainJoint[S], response: _Response[S], motion: LinkMotion[S]) -> S:
-    """d tau_j / d q_i in rates, for joint i < j with link i in this motion."""
-    zddot = column(motion.tensor, 2)
-    if not joint.revolute:
-        return dot(response.unit, zddot)
-    x, y, _ = motion.omega
-    ax, ay, _ = motion.acceleration
-    lever = response.delta[0] * y - response.delta[1] * x
-    return (response.unit[0] * ay - response.unit[1] * ax) + dot(response.eta, zddot) + (lever + lever)

@@ -10,7 +10,7 @@ of them what any recursion computes:
   next axis is parallel and its link is turned by the sum of the angles at once.
 - *second_moments*: see `derive.mechanics.regrouping`.
 
-The others are made inside recursions (`derive.mechanics.link_motion`). The cheapest choices for one function of one
+The others are made inside recursions (`derive.mechanics.newton_euler`). The cheapest choices for one function of one
 robot are found by a short search (`FrameChoiceSearch`).
 """
 
@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.joint_motion import shift, turn_about_z
-from derive.mechanics.link_motion import FrameChoice, Place
+from derive.mechanics.newton_euler import FrameChoice, Place
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
 from derive.programs.parallel_axes import SumOfTurns, Turn, about_z

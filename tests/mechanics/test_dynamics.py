@@ -8,11 +8,9 @@ import pytest
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
-from derive.mechanics.link_motion import link_motions
-from derive.mechanics.newton_euler import inverse_dynamics
-from derive.mechanics.regressor import Regressor
+from derive.mechanics.newton_euler import inverse_dynamics, link_motions
+from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.regrouping import Rule, regroup
-from derive.mechanics.screws import with_unit_rotors
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
 from derive.robot.inertial_parameters import standard_parameters
 from tests.mechanics.arms import SEEDS, Arm, Array, arm_of, assert_close

@@ -19,7 +19,7 @@ from derive.mechanics.joint_motion import (
     turn_about_z,
     turn_tensor,
 )
-from derive.mechanics.screws import link_screws
+from derive.mechanics.regressor import link_screws
 from derive.mechanics.vectors import (
     Frame,
     Symmetric,

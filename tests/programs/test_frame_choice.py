@@ -11,8 +11,7 @@ import pytest
 
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
-from derive.mechanics.link_motion import PLAIN, FrameChoice
-from derive.mechanics.newton_euler import inverse_dynamics
+from derive.mechanics.newton_euler import PLAIN, FrameChoice, inverse_dynamics
 from derive.programs.frame_choice import (
     ALL_CHOICES,
     FrameChoices,

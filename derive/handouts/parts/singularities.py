@@ -20,8 +20,7 @@ from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import EntryNamer, bold
 from derive.lecture.to_sympy import Expr
 from derive.model.entries import expanded_terms, of_matrix
-from derive.model.singularities.conditions import Posture
-from derive.model.singularities.determinant import MAX_TERMS, Outcome, SingularFactor, Singularities
+from derive.model.singularities.determinant import MAX_TERMS, Outcome, Posture, SingularFactor, Singularities
 
 _IS_ZERO = Piece(Box(" = 0", RELATION_WIDTH + 5.0))
 _IF_AND_ONLY_IF = Piece(Box(" \\iff ", 34.0), Break.BINARY)

@@ -16,7 +16,7 @@ from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
 from derive.lecture.to_sympy import Expr, Matrix
 from derive.mechanics.chain import build_chain
-from derive.mechanics.screws import with_unit_rotors
+from derive.mechanics.regressor import with_unit_rotors
 from derive.model.dynamic_form import times_rate
 from derive.model.identification.base_parameters import BaseSet, base_set
 from derive.model.identification.parameter_values import grouped_values, standard_values

@@ -14,8 +14,7 @@ from derive.mechanics.chain import Body, Chain, Domain, build_chain, central_ine
 from derive.mechanics.joint_motion import axis
 from derive.mechanics.regrouping import regroup
 from derive.mechanics.vectors import S, Vector, axial_tensor, scale, steiner
-from derive.model.identification.base_parameters import BaseSet, absorbed_rotors
-from derive.model.identification.column_relations import Coefficient
+from derive.model.identification.base_parameters import BaseSet, Coefficient, absorbed_rotors
 from derive.robot.description import Link, Motor
 from derive.robot.expression import ZERO, Expression, add, multiply, power, to_text
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter

@@ -15,7 +15,7 @@ from typing import Generic
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import axis, to_child
-from derive.mechanics.screws import Screw, next_screws, rotor_place
+from derive.mechanics.regressor import Screw, next_screws, rotor_place
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, transpose
 from derive.robot.inertial_parameters import Parameter
 
@@ -29,7 +29,7 @@ class UnitDynamics(Generic[S]):
     """B and g of every unit parameter.
 
     Args:
-        chain: The chain of the robot with unit rotors, see `derive.mechanics.screws.with_unit_rotors`.
+        chain: The chain of the robot with unit rotors, see `derive.mechanics.regressor.with_unit_rotors`.
         ends: Whether the parameters of links are those in the DH frames of the file; else in joint frames, see
             `derive.mechanics.chain`. In the modified convention the two are the same.
     """

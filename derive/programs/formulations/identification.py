@@ -6,10 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from derive.algebra.domain import polynomial_expression
 from derive.mechanics.chain import build_chain
-from derive.mechanics.regressor import Regressor
-from derive.mechanics.screws import with_unit_rotors
-from derive.model.identification.base_parameters import base_set
-from derive.model.identification.column_relations import Coefficient
+from derive.mechanics.regressor import Regressor, with_unit_rotors
+from derive.model.identification.base_parameters import Coefficient, base_set
 from derive.model.identification.parameter_values import ParameterFormulas, base_values
 from derive.programs.formulation import Formulation
 from derive.programs.program import Column

@@ -17,10 +17,8 @@ from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.mechanics.regressor import Regressor
-from derive.mechanics.screws import with_unit_rotors
-from derive.model.identification.base_parameters import BaseSet, base_set
-from derive.model.identification.column_relations import Coefficient
+from derive.mechanics.regressor import Regressor, with_unit_rotors
+from derive.model.identification.base_parameters import BaseSet, Coefficient, base_set
 from derive.model.identification.parameter_values import base_values, grouped_values, standard_values
 from derive.robot.catalogue import catalogue_names
 from derive.robot.description import Inertia, Joint, Link, Motor

@@ -8,7 +8,7 @@ import pytest
 
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.screws import with_unit_rotors
+from derive.mechanics.regressor import with_unit_rotors
 from derive.model.identification.closed_forms import ClosedIdentification
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.model.model import Model
