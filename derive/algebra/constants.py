@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from functools import reduce
+from functools import partial, reduce
 from math import inf, isinf, isqrt
 from typing import Any
 
@@ -208,29 +208,27 @@ def exact_number(expression: Expression, numbers: Mapping[str, Expression]) -> C
 
 
 def _evaluate(expression: Expression, numbers: Mapping[str, Expression]) -> Constant:
-    def _value(part: Expression) -> Constant:
-        return _evaluate(part, numbers)
-
+    value_of = partial(_evaluate, numbers=numbers)
     match expression:
         case Number(value):
             return value
         case Pi():
             return pi()
         case Name(name):
-            return _value(numbers[name])
+            return value_of(numbers[name])
         case Sum(terms):
-            return reduce(add, map(_value, terms), Fraction(0))
+            return reduce(add, map(value_of, terms), Fraction(0))
         case Product(factors):
-            return reduce(multiply, map(_value, factors), Fraction(1))
+            return reduce(multiply, map(value_of, factors), Fraction(1))
         case Power(base, exponent):
-            power = reduce(multiply, [_value(base)] * abs(exponent), Fraction(1))
+            power = reduce(multiply, [value_of(base)] * abs(exponent), Fraction(1))
             return reciprocal(power) if exponent < 0 else power
         case Call("tan", (angle,)):
-            return multiply(sine(_value(angle)), reciprocal(cosine(_value(angle))))
+            return multiply(sine(value_of(angle)), reciprocal(cosine(value_of(angle))))
         case Call(function, arguments):
             if function not in _FUNCTIONS:
                 raise QuantityError(f"'{function}' has no place in a cell", allowed="sin, cos, tan, sqrt")
-            return _FUNCTIONS[function](_value(arguments[0]))
+            return _FUNCTIONS[function](value_of(arguments[0]))
 
 
 _FUNCTIONS: Mapping[str, Callable[[Constant], Constant]] = {"sin": sine, "cos": cosine, "sqrt": square_root}

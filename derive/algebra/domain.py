@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 
-from derive.algebra.angles import Groups, contracted_groups, decompose
+from derive.algebra.angles import contracted_groups, decompose
 from derive.algebra.generators import (
     MAX_MULTIPLE,
     SPECIAL,
@@ -63,7 +63,9 @@ class PolynomialDomain:
         self.robot = robot
         self.contraction = contraction
         self.groups, self.directions = contracted_groups(robot, contraction)
-        self.angles = _generator_angles(self.groups, sums, robot.n)
+        home = {joint: group for group in self.groups for joint in group}
+        summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}
+        self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
         self._revolute = {joint.variable: i for i, joint in enumerate(robot.joints) if joint.is_revolute}
         values, angles = robot_cells(robot)
         self.atoms = collect([*values, *extra], angles, frozenset(self._revolute))
@@ -356,16 +358,6 @@ def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression
         factors = (power(g.expression, e) for g, e in zip(generators, exponents, strict=True) if e)
         terms.append(multiply(Number(coefficient), *factors))
     return add(*terms)
-
-
-def _generator_angles(groups: Groups, sums: Callable[[tuple[int, ...]], bool], n: int) -> tuple[tuple[int, ...], ...]:
-    """For every joint the joints whose angles its generator adds up."""
-    home = {joint: group for group in groups for joint in group}
-    found: list[tuple[int, ...]] = []
-    for i in range(n):
-        group = home.get(i, ())
-        found.append(group[: group.index(i) + 1] if group and sums(group) else (i,) if group else ())
-    return tuple(found)
 
 
 def _inverse_name(e: Expression) -> str:

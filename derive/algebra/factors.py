@@ -74,7 +74,12 @@ class Factoring:
         """
         if not p:
             return (Factor(p, 1),)
-        simple, rest = self._sines_and_cosines(p)
+        simple, rest = [], p
+        for joints in self._domain.groups:
+            for edge in combinations(range(len(joints) + 1), 2):
+                for kind in (Kind.SINE, Kind.COSINE):
+                    factor, rest = self._divided(rest, joints, edge, kind)
+                    simple += [factor] if factor else []
         number, others = self._other_factors(rest)
         found = tuple(f for f in (Factor(number, 1), *simple, *others) if f.value != 1)
         product = self._ring.one
@@ -84,20 +89,10 @@ class Factoring:
 
     # -- sines and cosines
 
-    def _sines_and_cosines(self, p: Polynomial) -> tuple[list[Factor], Polynomial]:
-        """The sines and cosines of sums of neighbouring angles that divide a polynomial, and the quotient."""
-        found = []
-        for joints in self._domain.groups:
-            for edge in combinations(range(len(joints) + 1), 2):
-                for kind in (Kind.SINE, Kind.COSINE):
-                    factor, p = self._divided(p, joints, edge, kind)
-                    found += [factor] if factor else []
-        return found, p
-
     def _divided(
         self, p: Polynomial, joints: tuple[int, ...], edge: Edge, kind: Kind
     ) -> tuple[Factor | None, Polynomial]:
-        """The power of one sine or cosine that divides a polynomial, and the quotient."""
+        """The power of one sine or cosine of neighbouring angles that divides a polynomial, and the quotient."""
         bases, places = trees(len(joints), self._domain.adds_angles(joints)), self._domain.places
         tree = next((tree for tree in bases if edge in tree), None)
         degrees = p.degrees()

@@ -63,7 +63,11 @@ class QuotientRing:
         given = list(formulas)
         if sum(map(_denominators, given)) > MAX_DENOMINATORS:
             raise TooManyTerms(MAX_TERMS)
-        self._renamed = _split_angles(robot, given)
+        # joint angles of which fractions occur, cos(q1/2), get sines and cosines of their own
+        units = collect((_without_division(opaque(e)) for e in given), ()).units
+        joints = {joint.variable for joint in robot.joints if joint.is_revolute}
+        split = [unit for unit, divisor in units.items() if isinstance(unit, Name) and divisor > 1]
+        self._renamed = {unit.name: Name(f"({unit.name})") for unit in split if unit.name in joints}
         renamed = [substitute(e, self._renamed) for e in given]
         algebraic = [opaque(e) for e in renamed]
         plain = [_without_division(e) for e in algebraic]
@@ -169,14 +173,3 @@ def _denominators(e: Expression) -> int:
     divides = isinstance(e, Power) and e.exponent < 0
     own = divides or (isinstance(e, Call) and e.function == "tan")
     return int(own) + sum(map(_denominators, children(e)))
-
-
-def _split_angles(robot: Robot, formulas: Iterable[Expression]) -> dict[str, Expression]:
-    """Joint angles of which fractions occur, cos(q1/2): they get sines and cosines of their own."""
-    units = collect((_without_division(opaque(e)) for e in formulas), ()).units
-    revolute = {joint.variable for joint in robot.joints if joint.is_revolute}
-    return {
-        unit.name: Name(f"({unit.name})")
-        for unit, divisor in units.items()
-        if isinstance(unit, Name) and unit.name in revolute and divisor > 1
-    }

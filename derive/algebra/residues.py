@@ -173,7 +173,11 @@ class ResidueDomain:
         pending = {i: g for i, g in enumerate(generators) if g.kind in _SOLVED}
         for i, g in enumerate(generators):
             if g.kind in (Kind.COSINE, Kind.CONSTANT_COSINE):
-                point[i], point[index[g.partner]] = self._circle(self.samples if g.kind is Kind.COSINE else 1)
+                # (1 - t^2, 2t) / (1 + t^2) on the unit circle; 1 + t^2 has no zero modulo a prime 4k + 3
+                t = self._numbers(self.samples if g.kind is Kind.COSINE else 1)
+                square = t * t % p
+                scale = _power((1 + square) % p, p - 2, p)
+                point[i], point[index[g.partner]] = (1 - square) % p * scale % p, 2 * t % p * scale % p
             elif i not in pending and g.kind not in (Kind.SINE, Kind.CONSTANT_SINE):
                 point[i] = self._numbers(self.samples if g.kind is Kind.VARIABLE else 1)
         while pending:
@@ -189,13 +193,6 @@ class ResidueDomain:
             if not exists:
                 return None
         return point
-
-    def _circle(self, count: int) -> tuple[Array, Array]:
-        """Points (1 - t^2, 2t) / (1 + t^2) of the unit circle; 1 + t^2 has no zero modulo a prime 4k + 3."""
-        p, t = self.prime, self._numbers(count)
-        square = t * t % p
-        scale = _power((1 + square) % p, p - 2, p)
-        return (1 - square) % p * scale % p, 2 * t % p * scale % p
 
     def _numbers(self, count: int) -> Array:
         drawn = [[self._random.randrange(2, self.prime - 1)] for _ in range(count)]
