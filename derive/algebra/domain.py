@@ -77,8 +77,8 @@ class PolynomialDomain:
     def _needed_generators(self, rates: bool) -> Iterator[Generator]:
         """Those that a relation eliminates come before those that replace them."""
         atoms, joints = self.atoms, self.robot.joints
-        yield from (Generator(Kind.INVERSE, _inverse_name(e), e) for e in reversed(atoms.inverses))
-        yield from (Generator(Kind.ROOT, _root_name(e), e) for e in reversed(atoms.roots))
+        yield from (Generator(Kind.INVERSE, f"1/{e!r}", e) for e in reversed(atoms.inverses))
+        yield from (Generator(Kind.ROOT, f"sqrt {e!r}", e) for e in reversed(atoms.roots))
         yield from (Generator(Kind.PRIME_ROOT, f"sqrt {p}", Number(Fraction(p))) for p in sorted(atoms.primes))
         moving = [
             sine_and_cosine(self.angle_sum(members), "+".join(joints[m].variable for m in members), i)
@@ -223,7 +223,7 @@ class PolynomialDomain:
             case Name(name):
                 return self.ring.generator(name)
             case Sum(terms):
-                return self.ring.sum(self.constant(t) for t in terms)
+                return sum((self.constant(t) for t in terms), self.ring.zero)
             case Product(factors):
                 result = self.ring.one
                 for factor in factors:
@@ -234,14 +234,14 @@ class PolynomialDomain:
             case Power(Number(value), exponent):
                 return self.ring.number(1 / value) ** -exponent
             case Power(base, exponent):
-                return self.ring.generator(_inverse_name(canonical(base))) ** -exponent
+                return self.ring.generator(f"1/{canonical(base)!r}") ** -exponent
             case Call("sqrt", (Number(value),)):
                 return self._number_root(value)
             case Call("sqrt", (argument,)):
-                return self.ring.generator(_root_name(canonical(argument)))
+                return self.ring.generator(f"sqrt {canonical(argument)!r}")
             case Call("tan", (argument,)):
-                inverse = self.ring.generator(_inverse_name(canonical(Call("cos", (argument,)))))
-                return self.cosine_sine(argument)[1] * inverse
+                cosine = canonical(Call("cos", (argument,)))
+                return self.cosine_sine(argument)[1] * self.ring.generator(f"1/{cosine!r}")
             case Call("cos", (argument,)):
                 return self.cosine_sine(argument)[0]
             case Call("sin", (argument,)):
@@ -358,14 +358,6 @@ def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression
         factors = (power(g.expression, e) for g, e in zip(generators, exponents, strict=True) if e)
         terms.append(multiply(Number(coefficient), *factors))
     return add(*terms)
-
-
-def _inverse_name(e: Expression) -> str:
-    return f"1/{e!r}"
-
-
-def _root_name(e: Expression) -> str:
-    return f"sqrt {e!r}"
 
 
 def _add_angles(a: tuple[Polynomial, Polynomial], b: tuple[Polynomial, Polynomial]) -> tuple[Polynomial, Polynomial]:

@@ -92,8 +92,10 @@ class QuotientRing:
         """
         a, b = (self._quotient(opaque(substitute(formula, self._renamed))) for formula in (ours, theirs))
         if a.denominator == b.denominator:
-            return _settled(a.numerator - b.numerator)
-        return _settled(a.numerator * b.denominator - b.numerator * a.denominator)
+            difference = a.numerator - b.numerator
+        else:
+            difference = a.numerator * b.denominator - b.numerator * a.denominator
+        return self.domain.ring.settle(difference.raw)
 
     def _quotient(self, e: Expression) -> Quotient:
         """The formula as a quotient of polynomials."""
@@ -123,17 +125,10 @@ class QuotientRing:
 
 def _nonzero(p: Polynomial, e: Expression) -> Polynomial:
     """The polynomial of a divisor, fully reduced."""
-    settled = _settled(p)
+    settled = p.ring.settle(p.raw)
     if not settled:
         raise _division_by_zero(e)
     return settled
-
-
-def _settled(p: Polynomial) -> Polynomial:
-    """Fully reduced: squares of roots may bring back squares of sines."""
-    while (again := p.ring.wrap(p.raw)) != p:
-        p = again
-    return p
 
 
 def _division_by_zero(e: Expression) -> CheckError:

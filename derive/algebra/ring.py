@@ -8,7 +8,7 @@ equality is equality of coefficients.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -129,8 +129,12 @@ class Ring:
             return self._reduce(raw, self._bits(raw) & ~self.always)
         return raw
 
-    def _settle(self, raw: fmpq_mpoly) -> Polynomial:
-        """Reduce by every relation until nothing changes: a radicand may bring back what was reduced before."""
+    def settle(self, raw: fmpq_mpoly) -> Polynomial:
+        """A raw polynomial reduced until nothing changes: a radicand may bring back what was reduced before.
+
+        Args:
+            raw: A polynomial over `context`.
+        """
         while (reduced := self._reduce(raw, self._bits(raw))) != raw:
             raw = reduced
         return Polynomial(self, raw, self._bits(raw))
@@ -165,7 +169,7 @@ class Ring:
         """
         mask = self._bits(raw)
         if mask & self.opening:
-            return self._settle(raw)
+            return self.settle(raw)
         return Polynomial(self, self._reduce(raw, mask), mask)
 
     def project(self, p: Polynomial) -> Polynomial:
@@ -175,17 +179,6 @@ class Ring:
             p: Its generators all exist here under the same names.
         """
         return self.wrap(p.raw.project_to_context(self.context))
-
-    def sum(self, terms: Iterable[Polynomial]) -> Polynomial:
-        """The sum of polynomials of this ring.
-
-        Args:
-            terms: The summands; none give zero.
-        """
-        total = self.zero
-        for term in terms:
-            total = total + term
-        return total
 
     def coefficients(self, p: Polynomial, generators: Sequence[int]) -> dict[tuple[int, ...], Polynomial]:
         """A polynomial as one in some generators, with polynomials in all the others as coefficients.
@@ -264,7 +257,7 @@ class Polynomial:
             bits = self._mask & o._mask | both & ring.always
             raw = ring._reduce(raw, bits)
             if bits & ring.opening:
-                return ring._settle(raw)
+                return ring.settle(raw)
         return Polynomial(ring, raw, both)
 
     __rmul__ = __mul__

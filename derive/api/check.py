@@ -7,11 +7,9 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load
 from derive.checking.comparison import check_expression
-from derive.checking.errata import Printout
 from derive.checking.files import check_path
-from derive.checking.findings import FileReport, Finding
-from derive.checking.report import difference_text, finding_lines, report_lines, right_text, what
-from derive.checking.verdicts import judge
+from derive.checking.findings import FileReport, Finding, judge
+from derive.checking.report import Printout, difference_text, finding_lines, report_lines, right_text, what
 from derive.handouts.notation.text import TextPrinter
 from derive.model.model import Model
 from derive.robot.robot import Robot

@@ -13,7 +13,7 @@ from derive.handouts.fragment import fragment_text
 from derive.handouts.render import Format, handout_files
 from derive.publish.atomic_folder import write_files
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, chosen_notation, chosen_parts
+from derive.robot.style import Derivation, choice_named, chosen_notation, chosen_parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +172,7 @@ def with_options(
     if language is not None:
         options = replace(options, language=language)
     if derivation is not None:
-        options = replace(options, derivation=Derivation.named(derivation))
+        options = replace(options, derivation=choice_named(Derivation, derivation))
     if notation is not None:
         options = replace(options, notation=chosen_notation(notation, options.notation))
     if q is not None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from derive.robot.catalogue import catalogue_names
 from derive.robot.cells import joint_values
 from derive.robot.expression import Expression
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 
 RobotLike = Robot | str | Path

@@ -3,7 +3,6 @@
 How a printed formula travels: `files` tells files apart and reads them with `reading` (YAML) and the shorthand or
 `latex_formula` (formulas) into `printed` data, or hands them to `frames_file` or `methods_file`, which read and compare
 on their own. `comparison` and `solutions` (inverse kinematics) ask `model.equality` whether a formula is right and keep
-the answer as `findings`. `verdicts.judge` says same form, equal or wrong; for a wrong one `diagnosis` tries at every
-place (`spots`) every single change (`edits`) until one repairs it. `report` writes verdicts as text and plain data,
-`errata` as Markdown.
+the answer as `findings`. `findings.judge` says same form, equal or wrong; for a wrong one `diagnosis` tries at every
+place every single change (`edits`) until one repairs it. `report` writes verdicts as text, plain data and Markdown.
 """

@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, islice
 
-from derive.checking.edits import Edit, Replacements, SlipKind, changes_text, edits
-from derive.checking.spots import Evaluator, Spot, is_token, spots
+from derive.checking.edits import Edit, Evaluator, Replacements, SlipKind, Spot, changes_text, edits, is_token, spots
 from derive.errors import DeriveError
 from derive.model.equality import compare
 from derive.robot.expression import Call, Expression, Name, Product, Sum, children, multiply, names, negate, substitute
@@ -113,10 +112,15 @@ def diagnose(question: Question) -> Repair | None:
         The change, or None if no single change and no two of one kind repair it.
     """
     known_names = _known_names(question)
-    for evaluate in _evaluators(question, known_names):
+    rng = random.Random(7)
+    wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
+    for _ in range(POINTS):
+        values = {name: rng.choice((-1, 1)) * rng.uniform(0.3, 1.7) for name in wanted}
         try:
-            search = _Search(question, evaluate, known_names)
-        except _BAD:  # one of the formulas has no value at this point
+            for name, meaning in question.definitions.items():
+                values[name] = Evaluator(values)(meaning)
+            search = _Search(question, Evaluator(values), known_names)
+        except _BAD:  # a definition or one of the formulas has no value at this point
             continue
         found = search.one_change() or search.two_changes()
         if found is None:
@@ -191,20 +195,6 @@ class _Search:
                     continue
                 if is_close:
                     yield edit
-
-
-def _evaluators(question: Question, known_names: Sequence[str]) -> Iterator[Evaluator]:
-    """Random points at which all definitions have a value."""
-    rng = random.Random(7)
-    wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
-    for _ in range(POINTS):
-        values = {name: rng.choice((-1, 1)) * rng.uniform(0.3, 1.7) for name in wanted}
-        try:
-            for name, meaning in question.definitions.items():
-                values[name] = Evaluator(values)(meaning)
-        except _BAD:
-            continue
-        yield Evaluator(values)
 
 
 def _known_names(question: Question) -> list[str]:

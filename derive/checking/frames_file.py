@@ -111,7 +111,8 @@ def compose(*frames: Matrix) -> Matrix:
     for factor in factors[1:]:
         columns = list(zip(*([domain.constant(e) for e in row] for row in factor), strict=True))
         product = [
-            [domain.ring.sum(x * y for x, y in zip(row, column, strict=True)) for column in columns] for row in product
+            [sum((x * y for x, y in zip(row, column, strict=True)), domain.ring.zero) for column in columns]
+            for row in product
         ]
     write = LectureForm(domain).kinematic
     return sympy.ImmutableMatrix([[write(entry) for entry in row] for row in product])
@@ -163,7 +164,13 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
         sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner))
         for key, text in reading.pairs(item, "at", "a value")
     }
-    right, corrections = product.subs(at) if at else product, _corrections(item)
+    right = product.subs(at) if at else product
+    corrections: dict[tuple[int, int], YamlScalar] = {}
+    for key, text in reading.pairs(item, "correct", "a correction"):
+        match = _PLACE.fullmatch(key.text)
+        if match is None:
+            raise CheckError(f"place {quoted(key.text)}", allowed="row,column", location=key.location)
+        corrections[int(match[1]), int(match[2])] = text
     yield from _compared(item, name, reading.child(item, "matrix"), right, corrections)
     for form in reading.items(reading.child(item, "forms"), "forms"):
         yield from _compared(item, name, form, right, corrections)
@@ -205,17 +212,6 @@ def _elementary(name: str, arguments: list[str], where: Location, known: Mapping
         turn = rotation(arguments[0], numbers[0])
         return turn if name == "Rot" else turn[:3, :3]
     return translation(*numbers) if name == "Trans" else point(*numbers)
-
-
-def _corrections(item: YamlMapping) -> dict[tuple[int, int], YamlScalar]:
-    """Right formulas for wrong entries, by row and column from 1."""
-    found = {}
-    for key, text in reading.pairs(item, "correct", "a correction"):
-        match = _PLACE.fullmatch(key.text)
-        if match is None:
-            raise CheckError(f"place {quoted(key.text)}", allowed="row,column", location=key.location)
-        found[int(match[1]), int(match[2])] = text
-    return found
 
 
 def _compared(

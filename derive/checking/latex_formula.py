@@ -83,9 +83,7 @@ def read_latex(
         CheckError: An unknown macro, an unknown name, or text outside the grammar; placed at it.
     """
     start = location or Location("<latex>")
-    _check_size(text, start)
-    names = LatexNames(robot, abbreviations)
-    blank = _without_dollars(text)
+    names, blank = LatexNames(robot, abbreviations), _without_dollars(text, start)
     try:
         found: Expression = _Builder(names).transform(_parser().parse(blank))
     except UnexpectedInput as error:
@@ -101,8 +99,8 @@ def read_latex(
     return found
 
 
-def _check_size(text: str, start: Location) -> None:
-    """Refuse what is too long or nested too deeply, before anything is parsed."""
+def _without_dollars(text: str, start: Location) -> str:
+    """The text with blanks for the dollar signs around it, so that every offset stays; refuses one beyond a limit."""
     if len(text) > MAX_LENGTH:
         raise CheckError(f"formula of {len(text)} characters", allowed=f"at most {MAX_LENGTH}", location=start)
     if not text.strip(" \t\r\n$"):
@@ -113,10 +111,6 @@ def _check_size(text: str, start: Location) -> None:
         if depth > FORMULA_LIMITS.depth:
             where = place(text, offset, start)
             raise CheckError("brackets nested too deeply", allowed=f"at most {FORMULA_LIMITS.depth}", location=where)
-
-
-def _without_dollars(text: str) -> str:
-    """Dollar signs around the formula become blanks, so that every offset stays."""
     inner = text.strip()
     for dollars in ("$$", "$"):
         if inner.startswith(dollars) and inner.endswith(dollars) and len(inner) > 2 * len(dollars):

@@ -102,8 +102,8 @@ class LatexNames:
             return variable
         if match := _CIRCULAR.fullmatch(text):
             return match[1].lower() + re.sub("[a-z]", "", match[2])
-        for key in (_joined, _digits_last, _caseless):
-            found = sorted(name for name in self.own if key(name) == key(text))
+        for likeness, wanted in enumerate(_alike(text)):
+            found = sorted(name for name in self.own if _alike(name)[likeness] == wanted)
             if len(found) > 1:
                 ways = " or ".join(found[:2])
                 raise CheckError(f"{text} can be read in two ways, {ways}", remedy="write the name out")
@@ -125,13 +125,8 @@ class LatexNames:
         return ""
 
 
-def _joined(name: str) -> str:
-    return name.replace("_", "")
-
-
-def _digits_last(name: str) -> str:
-    return "".join(sorted(_joined(name), key=str.isdigit))
-
-
-def _caseless(name: str) -> str:
-    return _digits_last(name).casefold()
+def _alike(name: str) -> tuple[str, str, str]:
+    """What names share that differ in underscores; in the place of the digits too; and in case too."""
+    joined = name.replace("_", "")
+    digits_last = "".join(sorted(joined, key=str.isdigit))
+    return joined, digits_last, digits_last.casefold()

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
 
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking import reading
@@ -97,7 +96,12 @@ def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> 
     definitions = _pose(model, solution, set(names(printed.formula)))
     question = Question(model.robot, printed.formula, solution.value, definitions)
     if solution.is_angle:
-        question = replace(question, right=ZERO, compared=partial(_half_turn, solution.value))
+        # the sine of half the difference of two angles is zero where they are equal up to full turns
+        question = replace(
+            question,
+            right=ZERO,
+            compared=lambda e: Call("sin", (multiply(HALF, add(solution.value, negate(e))),)),
+        )
     whole = substitute(question.compared(question.printed), definitions)
     verdict = verdict_at(printed.location, model.robot, question.right, whole)
     example = verdict.counter_example
@@ -112,11 +116,6 @@ def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> 
     return Finding(
         solution.unknown, 0, 0, role, printed.text, verdict, right, where, erratum, question, remark=solution.remark
     )
-
-
-def _half_turn(value: Expression, printed: Expression) -> Expression:
-    """The sine of half the difference of two angles: zero where they are equal up to full turns."""
-    return Call("sin", (multiply(HALF, add(value, negate(printed))),))
 
 
 def _pose(model: Model, solution: Solution, used: set[str]) -> Mapping[str, Expression]:

@@ -12,7 +12,7 @@ from derive.cli.terminal import one_line, print_json
 from derive.errors import CheckError, OutputError, UnknownNameError
 
 if TYPE_CHECKING:
-    from derive.checking.errata import Printout
+    from derive.checking.report import Printout
 
 SUMMARY = "compare printed formulas with derived ones"
 DESCRIPTION = """\
@@ -99,8 +99,8 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     """One formula; an unknown name is a verdict too where a program reads it."""
     from derive.api.check import formula_finding, printout
     from derive.api.robots import load
+    from derive.checking.findings import Outcome
     from derive.checking.report import finding_dict, finding_lines
-    from derive.checking.verdicts import Outcome
 
     robot = load(arguments.files[0])
     try:
@@ -122,7 +122,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
 def _write_report(path: str | None, printouts: Sequence[Printout]) -> None:
     if path is None:
         return
-    from derive.checking.errata import errata_report
+    from derive.checking.report import errata_report
 
     try:
         Path(path).write_text(errata_report(printouts), encoding="utf-8")
@@ -137,8 +137,8 @@ def _print_table(printout: Printout) -> None:
     from rich.markup import escape
     from rich.table import Table
 
+    from derive.checking.findings import judge
     from derive.checking.report import difference_text, right_text, summary, unknown_name, what
-    from derive.checking.verdicts import judge
 
     report, console = printout.report, Console()
     table = Table("place", "formula", "printed", "right", "change", show_lines=True)

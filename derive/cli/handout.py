@@ -78,12 +78,20 @@ def run(arguments: argparse.Namespace) -> int:
 
     Returns:
         The exit status.
+
+    Raises:
+        OutputError: A fragment and a handout at once.
     """
     from derive.api.handout import fragment, handout
     from derive.publish.atomic_folder import write_files
 
     formats = [form for form in ("tex", "pdf", "html") if getattr(arguments, form)]
-    _require_one_purpose(arguments, [*formats, *(name for name in ("exercise", "json") if getattr(arguments, name))])
+    of_handouts = [*formats, *(name for name in ("exercise", "json") if getattr(arguments, name))]
+    if arguments.fragment is None and arguments.fragment_file is not None:
+        raise OutputError("-o without --fragment", remedy="name a folder with --out")
+    if arguments.fragment is not None and of_handouts:
+        allowed = "a fragment is LaTeX on standard output or in -o FILE"
+        raise OutputError(f"--fragment with --{of_handouts[0]}", allowed=allowed)
     options = {
         "parts": arguments.parts,
         "language": arguments.lang,
@@ -108,12 +116,3 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"{file.path}: {file.pages} page{'' if file.pages == 1 else 's'}" if file.pages else file.path)
         print(f"{len(result.parts)} parts in {result.seconds:.1f} s")
     return 0
-
-
-def _require_one_purpose(arguments: argparse.Namespace, forms: list[str]) -> None:
-    """A fragment or a handout, not both."""
-    if arguments.fragment is None and arguments.fragment_file is not None:
-        raise OutputError("-o without --fragment", remedy="name a folder with --out")
-    if arguments.fragment is not None and forms:
-        allowed = "a fragment is LaTeX on standard output or in -o FILE"
-        raise OutputError(f"--fragment with --{forms[0]}", allowed=allowed)

@@ -239,13 +239,10 @@ def notation_text(expression: Expression, robot: Robot) -> str:
 
 def _with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:
     """A tree with names such as c12 in the place of cosines and sines of labelled joint angles."""
-    if isinstance(e, Call) and e.function in _LETTER and (digits := _digits(e.arguments[0], labels)):
-        return Name(_LETTER[e.function] + digits)
+    if isinstance(e, Call) and e.function in _LETTER:
+        (angle,) = e.arguments
+        terms = angle.terms if isinstance(angle, Sum) else (angle,)
+        found = [labels.get(term.name, "") if isinstance(term, Name) else "" for term in terms]
+        if all(found) and len(set(found)) == len(found):
+            return Name(_LETTER[e.function] + "".join(sorted(found)))
     return rebuilt(e, lambda part: _with_tokens(part, labels))
-
-
-def _digits(angle: Expression, labels: Mapping[str, str]) -> str:
-    """The labels of an angle or a sum of angles; empty where it is something else."""
-    terms = angle.terms if isinstance(angle, Sum) else (angle,)
-    found = [labels.get(term.name, "") if isinstance(term, Name) else "" for term in terms]
-    return "".join(sorted(found)) if all(found) and len(set(found)) == len(found) else ""

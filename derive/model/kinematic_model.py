@@ -19,7 +19,7 @@ from derive.model.matrices import columns_matrix, frame_matrix, gravity_symbols,
 from derive.model.singularities.determinant import Singularities, find_singularities
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
-from derive.robot.style import Contraction, Style
+from derive.robot.style import Contraction, Style, choice_named
 
 SHORT_ROOT = 4
 """Most terms under the roots of the orientation angles that are worth simplifying."""
@@ -47,8 +47,8 @@ class KinematicModel:
 
     def __init__(self, robot: Robot, style: str | None = None, contraction: str | None = None) -> None:
         self.robot = robot
-        self.style = Style.named(robot.style if style is None else style)
-        self.contraction = Contraction.named(robot.contraction if contraction is None else contraction)
+        self.style = choice_named(Style, robot.style if style is None else style)
+        self.contraction = choice_named(Contraction, robot.contraction if contraction is None else contraction)
         variables = [joint.variable for joint in robot.joints]
         self.q = tuple(sympy.Symbol(v) for v in variables)
         self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)

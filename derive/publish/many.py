@@ -52,7 +52,15 @@ def build_many(
     Raises:
         OutputError: Two different robots would share a folder.
     """
-    _require_distinct(robots)
+    seen: dict[str, Robot] = {}
+    for robot in robots:  # two files with one name would overwrite each other's folder
+        other = seen.setdefault(package_name(robot), robot)
+        if other.digest != robot.digest:
+            raise OutputError(
+                f"{other.source or other.name} and {robot.source or robot.name} have the same name {robot.name!r}",
+                allowed="robots that are built into one folder have different names",
+                remedy="change `name:` in one of the files, or build them with different --out",
+            )
     work = partial(
         build_robot,
         out=out,
@@ -89,19 +97,6 @@ def check_many(
     """
     names = None if targets is None else tuple(targets)
     return _run(partial(check_robot, out=out, targets=names, effort=effort), robots, jobs, progress)
-
-
-def _require_distinct(robots: Sequence[Robot]) -> None:
-    """Two files with one name would overwrite each other's folder."""
-    seen: dict[str, Robot] = {}
-    for robot in robots:
-        other = seen.setdefault(package_name(robot), robot)
-        if other.digest != robot.digest:
-            raise OutputError(
-                f"{other.source or other.name} and {robot.source or robot.name} have the same name {robot.name!r}",
-                allowed="robots that are built into one folder have different names",
-                remedy="change `name:` in one of the files, or build them with different --out",
-            )
 
 
 def _run(

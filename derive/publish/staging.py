@@ -81,11 +81,12 @@ def flush_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
-def hold(folder: Path) -> int | None:
-    """Locks a folder of our own until the descriptor is closed.
+def hold(folder: Path, *, wait: bool = False) -> int | None:
+    """Locks a folder until the descriptor is closed.
 
     Args:
-        folder: The folder.
+        folder: The folder; one of our own, and no link, where nobody waits.
+        wait: Whether to wait until nobody else holds it.
 
     Returns:
         The descriptor; None where folders cannot be locked.
@@ -93,7 +94,17 @@ def hold(folder: Path) -> int | None:
     Raises:
         BlockingIOError: Somebody else holds it.
     """
-    return _locked(folder, wait=False)
+    if fcntl is None:
+        return None
+    descriptor = os.open(folder, os.O_RDONLY if wait else os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(descriptor)
+        if error.errno in _NO_LOCKS:
+            return None
+        raise
+    return descriptor
 
 
 @contextmanager
@@ -106,7 +117,7 @@ def exclusively(folder: Path) -> Iterator[bool]:
     Yields:
         Whether there are locks here at all.
     """
-    descriptor = _locked(folder, wait=True)
+    descriptor = hold(folder, wait=True)
     try:
         yield descriptor is not None
     finally:
@@ -121,21 +132,6 @@ def release(descriptor: int | None) -> None:
     """
     if descriptor is not None:
         os.close(descriptor)
-
-
-def _locked(folder: Path, *, wait: bool) -> int | None:
-    """The descriptor of a locked folder; None where there are no locks."""
-    if fcntl is None:
-        return None
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW if not wait else os.O_RDONLY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        os.close(descriptor)
-        if error.errno in _NO_LOCKS:
-            return None
-        raise
-    return descriptor
 
 
 def make_staging(target: Path) -> Path:
@@ -185,19 +181,15 @@ def recover(parent: Path, locks_work: bool) -> None:
                 path.rename(target)
                 flush_folder(parent)
         elif locks_work and _STAGING.fullmatch(path.name):
-            _remove_if_dead(path)
-
-
-def _remove_if_dead(path: Path) -> None:
-    try:
-        descriptor = hold(path)
-    except OSError:  # its maker is alive, or it is not ours to open
-        return
-    try:
-        if descriptor is not None:
-            remove(path)
-    finally:
-        release(descriptor)
+            try:
+                descriptor = hold(path)
+            except OSError:  # its maker is alive, or it is not ours to open
+                continue
+            try:
+                if descriptor is not None:
+                    remove(path)
+            finally:
+                release(descriptor)
 
 
 def remove(folder: Path) -> None:

@@ -1,14 +1,18 @@
-"""From a path, a catalogue name or a text to a validated `Description`: files, names, parameters, and the whole."""
+"""From a path, a name of the catalogue or a text to a validated `Description`: files, names, parameters, and the whole.
+
+The catalogue of built-in robots is one YAML file each, under ``derive/robot/catalogue``.
+"""
 
 from __future__ import annotations
 
 import keyword
 import re
 import unicodedata
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss, quoted
-from derive.robot.catalogue import catalogue_names, catalogue_text
 from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.document import Document, KeyPath, YamlMapping, read_document
@@ -19,6 +23,38 @@ from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.style import Contraction, Style
 from derive.robot.table import read_frame, read_gravity, read_joints, read_links
 from derive.robot.validate import validate
+
+_FOLDER = files("derive.robot") / "catalogue"
+_SUFFIX = ".yaml"
+
+
+@cache
+def catalogue_names() -> tuple[str, ...]:
+    """Names of the built-in robots, sorted."""
+    found = (entry.name for entry in _FOLDER.iterdir())
+    return tuple(sorted(name.removesuffix(_SUFFIX) for name in found if name.endswith(_SUFFIX)))
+
+
+def catalogue_text(name: str) -> str:
+    """The robot file of a built-in robot.
+
+    Args:
+        name: One of `catalogue_names`.
+
+    Returns:
+        The YAML text.
+
+    Raises:
+        UnknownRobotError: No such robot.
+    """
+    if name not in catalogue_names():
+        raise UnknownRobotError(
+            f"no catalogue robot {quoted(name)}",
+            allowed="allowed: a name from derive list",
+            remedy=near_miss(name, catalogue_names()),
+        )
+    return (_FOLDER / f"{name}{_SUFFIX}").read_text(encoding="utf-8")
+
 
 _NAME = re.compile(rf"[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}")
 _TAKEN = {

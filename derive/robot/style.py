@@ -31,21 +31,6 @@ class Style(StrEnum):
     BY_GEOMETRY = "by-geometry"
     EXPANDED = "expanded"
 
-    @classmethod
-    def named(cls, name: str) -> Style:
-        """The style of that name.
-
-        Args:
-            name: ``compact``, ``by-geometry`` or ``expanded``.
-
-        Returns:
-            The style.
-
-        Raises:
-            QuantityError: No such style.
-        """
-        return _named(cls, "style", name)
-
 
 class Contraction(StrEnum):
     """Which sums of joint angles are contracted.
@@ -58,28 +43,22 @@ class Contraction(StrEnum):
     ALIGNED = "aligned"
     OPPOSED = "opposed"
 
-    @classmethod
-    def named(cls, name: str) -> Contraction:
-        """The contraction of that name.
 
-        Args:
-            name: ``aligned`` or ``opposed``.
+def choice_named(kind: type[Choice], name: str) -> Choice:
+    """The choice of that name.
 
-        Returns:
-            The contraction.
+    Args:
+        kind: `Style`, `Contraction` or `Derivation`.
+        name: For instance ``by-geometry``.
 
-        Raises:
-            QuantityError: No such contraction.
-        """
-        return _named(cls, "contraction", name)
-
-
-def _named(kind: type[Choice], word: str, name: str) -> Choice:
+    Raises:
+        QuantityError: No such choice.
+    """
     try:
         return kind(name)
     except ValueError:
         allowed = ", ".join(member.value for member in kind)
-        raise QuantityError(f"{word} {name!r}", allowed=allowed) from None
+        raise QuantityError(f"{kind.__name__.lower()} {name!r}", allowed=allowed) from None
 
 
 PARTS = (
@@ -111,21 +90,6 @@ class Derivation(StrEnum):
 
     RESULT = "result"
     STEPS = "steps"
-
-    @classmethod
-    def named(cls, name: str) -> Derivation:
-        """The derivation of that name.
-
-        Args:
-            name: ``result`` or ``steps``.
-
-        Returns:
-            The derivation.
-
-        Raises:
-            QuantityError: No such derivation.
-        """
-        return _named(cls, "derivation", name)
 
 
 class AngleLetter(StrEnum):

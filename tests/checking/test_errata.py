@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from derive.checking.errata import Item, errata_items
-from derive.checking.report import repaired_text
-from derive.checking.verdicts import Outcome, judge
+from derive.checking.findings import Outcome, judge
+from derive.checking.report import Item, errata_items, repaired_text
 from tests.docs.errata import printouts
 
 ERRATA = 26

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from derive.checking.findings import same_form
 from derive.checking.latex_formula import read_latex
-from derive.checking.verdicts import same_form
 from derive.errors import CheckError, UnknownNameError
 from derive.lecture.shorthand import read_formula
 from derive.robot.expression import Expression

@@ -10,7 +10,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import LatexPrinter
 from derive.model.equality import compare
 from derive.model.model import Model
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 
 LONGEST = 3_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from derive.checking.spots import Evaluator, is_token, spots
+from derive.checking.edits import Evaluator, is_token, spots
 from derive.errors import Location
 from derive.robot.expression import Expression, Name, number
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression

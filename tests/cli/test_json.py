@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from tests.cli.command import PENDULUM, derive
 
 WRONG_FORMULA = """\

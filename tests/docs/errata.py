@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from derive.checking.errata import Printout, errata_report
 from derive.checking.files import check_path
+from derive.checking.report import Printout, errata_report
 from derive.handouts.notation.text import TextPrinter
 from tests.lectures.results import CORPUS
 from tests.places import ROOT

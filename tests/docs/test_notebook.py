@@ -12,7 +12,7 @@ import pytest
 
 from derive import Model, Robot
 from derive.notebook import MOST_LINES
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from tests.docs.console import ROOT
 
 TOUR = ROOT / "examples" / "tour.ipynb"

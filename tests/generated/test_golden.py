@@ -18,7 +18,7 @@ from derive.publish.build import check_robot
 from derive.publish.build import folder_of
 from derive.publish.render import render_robot
 from derive.publish.targets import targets_named
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 
 GENERATED = ROOT / "generated"

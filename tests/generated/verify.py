@@ -14,7 +14,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 from derive.errors import DeriveError
 from derive.publish.build import folder_of
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.verification.verify import verify
 from tests.places import GENERATED

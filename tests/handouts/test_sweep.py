@@ -11,7 +11,7 @@ import pytest
 from derive.handouts.assemble import context_of, document, exercise, solutions
 from derive.handouts.language import languages
 from derive.handouts.latex_writer import latex
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.style import (
     AngleLetter,

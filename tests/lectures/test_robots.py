@@ -9,7 +9,7 @@ import sympy
 
 from derive.checking.findings import Role
 from derive.model.model import Model
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.lectures.results import ROBOT_FILES, document
 from tests.lectures.robot_results import corpus_file, report, robot_results

@@ -16,7 +16,7 @@ import pytest
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.comparison import derived_matrix
 from derive.checking.files import read_corpus_file
-from derive.checking.verdicts import same_form
+from derive.checking.findings import same_form
 from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
 

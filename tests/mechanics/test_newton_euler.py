@@ -14,9 +14,9 @@ from derive.mechanics.chain import build_chain
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.printed_newton_euler import newton_euler_base, newton_euler_link, without_rotors
 from derive.model.model import Model
-from derive.robot.catalogue import catalogue_names
 from derive.robot.description import Convention
 from derive.robot.expression import Expression, Name, multiply
+from derive.robot.load import catalogue_names
 from derive.robot.names import velocity_name
 from derive.robot.robot import Robot
 from tests.random_robots import robot_text

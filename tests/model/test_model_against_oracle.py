@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from derive.model.model import Model
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle

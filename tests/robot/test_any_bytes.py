@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from derive.errors import DeriveError
-from derive.robot.catalogue import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.robot import Robot
 
 TEXTS = [catalogue_text(name) for name in catalogue_names()]

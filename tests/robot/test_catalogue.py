@@ -6,8 +6,8 @@ import pytest
 
 from derive.cli.new import new_robot_text
 from derive.errors import RobotFileError, UnknownRobotError
-from derive.robot.catalogue import catalogue_names, catalogue_text
 from derive.robot.evaluate import evaluate
+from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from derive.errors import RobotFileError
-from derive.robot.catalogue import catalogue_names, catalogue_text
 from derive.robot.document import KeyPath, Node, YamlMapping, YamlScalar, YamlSequence, read_document, read_tree
+from derive.robot.load import catalogue_names, catalogue_text
 
 
 def scalars(node: Node, path: KeyPath = ()) -> Iterator[tuple[KeyPath, YamlScalar]]:

@@ -12,7 +12,7 @@ import yaml
 
 from derive.cli.new import new_robot_text
 from derive.errors import DeriveError
-from derive.robot.catalogue import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.robot import Robot
 from derive.robot.schema import json_schema
 from tests.robot.hostile import GOOD, HOSTILE

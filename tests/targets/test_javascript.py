@@ -10,7 +10,7 @@ import pytest
 from derive.programs.functions import build_program
 from derive.programs.policy import Effort
 from derive.programs.program import Program
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_string
 from derive.targets.javascript import camel_case, render_javascript

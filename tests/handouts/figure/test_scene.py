@@ -15,7 +15,7 @@ from derive.handouts.figure.paper import AXIS_COLORS
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.notation.notation import Notation
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.arm import numeric_arm

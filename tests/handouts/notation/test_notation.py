@@ -17,7 +17,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import italic, joined
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import EntryNamer, Symbols
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.style import AngleLetter, FrameIndices, Functions, InertiaLetter, NotationOptions, SliderLetter
 from tests.handouts.latex_runner import run_latex

@@ -23,9 +23,9 @@ from derive.handouts.latex_writer import latex
 from derive.handouts.parts.bodies import bodies
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
-from derive.robot.catalogue import catalogue_names
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO
+from derive.robot.load import catalogue_names
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, HandoutOptions, InertiaLetter, NotationOptions

@@ -22,8 +22,8 @@ from derive.handouts.parts.example import ANGLES, configuration, numbers_of
 from derive.mechanics.floats import value_at
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
-from derive.robot.catalogue import catalogue_names
 from derive.robot.expression import Number, Pi, Product
+from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.style import Derivation, FrameIndices, HandoutOptions, NotationOptions

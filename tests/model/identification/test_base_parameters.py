@@ -20,11 +20,11 @@ from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.model.identification.base_parameters import BaseSet, Coefficient, base_set
 from derive.model.identification.parameter_values import base_values, grouped_values, standard_values
-from derive.robot.catalogue import catalogue_names
 from derive.robot.description import Inertia, Joint, Link, Motor
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, multiply, power, substitute
 from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.places import ROOT
@@ -117,7 +117,7 @@ def quotient(c: Coefficient, domain: PolynomialDomain | None) -> Expression:
 def times(regressor: Regressor[Polynomial], parameters: list[Parameter], values: list[Polynomial]) -> list[Polynomial]:
     ring = values[0].ring
     rows = regressor.rows(parameters)
-    return [ring.sum(y * value for y, value in zip(row, values, strict=True)) for row in rows]
+    return [sum((y * value for y, value in zip(row, values, strict=True)), ring.zero) for row in rows]
 
 
 @pytest.mark.parametrize("robot", SMALL, ids=lambda robot: robot.name)

@@ -12,9 +12,9 @@ from derive.errors import Location
 from derive.model.model import Model
 from derive.programs.functions import build_program
 from derive.programs.program import Program
-from derive.robot.catalogue import catalogue_names
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard_parameters
+from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
