@@ -88,7 +88,7 @@ class Ring:
         self.relate_root(eliminated, 1 - other * other)
 
     def relate_root(self, name: str, radicand: Polynomial) -> None:
-        """The square of a root, w^2 = x; a sine is one by s^2 + c^2 = 1: its square becomes 1 - c^2.
+        """The square of a root, w^2 = x.
 
         Args:
             name: Name of the generator w.

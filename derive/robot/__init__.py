@@ -1,6 +1,6 @@
 """The robot file: how a text becomes a `Robot`, exact, in SI units and radians.
 
-`load` finds the text (a file, or a robot of the catalogue); `document` makes a tree of texts with places of it; `schema`
+`load` finds the text (a file, or a robot of the catalogue); `document` makes it a tree of texts with places; `schema`
 checks keys and shapes; `parser` reads a cell to an `expression`, `cells` brings it to SI units; `table` and
 `presentation` read the blocks; `validate` checks the whole. All that a text may cost is bounded in `size_limits`.
 `description` is the data that results, with the options of `style`, and `robot` the class that everything else sees.
