@@ -99,7 +99,8 @@ class ColumnSolver:
             for k in range(len(basis))
         ]
         for row in rows:
-            if scale * row[-1] != self.domain.ring.sum(top * entry for top, entry in zip(tops, row[:-1], strict=True)):
+            products = (top * entry for top, entry in zip(tops, row[:-1], strict=True))
+            if scale * row[-1] != sum(products, self.domain.ring.zero):
                 raise Unproven(f"{wanted.name} depends on other parameters only at some points")
         return [_reduced(top, scale) for top in tops]
 

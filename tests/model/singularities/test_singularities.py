@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from derive.lecture.to_sympy import expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
 from derive.model.singularities.determinant import JacobianBlock, Outcome, Posture, Singularities
-from derive.robot.catalogue import catalogue_names
+from derive.robot.load import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
