@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from derive.handouts.context import Context
 from derive.handouts.language import Text
-from derive.handouts.notation.symbols import EntryNamer, bold
+from derive.handouts.notation.symbols import bold
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.matrices import aligned_latex
 from derive.model.model import Model as ClosedForms
@@ -34,7 +35,7 @@ def _lines(context: Context) -> Iterator[str]:
     letter = context.symbols.inertia_letter
     names = {"T": "T", "J": "J"} | ({"B": letter, "g": "g"} if context.robot.has_dynamics else {})
     for group, (name, shown) in enumerate(names.items()):
-        namer = EntryNamer(context.symbols, shown.lower())
+        namer = partial(context.symbols.entry, shown.lower())
         quantity = getattr(context.entries, name)
         laid_out = context.layouter.lay_out(bold(shown), namer, quantity, group=group, symmetric=name == "B")
         printed = [*laid_out.named, *laid_out.lines]

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, configuration, load
 from derive.errors import DeriveError
-from derive.handouts.data_printer import DataPrinter
 from derive.handouts.figure.arm import arm_drawing
-from derive.handouts.figure.matplotlib_writer import drawing_bytes, require_matplotlib
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.workspace import sample_workspace, workspace_bytes
+from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import DataPrinter
 from derive.publish.atomic_folder import write_files
 from derive.robot.robot import Robot
 

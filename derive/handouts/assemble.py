@@ -11,10 +11,9 @@ from derive.handouts.context import Context
 from derive.handouts.document import Blank, Block, Document, Formula, Section, Steps
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import Text, text_for
-from derive.handouts.parts.bodies import link_jacobians
+from derive.handouts.parts.bodies import energies, inertia, link_jacobians
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
-from derive.handouts.parts.inertia import energies, inertia
 from derive.handouts.parts.jacobian import jacobian
 from derive.handouts.parts.kinematics import end_effector, transforms
 from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
@@ -41,31 +40,6 @@ class Part(NamedTuple):
     title: str
     blocks: Callable[[Context], Iterable[Block]]
     needs_closed_dynamics: bool = False
-
-
-def _parts(_: Text) -> dict[str, Part]:
-    """Every part by its name in ``handout: parts:``."""
-    return {
-        "figure": Part(_("The arm"), arm),
-        "table": Part(_("Denavit-Hartenberg table"), dh_table),
-        "convention": Part(_("Convention"), convention),
-        "parameters": Part(_("Parameters"), parameters),
-        "transforms": Part(_("Transforms of the rows"), transforms),
-        "kinematics": Part(_("End effector"), end_effector),
-        "orientation": Part(_("Position and orientation"), orientation),
-        "jacobian": Part(_("Geometric Jacobian"), jacobian),
-        "singularities": Part(_("Singularities"), singularities),
-        "link-jacobians": Part(_("Jacobians of links and motors"), link_jacobians, True),
-        "energies": Part(_("Energies"), energies, True),
-        "inertia": Part(_("Inertia matrix"), inertia),
-        "christoffel": Part(_("Christoffel symbols"), christoffel, True),
-        "coriolis": Part(_("Coriolis matrix"), coriolis, True),
-        "skew": Part(_("Skew symmetry"), skew, True),
-        "gravity": Part(_("Gravity"), gravity, True),
-        "motion": Part(_("Equations of motion"), equations_of_motion, True),
-        "newton-euler": Part(_("Newton-Euler recursion"), newton_euler, True),
-        "example": Part(_("Example in numbers"), example),
-    }
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
@@ -100,7 +74,29 @@ def section_of(context: Context, name: str) -> Section | None:
     Returns:
         Its section; None where the robot has nothing to show there.
     """
-    part = _parts(context.text)[name]
+    _ = context.text
+    parts = {
+        "figure": Part(_("The arm"), arm),
+        "table": Part(_("Denavit-Hartenberg table"), dh_table),
+        "convention": Part(_("Convention"), convention),
+        "parameters": Part(_("Parameters"), parameters),
+        "transforms": Part(_("Transforms of the rows"), transforms),
+        "kinematics": Part(_("End effector"), end_effector),
+        "orientation": Part(_("Position and orientation"), orientation),
+        "jacobian": Part(_("Geometric Jacobian"), jacobian),
+        "singularities": Part(_("Singularities"), singularities),
+        "link-jacobians": Part(_("Jacobians of links and motors"), link_jacobians, True),
+        "energies": Part(_("Energies"), energies, True),
+        "inertia": Part(_("Inertia matrix"), inertia),
+        "christoffel": Part(_("Christoffel symbols"), christoffel, True),
+        "coriolis": Part(_("Coriolis matrix"), coriolis, True),
+        "skew": Part(_("Skew symmetry"), skew, True),
+        "gravity": Part(_("Gravity"), gravity, True),
+        "motion": Part(_("Equations of motion"), equations_of_motion, True),
+        "newton-euler": Part(_("Newton-Euler recursion"), newton_euler, True),
+        "example": Part(_("Example in numbers"), example),
+    }
+    part = parts[name]
     if part.needs_closed_dynamics and not context.has_closed_dynamics:
         return None
     blocks = tuple(part.blocks(context))
@@ -154,13 +150,17 @@ def exercise(document: Document, text: Text) -> Document:
     """
     sections = []
     for section in document.sections:
-        blocks = tuple(
-            Blank(block.blanks, _room(block)) if isinstance(block, Formula) and block.blanks else block
-            for block in section.blocks
-            if not isinstance(block, Steps)
-        )
+        blocks: list[Block] = []
+        for block in section.blocks:
+            if isinstance(block, Formula) and block.blanks:  # a matrix takes a line for each row, which \\ ends
+                rows = sum(line.count("\\\\") + 1 for part in block.rows for line in part.lines)
+                printed = rows + len(block.named) + len(block.omitted)
+                room = max(_LEAST_LINES, min(_MOST_LINES, round(_HANDWRITING * printed)))
+                blocks.append(Blank(block.blanks, room))
+            elif not isinstance(block, Steps):
+                blocks.append(block)
         if blocks:
-            sections.append(replace(section, blocks=blocks))
+            sections.append(replace(section, blocks=tuple(blocks)))
     return replace(document, subtitle=text("Exercise"), sections=tuple(sections))
 
 
@@ -175,10 +175,3 @@ def solutions(document: Document, text: Text) -> Document:
         The solutions.
     """
     return replace(document, subtitle=text("Solutions"))
-
-
-def _room(formula: Formula) -> int:
-    r"""Lines that an answer needs by hand; a matrix takes one for each of its rows, which ``\\`` ends."""
-    rows = sum(line.count("\\\\") + 1 for part in formula.rows for line in part.lines)
-    printed = rows + len(formula.named) + len(formula.omitted)
-    return max(_LEAST_LINES, min(_MOST_LINES, round(_HANDWRITING * printed)))

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
-from derive.handouts.data_printer import DataPrinter
 from derive.handouts.dynamics import DynamicsLayout
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import Text
-from derive.handouts.layout.policy import POLICY, SheetPolicy
-from derive.handouts.layout.quantity import Layouter
+from derive.handouts.layout.quantity import POLICY, Layouter, SheetPolicy
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.printer import DataPrinter, LatexPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.model.dynamic_entries import ModelEntries
 from derive.robot.description import Convention
@@ -20,9 +17,9 @@ from derive.robot.robot import Robot
 from derive.robot.style import Derivation, HandoutOptions
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Context:
-    """One robot on its way to a handout.
+    """One robot on its way to a handout. What follows from the first six is made with it.
 
     Attributes:
         entries: Its closed forms, entry by entry.
@@ -31,6 +28,16 @@ class Context:
         version: Version of the tool.
         poses: Where its frames are, for figures; None where nothing is drawn.
         policy: How much is printed.
+        robot: The robot.
+        is_standard: Whether the convention is the standard one, in which joint i moves about z of frame i-1.
+        has_closed_dynamics: Whether the closed form of the dynamics is derived: it has links, few joints.
+        steps: Whether intermediate steps are shown.
+        notation: How symbols are written.
+        symbols: Names of entries.
+        printer: Prints expressions.
+        layouter: Lays out quantities.
+        data: Prints cells of the robot file.
+        dynamics: Lays out the dynamics.
     """
 
     entries: ModelEntries
@@ -39,53 +46,25 @@ class Context:
     version: str
     poses: RobotPoses | None = None
     policy: SheetPolicy = POLICY
+    robot: Robot = field(init=False)
+    is_standard: bool = field(init=False)
+    has_closed_dynamics: bool = field(init=False)
+    steps: bool = field(init=False)
+    notation: Notation = field(init=False)
+    symbols: Symbols = field(init=False)
+    printer: LatexPrinter = field(init=False)
+    layouter: Layouter = field(init=False)
+    data: DataPrinter = field(init=False)
+    dynamics: DynamicsLayout = field(init=False)
 
-    @property
-    def robot(self) -> Robot:
-        """The robot."""
-        return self.entries.robot
-
-    @property
-    def is_standard(self) -> bool:
-        """Whether the convention is the standard one, in which joint i moves about z of frame i-1."""
-        return self.robot.convention is Convention.STANDARD
-
-    @cached_property
-    def notation(self) -> Notation:
-        """How symbols are written."""
-        return Notation.of(self.robot, self.options.notation)
-
-    @cached_property
-    def symbols(self) -> Symbols:
-        """Names of entries."""
-        return Symbols(self.notation, self.robot.n)
-
-    @cached_property
-    def printer(self) -> LatexPrinter:
-        """Prints expressions."""
-        return LatexPrinter(self.notation)
-
-    @cached_property
-    def layouter(self) -> Layouter:
-        """Lays out quantities."""
-        return Layouter(self.printer, self.policy, self.symbols.term, self.text("terms"))
-
-    @cached_property
-    def data(self) -> DataPrinter:
-        """Prints cells of the robot file."""
-        return DataPrinter(self.robot, self.notation)
-
-    @cached_property
-    def dynamics(self) -> DynamicsLayout:
-        """Lays out the dynamics."""
-        return DynamicsLayout(self.entries, self.layouter, self.symbols)
-
-    @property
-    def has_closed_dynamics(self) -> bool:
-        """Whether the closed form of the dynamics is derived: the robot has links, and not too many joints."""
-        return self.robot.has_dynamics and self.robot.n <= self.policy.closed_form_joints
-
-    @property
-    def steps(self) -> bool:
-        """Whether intermediate steps are shown."""
-        return self.options.derivation is Derivation.STEPS
+    def __post_init__(self) -> None:
+        robot = self.robot = self.entries.robot
+        self.is_standard = robot.convention is Convention.STANDARD
+        self.has_closed_dynamics = robot.has_dynamics and robot.n <= self.policy.closed_form_joints
+        self.steps = self.options.derivation is Derivation.STEPS
+        self.notation = Notation.of(robot, self.options.notation)
+        self.symbols = Symbols(self.notation, robot.n)
+        self.printer = LatexPrinter(self.notation)
+        self.layouter = Layouter(self.printer, self.policy, self.symbols.term, self.text("terms"))
+        self.data = DataPrinter(robot, self.notation)
+        self.dynamics = DynamicsLayout(self.entries, self.layouter, self.symbols)

@@ -12,13 +12,12 @@ from functools import cached_property, partial
 
 import sympy
 
-from derive.handouts import groups
 from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines
 from derive.handouts.layout.quantity import Item, LaidOut, Layouter, Namer
-from derive.handouts.notation.names import Glyph
 from derive.handouts.notation.pieces import Box, Break, Piece, binary, concatenate, italic, script
 from derive.handouts.notation.printer import MINUS, LatexPrinter
-from derive.handouts.notation.symbols import EntryNamer, Symbols
+from derive.handouts.notation.subscripts import Glyph
+from derive.handouts.notation.symbols import Group, Symbols
 from derive.lecture.to_sympy import Expr
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.entries import Entries
@@ -43,14 +42,9 @@ class DynamicsLayout:
     symbols: Symbols
 
     @property
-    def letter(self) -> str:
-        """Letter of the inertia matrix."""
-        return self.symbols.inertia_letter
-
-    @property
     def inertia_symbol(self) -> Box:
         """B(q)."""
-        return Box(f"\\mathbf{{{self.letter}}}(\\mathbf{{q}})", 30.0)
+        return Box(f"\\mathbf{{{self.symbols.inertia_letter}}}(\\mathbf{{q}})", 30.0)
 
     def inertia_entry(self, row: int, column: int) -> Box:
         """b_ij, always that above the diagonal.
@@ -62,7 +56,7 @@ class DynamicsLayout:
         Returns:
             Its name.
         """
-        return self.symbols.entry(self.letter.lower(), min(row, column), max(row, column))
+        return self.symbols.entry(self.symbols.inertia_letter.lower(), min(row, column), max(row, column))
 
     def is_compact(self, quantity: Entries) -> bool:
         """Whether a closed form is short enough to be printed multiplied out.
@@ -86,33 +80,37 @@ class DynamicsLayout:
         Returns:
             The matrix, or its entries one by one.
         """
-        entries, symbols, letter = self.entries, self.symbols, self.letter
+        entries, symbols = self.entries, self.symbols
         match name:
             case "B":
-                return self._matrix(self.inertia_symbol, self.inertia_entry, entries.B, groups.B, symmetric=True)
+                return self._matrix(self.inertia_symbol, self.inertia_entry, entries.B, Group.B, symmetric=True)
             case "Bdot":
-                symbol = Box(f"\\dot{{\\mathbf{{{letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 44.0)
-                return self._matrix(symbol, self._inertia_rate, entries.Bdot, groups.DERIVATIVE, symmetric=True)
+                symbol = Box(
+                    f"\\dot{{\\mathbf{{{symbols.inertia_letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 44.0
+                )
+                return self._matrix(
+                    symbol,
+                    lambda i, j: Glyph(self.inertia_entry(i, j), accent="\\dot").box,
+                    entries.Bdot,
+                    Group.DERIVATIVE,
+                    symmetric=True,
+                )
             case "C" | "N":
                 symbol = Box(f"\\mathbf{{{name}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 36.0)
-                quantity, group = (entries.C, groups.C) if name == "C" else (entries.N, groups.N)
-                return self._matrix(symbol, EntryNamer(symbols, name), quantity, group)
+                quantity, group = (entries.C, Group.C) if name == "C" else (entries.N, Group.N)
+                return self._matrix(symbol, partial(symbols.entry, name), quantity, group)
             case "g":
                 symbol = Box("\\mathbf{g}(\\mathbf{q})", 36.0)
-                return self._matrix(symbol, lambda row, _: symbols.component("g", row), entries.g, groups.TORQUE)
+                return self._matrix(symbol, lambda row, _: symbols.component("g", row), entries.g, Group.TORQUE)
             case "tau":
                 return self._matrix(
-                    Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row), entries.tau, groups.TORQUE
+                    Box("\\boldsymbol{\\tau}", 8.0), lambda row, _: symbols.torque(row), entries.tau, Group.TORQUE
                 )
             case "kinetic":
-                return self._scalar(Box("\\mathcal{T}", 8.0), entries.kinetic, groups.KINETIC)
+                return self._scalar(Box("\\mathcal{T}", 8.0), entries.kinetic, Group.KINETIC)
             case "potential":
-                return self._scalar(Box("\\mathcal{U}", 8.0), entries.potential, groups.POTENTIAL)
+                return self._scalar(Box("\\mathcal{U}", 8.0), entries.potential, Group.POTENTIAL)
         raise KeyError(name)
-
-    def _inertia_rate(self, row: int, column: int) -> Box:
-        box = self.inertia_entry(row, column)
-        return Box(f"\\dot{{{box.tex}}}", box.width)
 
     def _matrix(self, symbol: Box, name: Namer, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
         limit = self.layouter.policy.grouped_terms
@@ -171,7 +169,7 @@ class DynamicsLayout:
         ]
         notation = self.layouter.printer.notation.with_terms({alias.name: Glyph(box) for box, alias in aliases.items()})
         layouter = replace(self.layouter, printer=LatexPrinter(notation))
-        laid_out = layouter.entries(items, group=groups.CHRISTOFFEL, limit=self.layouter.policy.grouped_terms)
+        laid_out = layouter.entries(items, group=Group.CHRISTOFFEL, limit=self.layouter.policy.grouped_terms)
         spelled_out = tuple((box, quantities[box].entry(1, 1)) for box, _ in laid_out.values)
         return replace(laid_out, has_zeros=True, values=spelled_out)
 
@@ -184,7 +182,7 @@ class DynamicsLayout:
         Returns:
             The entries that are not zero; to be copied, those that are short with the symbols put in.
         """
-        n, namer = self.entries.robot.n, EntryNamer(self.symbols, name)
+        n, namer = self.entries.robot.n, partial(self.symbols.entry, name)
         if name == "C":
             sums = {place: self.entries.coriolis_sum(*place) for place in self.entries.C.places}
         else:

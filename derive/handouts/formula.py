@@ -1,4 +1,7 @@
-"""From closed forms to formulas of the handout: small matrices side by side, entries to copy, blanks of an exercise."""
+"""From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot.
+
+Small matrices stand side by side; entries can be copied, and an exercise has blanks in their place.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,11 @@ from typing import Any
 
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows
-from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
+from derive.handouts.latex_writer import macros
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut, Namer
 from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, concatenate, italic, joined, script
+from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.text import PlainPrinter
 from derive.model.entries import Entries
 
@@ -97,6 +102,25 @@ def component_namer(symbol: Box) -> Namer:
 
 def _bracketed(symbol: Box) -> Box:
     return concatenate(Box("(", BRACKET_WIDTH), symbol, Box(")", BRACKET_WIDTH))
+
+
+def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> list[str]:
+    """A matrix of the robot's data: in brackets if it fits, else entry by entry.
+
+    Args:
+        symbol: What it is called.
+        cells: Its entries in print, row by row.
+        namer: (row, column) -> name of an entry.
+
+    Returns:
+        LaTeX of each line.
+    """
+    box = concatenate(symbol, EQUALS, matrix([[joined(cell) for cell in row] for row in cells]))
+    if fits(box, len(cells)):
+        return [box.tex]
+    return equation_lines(
+        Equation(namer(i, j), cell) for i, row in enumerate(cells, 1) for j, cell in enumerate(row, 1)
+    )
 
 
 # -- small matrices
@@ -203,3 +227,25 @@ def body_formulas(context: Context, items: Iterable[BodyItem]) -> Iterator[Block
             yield Rows(laid_out.omitted)
     if row:
         yield formula(context, side_by_side(row))
+
+
+# -- formulas that hold for every robot
+
+
+def textbook(name: str, **values: object) -> Rows:
+    """A formula as textbooks print it, such as c_ijk by the derivatives of B.
+
+    Args:
+        name: Its macro in ``templates/handout/textbook.tex.jinja``.
+        values: What the macro asks for: letters as LaTeX, and what the robot has.
+
+    Returns:
+        Its lines; an indented line of the template continues the one before.
+    """
+    lines: list[str] = []
+    for line in getattr(macros("textbook.tex.jinja"), name)(**values).splitlines():
+        if line.startswith(" "):
+            lines[-1] += f" {line.strip()}"
+        elif line:
+            lines.append(line)
+    return Rows(tuple(lines))

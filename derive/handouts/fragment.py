@@ -3,11 +3,11 @@ r"""One part of a handout, or one quantity, for ``\input`` into a teacher's own 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
-from derive.handouts import groups
 from derive.handouts.assemble import context_of, section_of
 from derive.handouts.context import Context
 from derive.handouts.document import Figure, Section, Table, blocks_of, rows_of
@@ -15,7 +15,7 @@ from derive.handouts.formula import entry_namer, formula
 from derive.handouts.latex_writer import fragment
 from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
-from derive.handouts.notation.symbols import EntryNamer, bold
+from derive.handouts.notation.symbols import Group, bold
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.quantities import REGISTRY, parse
 from derive.robot.robot import Robot
@@ -64,27 +64,21 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str) -> str:
     section = section_of(context, name) if name in PARTS else _quantity(context, name)
     if section is None:
         raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed="its file gives no links")
-    needed = "".join(f"\\usepackage{{{package}}}" for package in _packages(section))
+    blocks = list(blocks_of(section))
+    packages = {
+        "amsmath": True,
+        "booktabs": any(isinstance(block, Table) for block in blocks),
+        "longtable": any(isinstance(block, Table) and block.long for block in blocks),
+        "tikz": any(isinstance(block, Figure) for block in blocks),
+        "pdflscape": any(rows.landscape for block in blocks for rows in rows_of(block)),
+    }
+    needed = "".join(f"\\usepackage{{{package}}}" for package, is_needed in packages.items() if is_needed)
     shown = f"% {name} of {robot.name}: written by derive {context.version}; needs {needed}\n"
     body = fragment(section, context.text)
     columns = max((row.count("&") + 1 for matrix in _MATRIX.findall(body) for row in matrix.split("\\\\")), default=0)
     if columns > _WIDEST:
         shown += f"% and \\setcounter{{MaxMatrixCols}}{{{columns}}}\n"
     return shown + body
-
-
-def _packages(section: Section) -> Iterator[str]:
-    """LaTeX packages that a section needs."""
-    yield "amsmath"
-    blocks = list(blocks_of(section))
-    if any(isinstance(block, Table) for block in blocks):
-        yield "booktabs"
-    if any(isinstance(block, Table) and block.long for block in blocks):
-        yield "longtable"
-    if any(isinstance(block, Figure) for block in blocks):
-        yield "tikz"
-    if any(rows.landscape for block in blocks for rows in rows_of(block)):
-        yield "pdflscape"
 
 
 def _quantity(context: Context, name: str) -> Section:
@@ -99,24 +93,19 @@ def _quantity(context: Context, name: str) -> Section:
     row, indices, entry = parse(context.entries.model, name)
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
-    laid_out = _as_printed(context, row.name) if entry is None and not indices else None
-    laid_out = laid_out or _by_value(context, name, row.name, indices)
-    return Section("", "", (formula(context, laid_out, _FUNCTIONS.get(row.name, "")),))
-
-
-def _as_printed(context: Context, name: str) -> LaidOut | None:
-    """As the handout prints it; None for what no part prints as a whole."""
-    layouter, symbols, entries = context.layouter, context.symbols, context.entries
-    match name:
+    dynamics, entries, lay_out = context.dynamics, context.entries, context.layouter.lay_out
+    match row.name if entry is None and not indices else "":
         case "T":
-            return layouter.lay_out(bold("T"), EntryNamer(symbols, "t"), entries.T)
+            laid_out = lay_out(bold("T"), partial(context.symbols.entry, "t"), entries.T)
         case "J":
-            return layouter.lay_out(bold("J"), EntryNamer(symbols, "J"), entries.J, group=groups.J)
-        case "kinetic":
-            return context.dynamics.closed(name) if context.dynamics.is_compact(entries.B) else None
+            laid_out = lay_out(bold("J"), partial(context.symbols.entry, "J"), entries.J, group=Group.J)
+        case "kinetic" if dynamics.is_compact(entries.B):
+            laid_out = dynamics.closed("kinetic")
         case "B" | "C" | "N" | "g" | "tau" | "potential":
-            return context.dynamics.closed(name)
-    return None
+            laid_out = dynamics.closed(row.name)
+        case _:  # no part prints it as a whole
+            laid_out = _by_value(context, name, row.name, indices)
+    return Section("", "", (formula(context, laid_out, _FUNCTIONS.get(row.name, "")),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +141,7 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
         case "T", (i, j):
             symbol = symbols.frame("T", j, i)
         case (("T" | "J" | "C" | "N"), ()):
-            return _Name(bold(name), EntryNamer(symbols, "t" if name == "T" else name))
+            return _Name(bold(name), partial(symbols.entry, "t" if name == "T" else name))
         case "B", ():
             return _Name(context.dynamics.inertia_symbol, context.dynamics.inertia_entry)
         case "g", ():

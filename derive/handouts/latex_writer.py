@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
+
+from jinja2.environment import Template, TemplateModule
 
 from derive.handouts.document import (
     Blank,
@@ -23,8 +26,8 @@ from derive.handouts.document import (
 from derive.handouts.figure.writers import PREAMBLE, latex_drawing
 from derive.handouts.language import Text
 from derive.handouts.layout.lines import displays
-from derive.handouts.textbook import latex_template, macros
 from derive.targets.escape import latex_text
+from derive.targets.templating import environment
 
 _LONGEST_WORD = 16
 """Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
@@ -49,12 +52,15 @@ def latex(document: Document, text: Text) -> str:
     """
     blocks = [block for section in document.sections for block in blocks_of(section)]
     rows = [part for block in blocks for part in rows_of(block)]
+    words = (
+        [word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in document.title.split()
+    )
     sections = [{"title": _words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
     return latex_template("document.tex.jinja").render(
         name=document.name,
         version=document.version,
         digest=document.digest,
-        title=_breakable(document.title),
+        title=" ".join("\\allowbreak{}".join(map(latex_text, word)) for word in words),
         subtitle=_words(document.subtitle),
         footer=_words(document.footer),
         landscape=any(part.landscape for part in rows),
@@ -77,6 +83,43 @@ def fragment(section: Section, text: Text) -> str:
     return "\n".join(_joined(section.blocks, text)) + "\n"
 
 
+# -- templates
+
+
+@cache
+def latex_template(name: str) -> Template:
+    """A template of LaTeX, which is full of braces, so that its marks are ``<< >>`` and ``<% %>``.
+
+    Args:
+        name: Path below ``templates/handout``.
+
+    Returns:
+        The template.
+    """
+    marks = environment().overlay(
+        block_start_string="<%",
+        block_end_string="%>",
+        variable_start_string="<<",
+        variable_end_string=">>",
+        comment_start_string="<#",
+        comment_end_string="#>",
+    )
+    return marks.get_template(f"handout/{name}")
+
+
+@cache
+def macros(name: str) -> TemplateModule:
+    """The macros of a template of LaTeX.
+
+    Args:
+        name: Path below ``templates/handout``.
+
+    Returns:
+        A module with a function for each macro.
+    """
+    return latex_template(name).module
+
+
 # -- texts
 
 
@@ -93,12 +136,6 @@ def _words(text: str) -> str:
             body = latex_text(part)
             written.append(f"{before}{body}{after}" if body else " ")
     return "".join(written)
-
-
-def _breakable(text: str) -> str:
-    """Escaped text in which even a word without end can be broken."""
-    pieces = ([word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in text.split())
-    return " ".join("\\allowbreak{}".join(latex_text(part) for part in parts) for parts in pieces)
 
 
 # -- blocks

@@ -204,7 +204,7 @@ def _run(command: list[str], folder: Path, time_limit: float) -> int | None:
 
 
 def _refusal(text: str, log: LatexLog, kept: Path) -> LatexError:
-    """What LaTeX said first, the line at which it says so or gave up, and what we had written there."""
+    """What LaTeX said first, the line at which it says so or gave up, and what is written there under which heading."""
     faults = log.faults
     if not faults:
         return LatexError("latexmk failed without a word of LaTeX", remedy=f"see {kept.with_name('output.txt')}")
@@ -214,16 +214,11 @@ def _refusal(text: str, log: LatexLog, kept: Path) -> LatexError:
     if "not found" in message and ".sty'" in message:
         remedy = f"on Debian and Ubuntu: apt install {PACKAGES} texlive-fonts-recommended; {remedy}"
     place = Location(kept.name, number) if number else None
-    return LatexError(f"LaTeX: {message}", allowed=_written_there(text, number), remedy=remedy, location=place)
-
-
-def _written_there(text: str, number: int) -> str:
-    """A line of the document and the heading that it stands under."""
-    lines = text.splitlines()
-    if not 0 < number <= len(lines):
-        return ""
-    line = lines[number - 1].strip()
-    shown = line if len(line) <= _SHOWN else f"{line[:_SHOWN]} ..."
-    titles = (_SECTION.fullmatch(x) for x in reversed(lines[:number]))
-    title = next((match[1] for match in titles if match), "")
-    return f"line {number} is '{shown}'" + (f", under '{title}'" if title else "")
+    lines, written = text.splitlines(), ""
+    if 0 < number <= len(lines):
+        line = lines[number - 1].strip()
+        shown = line if len(line) <= _SHOWN else f"{line[:_SHOWN]} ..."
+        titles = (_SECTION.fullmatch(x) for x in reversed(lines[:number]))
+        title = next((match[1] for match in titles if match), "")
+        written = f"line {number} is '{shown}'" + (f", under '{title}'" if title else "")
+    return LatexError(f"LaTeX: {message}", allowed=written, remedy=remedy, location=place)

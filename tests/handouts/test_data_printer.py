@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from derive.handouts.data_printer import DataPrinter
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import joined
+from derive.handouts.notation.printer import DataPrinter
 from derive.robot.robot import Robot
 
 ARM = "name: arm\nconvention: standard\nunits: {{angle: {unit}}}\njoints:\n  - {{type: {kind}, {cells}}}\n"

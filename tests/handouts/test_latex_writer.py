@@ -10,7 +10,7 @@ import pytest
 
 from derive.handouts.assemble import context_of, document
 from derive.handouts.latex_writer import latex
-from derive.handouts.layout.policy import POLICY, SheetPolicy
+from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.robot import Robot

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from jinja2 import nodes
 
-from derive.handouts.textbook import latex_template, macros, textbook
+from derive.handouts.formula import textbook
+from derive.handouts.latex_writer import latex_template, macros
 from derive.targets.templating import template_folder
 
 FOLDER = Path(str(template_folder())) / "handout"

@@ -13,13 +13,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from derive.handouts.data_printer import DataPrinter
 from derive.handouts.figure.drawing import Array, Drawing, Item, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, bounds, moved, resized
 from derive.handouts.figure.projection import View, best_view, paint
 from derive.handouts.figure.scene import LETTERS, Scene, Segment, arm_scene
 from derive.handouts.figure.solids import Sizes, joint_centers, solid_faces
 from derive.handouts.notation.pieces import joined
+from derive.handouts.notation.printer import DataPrinter
 from derive.robot.description import Convention
 from derive.robot.expression import Name, Number, Product, Sum, names
 from derive.robot.robot import Robot
@@ -69,7 +69,12 @@ def arm_drawing(
     """
     scene = arm_scene(robot, frames)
     view = view or arm_view(scene)
-    scale = _first_scale(scene, view)
+    flat = view.project(scene.places)[:, :2]
+    width, height = flat.max(axis=0) - flat.min(axis=0)
+    fitting = [LONGEST_LINK / max((segment.length for segment in scene.segments), default=1.0)]
+    fitting += [(WIDTH - 2 * _ROOM) / width] if width > 0 else []
+    fitting += [(HEIGHT - 2 * _ROOM) / height] if height > 0 else []
+    scale = float(min(fitting))  # points per metre with which the arm fits without its labels
     for _ in range(_TRIES):  # arrows and labels do not shrink with the arm: a smaller scale until all fits
         items = _Stage(robot, data, scene, view, scale).drawn()
         left, bottom, right, top = bounds(items)
@@ -97,18 +102,6 @@ def arm_view(scene: Scene) -> View:
             stars.append(np.stack(directions))
     segments = [np.stack([segment.start, segment.end]) for segment in scene.segments]
     return best_view(scene.places, stars, segments, scene.up)
-
-
-def _first_scale(scene: Scene, view: View) -> float:
-    """Points per metre with which links are not too long and the arm without its labels fits."""
-    flat = view.project(scene.places)[:, :2]
-    width, height = flat.max(axis=0) - flat.min(axis=0)
-    fitting = [LONGEST_LINK / max((segment.length for segment in scene.segments), default=1.0)]
-    if width > 0:
-        fitting.append((WIDTH - 2 * _ROOM) / width)
-    if height > 0:
-        fitting.append((HEIGHT - 2 * _ROOM) / height)
-    return float(min(fitting))
 
 
 @dataclass(frozen=True, eq=False)

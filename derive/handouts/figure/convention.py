@@ -76,7 +76,8 @@ def _modified(paper: Paper) -> None:
     _dashes(paper, second, second + 60 * _X)
     _line(paper, origin, foot)
     _line(paper, foot, second)
-    _beside(paper, foot, second, "d_{i}")
+    a, b = _VIEW.flat(foot), _VIEW.flat(second)
+    paper.label("d_{i}", around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), (a[1] - b[1], b[0] - a[0]), 9.0))
     _axis(paper, origin, _Z, 2, "z_{i-1}")
     _axis(paper, origin, _X, 0, "x_{i-1}")
     _axis(paper, second, z_after, 2, "z_{i}")
@@ -116,13 +117,6 @@ def _arc(paper: Paper, center: Array, start: Array, axis: Array, angle: float, l
     paper.draw(arrow_head(points[-6], points[-1], BLACK, 0.8))
     middle, heart = points[12], _VIEW.flat(center)
     paper.label(latex, around(middle, (middle[0] - heart[0], middle[1] - heart[1]), 9.0))
-
-
-def _beside(paper: Paper, start: Array, end: Array, latex: str) -> None:
-    """The name of a part of a line, to its left."""
-    a, b = _VIEW.flat(start), _VIEW.flat(end)
-    across = (-(b[1] - a[1]), b[0] - a[0])
-    paper.label(latex, around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), across, 9.0))
 
 
 def _length(paper: Paper, start: Array, end: Array, offset: float, latex: str) -> None:

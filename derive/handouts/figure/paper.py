@@ -7,7 +7,7 @@ starts at the origin.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -172,7 +172,15 @@ def bounds(items: Iterable[Item]) -> _Box:
     Args:
         items: Paths and labels, one at least.
     """
-    points = [point for item in items for point in _corners(item)]
+    points: list[Point] = []
+    for item in items:
+        if isinstance(item, Path):
+            points += item.points
+            continue
+        width, height = label_width(item.latex), LABEL_HEIGHT
+        x = item.at[0] - width * (item.anchor[0] + 1) / 2
+        y = item.at[1] - height * (item.anchor[1] + 1) / 2
+        points += [(x, y), (x + width, y + height)]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     return min(xs), min(ys), max(xs), max(ys)
 
@@ -213,17 +221,6 @@ def _shared_area(a: _Box, b: _Box) -> float:
     width = min(a[2], b[2]) - max(a[0], b[0])
     height = min(a[3], b[3]) - max(a[1], b[1])
     return width * height if width > 0 and height > 0 else 0.0
-
-
-def _corners(item: Item) -> Iterator[Point]:
-    if isinstance(item, Path):
-        yield from item.points
-        return
-    width, height = label_width(item.latex), LABEL_HEIGHT
-    x = item.at[0] - width * (item.anchor[0] + 1) / 2
-    y = item.at[1] - height * (item.anchor[1] + 1) / 2
-    yield (x, y)
-    yield (x + width, y + height)
 
 
 def _mapped(item: Item, factor: float, dx: float, dy: float) -> Item:

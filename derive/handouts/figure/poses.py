@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property
 from itertools import cycle
 from typing import Any
 
@@ -46,6 +45,10 @@ class RobotPoses:
     Args:
         robot: The robot; its dynamics is not looked at.
 
+    Attributes:
+        robot: Its kinematics.
+        assumed: Symbols drawn with a number that no file gives: name, value and unit (``m`` or ``rad``).
+
     Raises:
         DeriveError: No numbers were found for which every cell of the table has a value.
     """
@@ -54,7 +57,23 @@ class RobotPoses:
         self.robot = replace(robot, links=(), gravity=None)
         known = parameter_values(self.robot)
         known |= {name: to_float(value, known) for name, value in robot.figure.values}
-        self._assumed, self._values = _with_assumed_numbers(self.robot, known)
+        missing = [name for name in robot_symbols(self.robot) if name not in known]
+        angles, unit = _angle_names(self.robot), _longest(self.robot, known)
+        for pattern in PATTERNS:
+            lengths = cycle(float(f"{unit * length:.1g}") for length in pattern)
+            assumed = {name: ASSUMED_ANGLE if name in angles else next(lengths) for name in missing}
+            self._values: Numbers = {**known, **assumed}
+            try:
+                domain = FloatDomain(self.robot, (0.0,) * robot.n, self._values)
+                self._chain: Chain[Any] = build_chain(self.robot, domain)
+            except (ExpressionError, ArithmeticError):
+                continue
+            self.assumed = tuple((name, value, "rad" if name in angles else "m") for name, value in assumed.items())
+            return
+        raise DeriveError(
+            f"no lengths were found with which {robot.name} can be drawn",
+            remedy="give its symbols numbers, under parameters: or figure: values:",
+        )
 
     @property
     def zero(self) -> tuple[float, ...]:
@@ -77,12 +96,6 @@ class RobotPoses:
             ExpressionError: A value does not exist.
         """
         return tuple(to_float(cell, self._values) for cell in cells)
-
-    @property
-    def assumed(self) -> tuple[tuple[str, float, str], ...]:
-        """Symbols drawn with a number that no file gives: name, value and unit (``m`` or ``rad``)."""
-        angles = _angle_names(self.robot)
-        return tuple((name, value, "rad" if name in angles else "m") for name, value in self._assumed)
 
     @property
     def limits(self) -> tuple[tuple[float, float] | None, ...]:
@@ -148,33 +161,6 @@ class RobotPoses:
             frame = advance(frame, moved)
             yield frame @ end
         yield frame @ chain.tool
-
-    @cached_property
-    def _chain(self) -> Chain[Any]:
-        return _chain(self.robot, self._values)
-
-
-def _chain(robot: Robot, values: Numbers) -> Chain[Any]:
-    return build_chain(robot, FloatDomain(robot, (0.0,) * robot.n, values))
-
-
-def _with_assumed_numbers(robot: Robot, known: Numbers) -> tuple[tuple[tuple[str, float], ...], Numbers]:
-    """The numbers assumed for symbols that have none, and the numbers of all symbols."""
-    missing = [name for name in robot_symbols(robot) if name not in known]
-    angles, unit = _angle_names(robot), _longest(robot, known)
-    for pattern in PATTERNS:
-        lengths = cycle(float(f"{unit * length:.1g}") for length in pattern)
-        assumed = tuple((name, ASSUMED_ANGLE if name in angles else next(lengths)) for name in missing)
-        values = {**known, **dict(assumed)}
-        try:
-            _chain(robot, values)
-        except (ExpressionError, ArithmeticError):
-            continue
-        return assumed, values
-    raise DeriveError(
-        f"no lengths were found with which {robot.name} can be drawn",
-        remedy="give its symbols numbers, under parameters: or figure: values:",
-    )
 
 
 def _longest(robot: Robot, known: Numbers) -> float:

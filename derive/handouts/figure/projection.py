@@ -94,12 +94,22 @@ def best_view(
 
 
 def _badness(view: View, origins: Array, stars: Sequence[Array], segments: Sequence[Array]) -> float:
+    """Axes that crowd, links seen from their end, origins that nearly meet on the page, an unusual direction."""
     axes = sum(_crowding(view.project(star)[:, :2]) for star in stars) / max(1, len(stars))
-    links = sum(_foreshortening(view, segment) for segment in segments) / max(1, len(segments))
+    links = 0.0
+    for start, end in segments:
+        ratio = float(np.hypot(*view.project(end - start)[:2]) / np.linalg.norm(end - start))
+        links += math.exp(-((ratio / 0.45) ** 2)) + 0.3 * (1.0 - ratio)
+    meeting = 0.0
+    if len(origins) > 1:
+        size = float(np.max(np.linalg.norm(origins - origins[0], axis=1))) or 1.0
+        flat = view.project(origins)[:, :2] / size
+        apart = np.linalg.norm(flat[:, None] - flat[None, :], axis=-1)[np.triu_indices(len(origins), 1)]
+        meeting = float(np.mean(np.exp(-((apart / 0.12) ** 2)))) * len(origins) / 3
     azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
     away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
     unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
-    return axes + 2.0 * links + 1.5 * _meeting(view, origins) + unusual
+    return axes + 2.0 * (links / max(1, len(segments))) + 1.5 * meeting + unusual
 
 
 def _crowding(star: Array) -> float:
@@ -110,23 +120,6 @@ def _crowding(star: Array) -> float:
     gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
     close = float(np.sum(np.exp(-((gaps / _NARROW) ** 2)))) if len(star) > 1 else 0.0
     return short + close
-
-
-def _foreshortening(view: View, segment: Array) -> float:
-    along = segment[1] - segment[0]
-    flat = view.project(along)[:2]
-    ratio = float(np.hypot(*flat) / np.linalg.norm(along))
-    return math.exp(-((ratio / 0.45) ** 2)) + 0.3 * (1.0 - ratio)
-
-
-def _meeting(view: View, origins: Array) -> float:
-    """Different origins that nearly meet on the page."""
-    if len(origins) < 2:
-        return 0.0
-    size = float(np.max(np.linalg.norm(origins - origins[0], axis=1))) or 1.0
-    flat = view.project(origins)[:, :2] / size
-    apart = np.linalg.norm(flat[:, None] - flat[None, :], axis=-1)[np.triu_indices(len(origins), 1)]
-    return float(np.mean(np.exp(-((apart / 0.12) ** 2)))) * len(origins) / 3
 
 
 def paint(faces: Sequence[Face], view: View) -> Iterator[Path]:

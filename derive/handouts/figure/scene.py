@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,16 +117,20 @@ def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scen
         frames: Frame 0, frames 1 to n and the end effector in the world, 4x4 each.
     """
     poses = np.array(frames, dtype=float)
-    joints = tuple(_joint(robot, poses, row) for row in range(robot.n))
+    joints, parts = _links(robot, poses)
     points = np.concatenate([poses[:, :3, 3], np.stack([joint.offset_end for joint in joints])])
     size = float(np.max(np.linalg.norm(points - points[0], axis=1))) or 1.0
-    segments = tuple(s for s in _segments(robot, poses, joints) if s.length > SAME_PLACE * size)
+    segments = tuple(s for s in parts if s.length > SAME_PLACE * size)
+    places: list[Array] = []
+    for point in points:
+        if all(np.linalg.norm(point - other) > SAME_PLACE * size for other in places):
+            places.append(point)
     approach, opening = _hand(poses, segments, robot.n)
     return Scene(
         axes=_axes(poses, SAME_PLACE * size),
-        joints=joints,
+        joints=tuple(joints),
         segments=segments,
-        places=_distinct(points, SAME_PLACE * size),
+        places=np.stack(places),
         up=upwards(robot),
         approach=approach,
         opening=opening,
@@ -160,29 +164,26 @@ def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[fl
     return (x, y, z)
 
 
-def _joint(robot: Robot, poses: Array, row: int) -> JointAxis:
-    """The axis of a joint, from the frames alone: the offset d is what lies along z between them."""
-    before, after = poses[row], poses[row + 1]
-    gap = after[:3, 3] - before[:3, 3]
-    revolute = robot.joints[row].is_revolute
-    if robot.convention is Convention.STANDARD:
-        z = before[:3, 2]
-        return JointAxis(before[:3, 3], before[:3, 3] + z * (z @ gap), z, revolute)
-    z = after[:3, 2]
-    return JointAxis(after[:3, 3] - z * (z @ gap), after[:3, 3], z, revolute)
+def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[Segment]]:
+    """Joints and parts of links, from the frames alone: the offset d is what lies along z between two of them.
 
-
-def _segments(robot: Robot, poses: Array, joints: Sequence[JointAxis]) -> Iterator[Segment]:
-    """Along z by d, then along x by a (standard); along x by a, then along z by d (modified)."""
-    for row, joint in enumerate(joints):
-        start, end = poses[row, :3, 3], poses[row + 1, :3, 3]
+    A link leads along z by d, then along x by a (standard); along x by a, then along z by d (modified).
+    """
+    joints, parts = [], []
+    for row, joint in enumerate(robot.joints):
+        before, after = poses[row], poses[row + 1]
+        start, end = before[:3, 3], after[:3, 3]
         if robot.convention is Convention.STANDARD:
-            yield Segment(start, joint.offset_end, row, "d")
-            yield Segment(joint.offset_end, end, row, "a")
+            z = before[:3, 2]
+            corner = start + z * (z @ (end - start))
+            joints.append(JointAxis(start, corner, z, joint.is_revolute))
+            parts += [Segment(start, corner, row, "d"), Segment(corner, end, row, "a")]
         else:
-            yield Segment(start, joint.anchor, row, "a")
-            yield Segment(joint.anchor, end, row, "d")
-    yield Segment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")
+            z = after[:3, 2]
+            corner = end - z * (z @ (end - start))
+            joints.append(JointAxis(corner, end, z, joint.is_revolute))
+            parts += [Segment(start, corner, row, "a"), Segment(corner, end, row, "d")]
+    return joints, [*parts, Segment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")]
 
 
 def _axes(poses: Array, near: float) -> tuple[FrameAxis, ...]:
@@ -216,11 +217,3 @@ def _hand(poses: Array, segments: Sequence[Segment], n: int) -> tuple[Array, Arr
             approach = end[:, best] * np.sign(parts[best])
     opening = end[:, 1] if abs(approach @ end[:, 1]) < 0.5 else end[:, 0]
     return approach, opening
-
-
-def _distinct(points: Array, near: float) -> Array:
-    kept: list[Array] = []
-    for point in points:
-        if all(np.linalg.norm(point - other) > near for other in kept):
-            kept.append(point)
-    return np.stack(kept)

@@ -26,35 +26,26 @@ _SHIFTS = (1.25, -1.25, 2.5, -2.5, 3.75)
 """Places of a joint along its axis, in lengths of a cylinder."""
 
 
-@dataclass(frozen=True, slots=True)
 class Sizes:
     """How large things are drawn [pt].
 
-    Attributes:
+    Args:
         factor: 1, or less where places are close.
+
+    Attributes:
+        factor: As given.
+        arrow: Lengths of x, y and z axes: z the longest, so that axes on one line can be told apart.
+        cylinder: Radius and length of a revolute joint.
+        box: Half of the diagonal and length of a prismatic joint.
+        tube: Radius of a link.
     """
 
-    factor: float
-
-    @property
-    def arrow(self) -> tuple[float, float, float]:
-        """Lengths of x, y and z axes: z the longest, so that axes on one line can be told apart."""
-        return (30.0 * self.factor, 24.0 * self.factor, 34.0 * self.factor)
-
-    @property
-    def cylinder(self) -> tuple[float, float]:
-        """Radius and length of a revolute joint."""
-        return (7.0 * self.factor, 17.0 * self.factor)
-
-    @property
-    def box(self) -> tuple[float, float]:
-        """Half of the diagonal and length of a prismatic joint."""
-        return (9.0 * self.factor, 20.0 * self.factor)
-
-    @property
-    def tube(self) -> float:
-        """Radius of a link."""
-        return 2.6 * self.factor
+    def __init__(self, factor: float) -> None:
+        self.factor = factor
+        self.arrow = (30.0 * factor, 24.0 * factor, 34.0 * factor)
+        self.cylinder = (7.0 * factor, 17.0 * factor)
+        self.box = (9.0 * factor, 20.0 * factor)
+        self.tube = 2.6 * factor
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from derive.handouts.figure.drawing import Array
-from derive.handouts.figure.matplotlib_writer import POINTS_PER_INCH, STYLE, figure_bytes, require_matplotlib
 from derive.handouts.figure.poses import RobotPoses
+from derive.handouts.figure.writers import POINTS_PER_INCH, STYLE, figure_bytes, require_matplotlib
 
 WIDTH = 380.0
 """Width of the plot [pt]."""

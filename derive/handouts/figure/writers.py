@@ -1,4 +1,4 @@
-r"""A drawing as text: LaTeX for the sheet, SVG for the web page.
+r"""A drawing as LaTeX for the sheet, as SVG for the web page, and through matplotlib as a file of its own.
 
 The LaTeX needs no package: a ``picture`` with labels of LaTeX over paths of raw PDF operators. ``\derivepath{...}``
 hands PDF operators to pdfTeX, LuaTeX or XeTeX; their origin is the current point and their unit is the PDF point
@@ -7,15 +7,18 @@ hands PDF operators to pdfTeX, LuaTeX or XeTeX; their origin is the current poin
 The SVG is readable on light and on dark: black becomes the colour of the text around; other lines and letters are mixed
 with it, so that they stand out from a dark page too. It has a title for those who cannot see it.
 
-Why neither goes through matplotlib: decision 13 in docs/decisions.
+The same drawing gives the same bytes, also through matplotlib. Why LaTeX and SVG of the sheet and the page do not go
+through it: decision 13 in docs/decisions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from html import escape
+from io import BytesIO
+from typing import Any
 
-from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Label, Path, label_runs
+from derive.errors import DeriveError
+from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Item, Label, Path, label_runs
 
 PREAMBLE = r"""\ifdefined\pdfextension
   \providecommand{\derivepath}[1]{\pdfextension literal {#1}}
@@ -56,26 +59,29 @@ def latex_drawing(drawing: Drawing) -> str:
     Args:
         drawing: What to draw.
     """
-    body = "\n".join(_latex_items(drawing))
+    lines: list[str] = []
+    line: list[str] = []
+    # neighbouring paths go into one literal as long as a line allows, which keeps their order among the labels
+    for item in (*drawing.items, None):
+        operators = _pdf_operators(item) if isinstance(item, Path) else ""
+        if line and (not operators or sum(map(len, line)) + len(operators) > _LONGEST_LINE):
+            lines.append(f"\\put(0,0){{\\derivepath{{q 1 J 1 j {' '.join(line)} Q}}}}")
+            line = []
+        if operators:
+            line.append(operators)
+        if isinstance(item, Label):
+            anchor = _HORIZONTAL[item.anchor[0]] + _VERTICAL[item.anchor[1]]
+            text = f"${item.latex}$"
+            if item.color != BLACK:
+                text = f"\\derivelabel{{{_pdf_color(item.color)}}}{{{text}}}"
+            place = f"({_number(item.at[0])},{_number(item.at[1])})"
+            lines.append(f"\\put{place}{{\\makebox(0,0){f'[{anchor}]' if anchor else ''}{{{text}}}}}")
+    body = "\n".join(lines)
     size = f"({_number(drawing.width)},{_number(drawing.height)})"
     return (
         f"\\begingroup\\setlength{{\\unitlength}}{{1pt}}{LABEL_FONT}%\n"
         f"\\begin{{picture}}{size}\n{body}\n\\end{{picture}}%\n\\endgroup"
     )
-
-
-def _latex_items(drawing: Drawing) -> Iterator[str]:
-    """Neighbouring paths go into one literal as long as a line allows, which keeps their order among the labels."""
-    line: list[str] = []
-    for item in (*drawing.items, None):
-        operators = _pdf_operators(item) if isinstance(item, Path) else ""
-        if line and (not operators or sum(map(len, line)) + len(operators) > _LONGEST_LINE):
-            yield f"\\put(0,0){{\\derivepath{{q 1 J 1 j {' '.join(line)} Q}}}}"
-            line = []
-        if operators:
-            line.append(operators)
-        if isinstance(item, Label):
-            yield _latex_label(item)
 
 
 def _pdf_operators(item: Path) -> str:
@@ -92,15 +98,6 @@ def _pdf_operators(item: Path) -> str:
     return " ".join([*state, outline, painting[item.fill is not None, item.stroke is not None]])
 
 
-def _latex_label(item: Label) -> str:
-    anchor = _HORIZONTAL[item.anchor[0]] + _VERTICAL[item.anchor[1]]
-    text = f"${item.latex}$"
-    if item.color != BLACK:
-        text = f"\\derivelabel{{{_pdf_color(item.color)}}}{{{text}}}"
-    place = f"({_number(item.at[0])},{_number(item.at[1])})"
-    return f"\\put{place}{{\\makebox(0,0){f'[{anchor}]' if anchor else ''}{{{text}}}}}"
-
-
 def _pdf_color(color: Color) -> str:
     return " ".join(_number(part, 3) for part in color)
 
@@ -115,10 +112,7 @@ def svg_drawing(drawing: Drawing, scale: float = 1.5) -> str:
     width, height = _number(drawing.width), _number(drawing.height)
     title = f"<title>{_xml_text(drawing.title)}</title>" if drawing.title else ""
     role = f'role="img" aria-label="{_xml_text(drawing.title)}"' if drawing.title else 'aria-hidden="true"'
-    body = "\n".join(
-        _svg_path(item, drawing.height) if isinstance(item, Path) else _svg_label(item, drawing.height)
-        for item in drawing.items
-    )
+    body = "\n".join(_svg_item(item, drawing.height) for item in drawing.items)
     style = f"max-width:100%;width:{_number(drawing.width * scale)}px;height:auto"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" {role} viewBox="0 0 {width} {height}" style="{style}" '
@@ -127,7 +121,18 @@ def svg_drawing(drawing: Drawing, scale: float = 1.5) -> str:
     )
 
 
-def _svg_path(item: Path, height: float) -> str:
+def _svg_item(item: Item, height: float) -> str:
+    """A path, or a label run by run; the page's y axis points down from that height."""
+    if isinstance(item, Label):
+        x, y = item.at[0], height - item.at[1] + _RISE[item.anchor[1]] * LABEL_SIZE
+        place = f'x="{_number(x)}" y="{_number(y)}" text-anchor="{_ANCHORS[item.anchor[0]]}"'
+        spans, before = [], 0.0
+        for run in label_runs(item.latex):
+            change, before = _SHIFT[run.shift] - before, _SHIFT[run.shift]  # relative to the run before
+            shift = f' dy="{_number(change)}"' if change else ""
+            size = f' font-size="{_number(SCRIPT_SIZE)}"' if run.shift else ""
+            spans.append(f"<tspan{shift}{size}{_FONTS[run.style]}>{_xml_text(run.text)}</tspan>")
+        return f"<text {place} {_svg_paint('fill', item.color)}>{''.join(spans)}</text>"
     points = " L".join(f"{_number(x)} {_number(height - y)}" for x, y in item.points)
     dashes = ' stroke-dasharray="4 2.5"' if item.dashed else ""
     area = item.fill is not None and item.stroke is not None
@@ -147,18 +152,6 @@ def _svg_paint(attribute: str, color: Color, solid: bool = False) -> str:
     return f'{attribute}="{code}" style="{attribute}:color-mix(in srgb,{code} 65%,currentColor)"'
 
 
-def _svg_label(item: Label, height: float) -> str:
-    x, y = item.at[0], height - item.at[1] + _RISE[item.anchor[1]] * LABEL_SIZE
-    place = f'x="{_number(x)}" y="{_number(y)}" text-anchor="{_ANCHORS[item.anchor[0]]}"'
-    spans, before = [], 0.0
-    for run in label_runs(item.latex):
-        change, before = _SHIFT[run.shift] - before, _SHIFT[run.shift]  # relative to the run before
-        shift = f' dy="{_number(change)}"' if change else ""
-        size = f' font-size="{_number(SCRIPT_SIZE)}"' if run.shift else ""
-        spans.append(f"<tspan{shift}{size}{_FONTS[run.style]}>{_xml_text(run.text)}</tspan>")
-    return f"<text {place} {_svg_paint('fill', item.color)}>{''.join(spans)}</text>"
-
-
 def _xml_text(text: str) -> str:
     """Escaped, without characters that XML cannot hold."""
     return escape("".join(c if c.isprintable() else " " for c in text))
@@ -169,3 +162,112 @@ def _number(value: float, digits: int = 2) -> str:
     text = f"{value:.{digits}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text == "-0" else text
+
+
+# -- PDF, SVG and PNG through matplotlib
+
+SUFFIXES = (".pdf", ".png", ".svg")
+
+POINTS_PER_INCH = 72.27
+
+RESOLUTION = 300
+"""Of a PNG [dots per inch]."""
+
+CREATOR = "derive"
+
+STYLE = {
+    "svg.hashsalt": "derive",
+    "svg.fonttype": "path",
+    "pdf.fonttype": 3,
+    "mathtext.fontset": "cm",
+    "font.family": "serif",
+    "path.simplify": False,
+}
+
+_ALIGN_X = {-1: "left", 0: "center", 1: "right"}
+_ALIGN_Y = {-1: "bottom", 0: "center", 1: "top"}
+
+
+def require_matplotlib() -> Any:
+    """The module matplotlib, set to draw into files.
+
+    Raises:
+        DeriveError: It is not installed.
+    """
+    try:
+        import matplotlib
+    except ImportError:
+        raise DeriveError(
+            "figures need matplotlib, which is not installed", remedy="pip install 'derive-robot[handout]'"
+        ) from None
+    matplotlib.use("agg")
+    return matplotlib
+
+
+def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
+    """A drawing as the contents of a file.
+
+    Args:
+        drawing: What to draw.
+        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
+        scale: How much larger than in the drawing.
+
+    Raises:
+        DeriveError: matplotlib is not installed.
+    """
+    matplotlib = require_matplotlib()
+    with matplotlib.rc_context(STYLE):
+        from matplotlib.figure import Figure
+        from matplotlib.patches import Polygon
+
+        figure = Figure(figsize=(scale * drawing.width / POINTS_PER_INCH, scale * drawing.height / POINTS_PER_INCH))
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_xlim(0.0, drawing.width)
+        axes.set_ylim(0.0, drawing.height)
+        axes.set_axis_off()
+        for order, item in enumerate(drawing.items):
+            if isinstance(item, Path):
+                outline = Polygon(
+                    item.points,
+                    closed=item.closed,
+                    fill=item.fill is not None,
+                    facecolor=item.fill or "none",
+                    edgecolor=item.stroke or "none",
+                    linewidth=item.width * scale if item.stroke else 0.0,
+                    linestyle=(0, (4, 2.5)) if item.dashed else "solid",
+                    joinstyle="round",
+                    capstyle="round",
+                    zorder=order,
+                )
+                axes.add_patch(outline)
+            else:
+                axes.text(
+                    *item.at,
+                    f"${item.latex}$",
+                    fontsize=LABEL_SIZE * scale,
+                    color=item.color,
+                    ha=_ALIGN_X[item.anchor[0]],
+                    va=_ALIGN_Y[item.anchor[1]],
+                    zorder=order,
+                    clip_on=False,
+                )
+        return figure_bytes(figure, suffix, drawing.title)
+
+
+def figure_bytes(figure: Any, suffix: str, title: str) -> bytes:
+    """A figure of matplotlib as the contents of a file, without date or version in it.
+
+    Args:
+        figure: A ``matplotlib.figure.Figure``.
+        suffix: ``.pdf``, ``.svg`` or ``.png``: the form.
+        title: What it shows, for readers who cannot see it.
+    """
+    form = suffix.removeprefix(".")
+    metadata = {
+        "svg": {"Date": None, "Creator": CREATOR, "Title": title},
+        "pdf": {"CreationDate": None, "Creator": CREATOR, "Producer": None, "Title": title},
+        "png": {"Software": CREATOR, "Title": title},
+    }[form]
+    file = BytesIO()
+    figure.savefig(file, format=form, dpi=RESOLUTION, metadata=metadata, facecolor="white")
+    return file.getvalue()

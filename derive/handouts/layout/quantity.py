@@ -1,6 +1,8 @@
 """Lays out one quantity: as a matrix if it fits, else entry by entry, the rest by its number of terms.
 
-Where entries are printed one by one, brackets that they share get a symbol of their own, a named intermediate term.
+How much of a closed form is printed says `SheetPolicy`; what is beyond is listed with its number of terms, never
+dropped. Where entries are printed one by one, brackets that they share get a symbol of their own, a named intermediate
+term.
 """
 
 from __future__ import annotations
@@ -15,12 +17,48 @@ from typing import Any
 import sympy
 
 from derive.handouts.layout.lines import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.layout.policy import SheetPolicy
-from derive.handouts.notation.names import Glyph
-from derive.handouts.notation.numbers import magnitude
-from derive.handouts.notation.pieces import Box, concatenate, italic, joined
+from derive.handouts.notation.pieces import Box, concatenate, italic, joined, magnitude
 from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.subscripts import Glyph
 from derive.model.entries import Entries
+
+
+@dataclass(frozen=True, slots=True)
+class SheetPolicy:
+    """Budgets of the sheet. Terms are those of the multiplied-out polynomial, lines those on paper.
+
+    Attributes:
+        flat_terms: Longest entry of kinematics that is written at all: a line holds eight terms or so.
+        grouped_terms: Longest entry of dynamics; grouped by inertial parameters a line holds some thirty.
+        quantity_entries: So many of the longest entries make the longest quantity that is written, shortest first.
+        entry_lines: Longest entry that is printed: a third of a page is as much as anybody reads.
+        quantity_lines: Longest quantity that is printed, shortest entries first: four pages.
+        landscape_lines: Longest entry that is printed on a page turned on its side.
+        landscape_total: Longest such part of a quantity: two pages.
+        matrix_terms: Longest quantity that can be a matrix: no page is wide enough for more.
+        compact_terms: Longest quantity that is printed multiplied out where a form in named terms exists.
+        factor_terms: Longest entry of a partial product of transforms, where T itself is too long.
+        closed_form_joints: Most joints for which the closed form of the dynamics is derived for the sheet. It grows
+            about fivefold with each joint, and of eight joints hardly an entry would be printed.
+        named_products: Most velocity products per equation of motion written out in named terms.
+    """
+
+    flat_terms: int = 200
+    grouped_terms: int = 500
+    quantity_entries: int = 10
+    entry_lines: int = 16
+    quantity_lines: int = 190
+    landscape_lines: int = 18
+    landscape_total: int = 60
+    matrix_terms: int = 300
+    compact_terms: int = 60
+    factor_terms: int = 8
+    closed_form_joints: int = 7
+    named_products: int = 60
+
+
+POLICY = SheetPolicy()
+
 
 SHORTEST = 3
 """Terms of a bracket that gets a name when it occurs twice."""
@@ -224,7 +262,12 @@ def _with_shared_brackets_named(expressions: Sequence[Any]) -> tuple[list[Defini
     uses: Counter[Any] = Counter()
     for expression in expressions:
         _count_brackets(expression, uses, root=True)
-    shared = [bracket for bracket, count in uses.items() if _deserves_name(bracket, count)]
+    shared = []
+    for bracket, count in uses.items():
+        is_long = len(bracket.args) >= SHORTEST
+        holds_product = any(len(term.args) >= SHORTEST for term in bracket.args)
+        if (is_long and count > 1) or (not is_long and holds_product and count >= OFTEN):
+            shared.append(bracket)
     shared.sort(key=_depth)
     names: dict[Any, Any] = {}
     definitions = []
@@ -255,12 +298,6 @@ def _count_brackets(expression: Any, uses: Counter[Any], root: bool) -> None:
     for argument in expression.args:
         if argument.args:
             _count_brackets(argument, uses, root=False)
-
-
-def _deserves_name(bracket: Any, uses: int) -> bool:
-    if len(bracket.args) >= SHORTEST:
-        return uses > 1
-    return uses >= OFTEN and any(len(term.args) > SHORTEST - 1 for term in bracket.args)
 
 
 def _depth(expression: Any) -> int:

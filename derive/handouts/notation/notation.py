@@ -1,7 +1,13 @@
-"""The notation of one robot: how each of its symbols is written, and which angles are abbreviated.
+"""The notation of one robot: how its symbols are written, which angles are abbreviated, what stands first.
 
 c_{12} stands for cos(q1 + q2), labels being the digits at the end of the joint variables' names. As soon as one label
 has two digits every sum is written with commas, c_{1,2}, so that c_{12} can only be the cosine of joint 12.
+
+Terms and factors have the order that textbooks use. Factors: number, ratios, masses and inertias, other parameters,
+prismatic variables, cosines and sines by joint, brackets, velocities, accelerations. Terms: accelerations before
+velocities before the rest, then by inertial parameter, terms without cosines and sines before those with, by joint from
+the base outwards, cosine before sine, then by parameter; multiples of pi last. Equal keys keep the order of the
+expression.
 """
 
 from __future__ import annotations
@@ -10,17 +16,16 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
-from derive.handouts.notation.names import Glyph, distinct, natural, variable_glyphs
-from derive.handouts.notation.numbers import DIGITS
-from derive.handouts.notation.pieces import Box, italic, script
+from sympy import pi
+
+from derive.handouts.notation.pieces import DIGITS, Box, italic, script
+from derive.handouts.notation.subscripts import Glyph, distinct, natural, variable_glyphs
 from derive.robot.expression import Number, Sum, names
 from derive.robot.names import acceleration_name, expressions, joint_label, limit_symbols, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Functions, NotationOptions
-
-DATA_DIGITS = 15
-"""Significant digits of the numbers in tables, which are the user's."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +61,18 @@ class Notation:
         options = options or NotationOptions()
         labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
         uses = Counter(labels.values())
+        positions = {name: (0, index) for index, name in enumerate(robot_symbols(robot))}
+        for index, joint in enumerate(robot.joints):
+            positions[joint.variable] = (1, index)
+            positions[velocity_name(joint.variable)] = (2, index)
+            positions[acceleration_name(joint.variable)] = (3, index)
+        terms = (term for cell in expressions(robot) for term in (cell.terms if isinstance(cell, Sum) else (cell,)))
         return cls(
             glyphs=dict(_glyphs(robot, options)),
-            positions=_positions(robot),
+            positions=positions,
             labels={variable: label for variable, label in labels.items() if label and uses[label] == 1},
             inertial=_inertial(robot),
-            decimals=_is_given_in_decimals(robot),
+            decimals=any(isinstance(term, Number) and term.value.denominator != 1 for term in terms),
             options=options,
         )
 
@@ -72,10 +83,6 @@ class Notation:
             name: As in the robot file, or any other name, which is then written in its natural way.
         """
         return self.glyphs.get(name) or natural(name)
-
-    def for_data(self) -> Notation:
-        """The notation for the user's own numbers: decimals, with every digit."""
-        return replace(self, decimals=True, digits=DATA_DIGITS)
 
     def with_terms(self, terms: Mapping[str, Glyph]) -> Notation:
         """The same notation with further symbols, for named intermediate terms.
@@ -94,11 +101,6 @@ class Notation:
     def taken(self) -> frozenset[str]:
         """LaTeX of every symbol of the robot."""
         return frozenset(glyph.box.tex for glyph in self.glyphs.values())
-
-    @cached_property
-    def label_order(self) -> dict[str, int]:
-        """Joint variable -> its place, for the order of labels in a sum."""
-        return {variable: index for index, variable in enumerate(self.labels)}
 
     @cached_property
     def separator(self) -> str:
@@ -128,15 +130,6 @@ def _glyphs(robot: Robot, options: NotationOptions) -> Iterator[tuple[str, Glyph
             yield acceleration_name(name), glyph.dotted("\\ddot")
 
 
-def _positions(robot: Robot) -> dict[str, tuple[int, int]]:
-    positions = {name: (0, index) for index, name in enumerate(robot_symbols(robot))}
-    for index, joint in enumerate(robot.joints):
-        positions[joint.variable] = (1, index)
-        positions[velocity_name(joint.variable)] = (2, index)
-        positions[acceleration_name(joint.variable)] = (3, index)
-    return positions
-
-
 def _inertial(robot: Robot) -> dict[str, int]:
     found: dict[str, None] = {}
     for link in robot.links:
@@ -148,10 +141,95 @@ def _inertial(robot: Robot) -> dict[str, int]:
     return {name: index for index, name in enumerate(found)}
 
 
-def _is_given_in_decimals(robot: Robot) -> bool:
-    """Whether a cell is, or adds, a number that is not whole."""
-    for cell in expressions(robot):
-        terms = cell.terms if isinstance(cell, Sum) else (cell,)
-        if any(isinstance(term, Number) and term.value.denominator != 1 for term in terms):
-            return True
-    return False
+# -- the order of terms and factors
+
+BaseKey = tuple[int, tuple[int, ...], str]
+FactorKey = tuple[int, tuple[int, ...], str, float]
+FactorKeys = tuple[FactorKey, ...]
+TermKey = tuple[int, FactorKeys, tuple[int, ...], FactorKeys, FactorKeys, FactorKeys]
+
+_NUMBER, _UNKNOWN, _INERTIAL, _PARAMETER, _OFFSET = range(5)
+_TRIGONOMETRIC, _OTHER, _BRACKET, _VELOCITY, _ACCELERATION = range(5, 10)
+_CLASS_OF_POSITION = (_PARAMETER, _OFFSET, _VELOCITY, _ACCELERATION)
+_NO_POSITION = (0, 0)
+
+
+class Order:
+    """Sort keys for the expressions of one robot.
+
+    Args:
+        notation: The robot's notation.
+    """
+
+    def __init__(self, notation: Notation) -> None:
+        self._positions = notation.positions
+        self._inertial = notation.inertial
+        self._bases: dict[Any, BaseKey] = {}
+        self._factors: dict[Any, FactorKey] = {}
+        self._terms: dict[Any, TermKey] = {}
+
+    def factor(self, factor: Any) -> FactorKey:
+        """Sort key of a factor of a product.
+
+        Args:
+            factor: A SymPy expression.
+        """
+        known = self._factors.get(factor)
+        if known is None:
+            base, exponent = factor.as_base_exp()
+            if base not in self._bases:
+                self._bases[base] = self._base(base)
+            known = self._factors[factor] = (*self._bases[base], float(exponent) if exponent.is_number else 0.0)
+        return known
+
+    def term(self, term: Any) -> TermKey:
+        """Sort key of a term of a sum.
+
+        Args:
+            term: A SymPy expression.
+        """
+        if term in self._terms:
+            return self._terms[term]
+        rest = term.as_coeff_Mul()[1]
+        factors = rest.args if rest.is_Mul else (rest,)
+        bases = [factor.as_base_exp()[0] for factor in factors]
+        inertial = sorted(self._inertial[base.name] for base in bases if base.is_Symbol and base.name in self._inertial)
+        keys = sorted(self.factor(factor) for factor in factors)
+        motion = tuple(key for key in keys if key[0] >= _VELOCITY)
+        trigonometric = tuple(key for key in keys if key[0] == _TRIGONOMETRIC)
+        plain = tuple(key for key in keys if key[0] < _TRIGONOMETRIC)
+        brackets = tuple(key for key in keys if key[0] in (_OTHER, _BRACKET))
+        rank = -keys[-1][0] if motion else int(rest.has(pi))
+        known = self._terms[term] = (rank, motion, tuple(inertial), trigonometric, plain, brackets)
+        return known
+
+    def _base(self, base: Any) -> BaseKey:
+        if base.is_Symbol and base.name in self._inertial:
+            return (_INERTIAL, (self._inertial[base.name],), "")
+        if base.is_Symbol:
+            position = self._positions.get(base.name)
+            if position is None:
+                return (_UNKNOWN, (), base.name)
+            return (_CLASS_OF_POSITION[position[0]], (position[1],), "")
+        if base.is_Number or base.is_NumberSymbol:
+            return (_NUMBER, (), str(base))
+        name = getattr(base.func, "__name__", "")
+        positions = [self._positions.get(symbol.name, _NO_POSITION) for symbol in base.free_symbols]
+        if name in ("cos", "sin"):
+            angle = base.args[0]
+            joints = tuple(sorted(index for rank, index in positions if rank == 1))
+            plain = joints and (angle.is_Symbol or all(term.is_Symbol for term in angle.args))
+            return (_TRIGONOMETRIC, joints, name if plain else f"{angle} {name}")
+        if not base.is_Add:
+            return (_OTHER, (), str(base))
+        moves = all(rank >= 2 for rank, _ in positions)
+        return (_VELOCITY if moves else _BRACKET, (), "")
+
+
+def is_below(exponent: Any) -> bool:
+    """Whether a power belongs into a denominator.
+
+    Args:
+        exponent: The SymPy exponent.
+    """
+    return bool(exponent.is_Rational and exponent < 0)

@@ -1,17 +1,20 @@
-"""SymPy expressions in the notation of lecture notes, as pieces that the layout can break."""
+"""SymPy expressions and cells of the robot file in the notation of lecture notes, as pieces that the layout can break.
+
+Cells are printed with every digit; angles in multiples of pi or in degrees.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+import sympy
 from sympy import Add, Integer, S, pi
 
 from derive.errors import TargetError
-from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.numbers import magnitude
-from derive.handouts.notation.order import Order, is_below
+from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.handouts.notation.pieces import (
     BRACKET_WIDTH,
     EMPTY,
@@ -25,9 +28,15 @@ from derive.handouts.notation.pieces import (
     greek,
     italic,
     joined,
+    magnitude,
     operator,
     script,
 )
+from derive.handouts.notation.subscripts import Glyph
+from derive.lecture.to_sympy import Expr, expression_to_sympy
+from derive.robot.description import Joint
+from derive.robot.expression import Expression
+from derive.robot.robot import Robot
 
 WIDEST_FRACTION = 120.0
 """Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken."""
@@ -130,25 +139,28 @@ class LatexPrinter:
         Numbers and parameters stand over each other if there is a denominator and both sides are short.
         """
         below = [(base, -exponent) for base, exponent in powers if is_below(exponent)]
-        constants = [power for power in powers if _is_constant(power[0]) and not is_below(power[1])]
+        constants = [p for p in powers if (p[0].is_Number or p[0].is_NumberSymbol) and not is_below(p[1])]
         number = EMPTY if value == 1 and powers else self._magnitude(value)
         if not below and not constants:
             return number, powers
         angle = any(base.is_NumberSymbol for base, _ in powers)  # multiples of pi are never decimals
         as_decimal = not angle and "frac" not in self._magnitude(value).tex
         if below or not (value.denominator == 1 or as_decimal):
-            above = [power for power in powers if not is_below(power[1]) and self._may_stand_above(power[0], below)]
+            above = list(constants)
+            if below:  # there is something for parameters to stand over
+                positions = self.notation.positions
+                names = {name for name, (rank, _) in positions.items() if rank == 0}
+                above = [
+                    p
+                    for p in powers
+                    if p in constants or (p[0].is_Symbol and p[0].name in names and not is_below(p[1]))
+                ]
             numerator, denominator = self._side(value.numerator, above), self._side(value.denominator, below)
             if max(numerator.width, denominator.width) <= WIDEST_FRACTION:
                 rest = [power for power in powers if power not in above and not is_below(power[1])]
                 return fraction(numerator, denominator, small=not below), rest
         boxes = (joined(self._power(base, exponent, 0)) for base, exponent in constants)
         return concatenate(number, *boxes), [power for power in powers if power not in constants]
-
-    def _may_stand_above(self, base: Any, below: list[Power]) -> bool:
-        """Numbers always, parameters where there is something to stand over."""
-        position = self.notation.positions.get(base.name) if base.is_Symbol else None
-        return _is_constant(base) or (bool(below) and position is not None and position[0] == 0)
 
     def _side(self, number: int, powers: list[Power]) -> Box:
         """The numerator or denominator of a quotient."""
@@ -186,8 +198,9 @@ class LatexPrinter:
         """A function; ``closed`` asks for a bracket around its argument."""
         name, argument = call.func.__name__, call.args[0]
         if name in ("cos", "sin") and self.notation.abbreviates:
-            variables = self._abbreviated(argument)
-            if variables:
+            labels, terms = list(self.notation.labels), argument.args if argument.is_Add else (argument,)
+            if all(term.is_Symbol and term.name in labels for term in terms):  # a plain sum of joint angles
+                variables = tuple(sorted((term.name for term in terms), key=labels.index))
                 return [Piece(self.notation.abbreviation(name[0], variables, exponent), depth=depth)]
         if name not in _FUNCTIONS and name not in _CIRCULAR:
             raise TargetError(f"no LaTeX for the function {name}", remedy="use sin, cos, tan, sqrt or atan2")
@@ -204,14 +217,6 @@ class LatexPrinter:
             return row
         return [Piece(box, depth=depth, nest=_nested(row))]
 
-    def _abbreviated(self, angle: Any) -> tuple[str, ...]:
-        """The joint variables of a plain sum, in the order of the joints; empty for any other angle."""
-        order = self.notation.label_order
-        terms = angle.args if angle.is_Add else (angle,)
-        if not all(term.is_Symbol and term.name in order for term in terms):
-            return ()
-        return tuple(sorted((term.name for term in terms), key=order.__getitem__))
-
 
 def _bracket(inner: Pieces, exponent: Box, depth: int) -> Pieces:
     height = _nested(inner)
@@ -226,6 +231,86 @@ def _nested(pieces: Pieces) -> int:
     return max((piece.nest for piece in pieces), default=0)
 
 
-def _is_constant(base: Any) -> bool:
-    """Whether it is a plain number, pi, or what a root is taken of."""
-    return bool(base.is_Number or base.is_NumberSymbol)
+# -- cells of the robot file
+
+DATA_DIGITS = 15
+"""Significant digits of the numbers in tables, which are the user's."""
+
+_PLAIN_DENOMINATORS = frozenset({1, 2, 3, 4, 6})
+"""Denominators of multiples of pi that are written with pi; other constant angles are in degrees."""
+
+Cell = tuple[Piece, ...]
+"""A cell in print."""
+
+
+class DataPrinter:
+    """Prints cells of the robot file.
+
+    Args:
+        robot: The robot.
+        notation: Its notation.
+    """
+
+    def __init__(self, robot: Robot, notation: Notation) -> None:
+        self.robot = robot
+        self.notation = replace(notation, decimals=True, digits=DATA_DIGITS)
+
+    def value(self, cell: Expression | Expr) -> Cell:
+        """A length, mass or other number.
+
+        Args:
+            cell: The cell, or a SymPy expression of cells.
+
+        Returns:
+            Its pieces.
+        """
+        return tuple(LatexPrinter(self.notation).pieces(_sympy(cell)))
+
+    def angle(self, cell: Expression | Expr) -> Cell:
+        """An angle; its constant part in multiples of pi or, where the denominator is unusual, in degrees.
+
+        Args:
+            cell: The cell, or a SymPy expression of cells.
+
+        Returns:
+            Its pieces.
+        """
+        value = _sympy(cell)
+        turn = value.coeff(sympy.pi)
+        is_multiple = turn.is_Rational and turn and not (value - turn * sympy.pi).has(sympy.pi)
+        return self._degrees(value, turn) if is_multiple and turn.q not in _PLAIN_DENOMINATORS else self.value(value)
+
+    def limits(self, joint: Joint) -> Cell:
+        """Both limits of a joint with their unit, in degrees where they are rational multiples of pi.
+
+        Args:
+            joint: The joint.
+
+        Returns:
+            Pieces of an interval, or of a dash where there are no limits.
+        """
+        if joint.limits is None:
+            return (Piece(Box("\\text{--}", 6.0)),)
+        bounds = []
+        for value in map(_sympy, joint.limits):
+            turn = value.coeff(sympy.pi)
+            is_multiple = turn.is_Rational and turn and value == turn * sympy.pi
+            bounds.append(self._degrees(value, turn) if joint.is_revolute and is_multiple else self.value(value))
+        lower, upper = bounds
+        circles = joint.is_revolute and "\\circ" in joined((*lower, *upper)).tex
+        unit = "m" if not joint.is_revolute else "" if circles else "rad"
+        end = [Piece(Box(f"\\;\\mathrm{{{unit}}}", 22.0))] if unit else []
+        opening, closing = (Piece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
+        return (opening, *lower, Piece(Box(",\\, ", 6.0)), *upper, closing, *end)
+
+    def _degrees(self, value: Expr, turn: Expr) -> Cell:
+        """An angle whose constant part, ``turn`` times pi, is written in degrees."""
+        symbol = sympy.Symbol("_degrees")
+        number = joined(LatexPrinter(self.notation).pieces(abs(turn) * 180))
+        glyph = Glyph(Box(f"{number.tex}^{{\\circ}}", number.width + 5.0))
+        replaced = value - turn * sympy.pi + (symbol if turn > 0 else -symbol)
+        return tuple(LatexPrinter(self.notation.with_terms({"_degrees": glyph})).pieces(replaced))
+
+
+def _sympy(cell: Expression | Expr) -> Expr:
+    return cell if isinstance(cell, sympy.Basic) else expression_to_sympy(cell)

@@ -1,12 +1,10 @@
-"""What the entries of matrices are called on the sheet, so that none looks like a symbol of the user's.
+"""What entries of matrices and intermediate terms are called on the sheet, unlike any symbol of the user's.
 
 b_{12}, C_{12}, N_{12}, g_1, t_{11} and J_{11}; Christoffel symbols are c_{1,23}: with the comma they differ from
 c_{123}, the cosine of a sum. Where a name is taken, an entry is written (B)_{12}.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, concatenate, greek, italic, script, upright
@@ -118,18 +116,90 @@ class Symbols:
         return script(matrix, italic(indices))
 
 
-@dataclass(frozen=True, slots=True)
-class EntryNamer:
-    """(row, column) -> name of an entry of a matrix.
+class Group:
+    """Which letter the named intermediate terms of each quantity have: a number for each, all different on one sheet.
 
-    Attributes:
-        symbols: Names of entries for the robot.
-        letter: Letter of the entries.
+    Small numbers get a letter of their own, larger ones a letter with two indices, see `Symbols.term`.
     """
 
-    symbols: Symbols
-    letter: str
+    T, J, B, CHRISTOFFEL, C, N, TORQUE, POTENTIAL = range(8)
+    """The quantities; g and tau have the same, for they stand in different parts."""
 
-    def __call__(self, row: int, column: int) -> Box:
-        """The name of one entry."""
-        return self.symbols.entry(self.letter, row, column)
+    _FIRST_FRAME = 8
+    _PER_FRAME = 3
+
+    SINGULARITY_BLOCKS = 60
+    """The one or two blocks of J whose determinants are taken."""
+
+    DETERMINANT = 62
+    _FIRST_AXES = 90
+
+    _FIRST_BODY = 1000
+    """From here on single bodies; before them the quantities and the transforms."""
+
+    _PER_BODY = 5
+    KINETIC = _FIRST_BODY - 1
+    DERIVATIVE = _FIRST_BODY - 2
+
+    @staticmethod
+    def row(i: int) -> int:
+        """The transform A_i.
+
+        Args:
+            i: Row of the table, from 1; n + 1 is the position of the end effector.
+
+        Returns:
+            Its group.
+        """
+        return Group._FIRST_FRAME + Group._PER_FRAME * (i - 1)
+
+    @staticmethod
+    def factor(start: int) -> int:
+        """A product of some rows in the middle of the arm.
+
+        Args:
+            start: The frame it starts from, from 0.
+
+        Returns:
+            Its group.
+        """
+        return Group.row(start + 1) + 1
+
+    @staticmethod
+    def product(i: int) -> int:
+        """The product of the first rows, T_i^0.
+
+        Args:
+            i: The frame it leads to, from 0.
+
+        Returns:
+            Its group.
+        """
+        return Group.row(i + 1) + 2
+
+    @staticmethod
+    def axis(n: int, frame: int, column: int) -> int:
+        """The axis or the origin of a frame; above all transforms.
+
+        Args:
+            n: Number of joints.
+            frame: The frame, from 0.
+            column: 3 for the axis, 4 for the origin.
+
+        Returns:
+            Its group.
+        """
+        return max(Group._FIRST_AXES, Group.row(n + 3)) + 2 * frame + column - 3
+
+    @staticmethod
+    def body(index: int, quantity: int) -> int:
+        """A quantity of a link or rotor.
+
+        Args:
+            index: Place of the body among all bodies, from 0.
+            quantity: 0 for its part of B, 1 and 2 for its Jacobians, 3 for its place.
+
+        Returns:
+            Its group.
+        """
+        return Group._FIRST_BODY + Group._PER_BODY * index + quantity

@@ -14,8 +14,7 @@ from sympy import Basic
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
-from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.order import Order, is_below
+from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.robot.names import joint_label, robot_symbols
 from derive.robot.robot import Robot
 
@@ -72,17 +71,14 @@ class TextPrinter(PlainPrinter):
         return ("-" if coefficient < 0 else "") + "*".join(above) + "".join(f"/{factor}" for factor in below)
 
     def _print_cos(self, expression: Any) -> str:
-        return self._circular("cos", expression.args[0])
-
-    def _print_sin(self, expression: Any) -> str:
-        return self._circular("sin", expression.args[0])
-
-    def _circular(self, function: str, angle: Any) -> str:
+        function, angle = expression.func.__name__, expression.args[0]
         terms = angle.args if angle.is_Add else (angle,)
         labels = [self._labels.get(str(term), "") for term in terms]
         if all(labels):
-            return function[0] + "".join(sorted(labels))
+            return str(function[0] + "".join(sorted(labels)))
         return f"{function}({self._print(angle)})"
+
+    _print_sin = _print_cos
 
 
 def _labels(robot: Robot) -> dict[str, str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -18,7 +19,7 @@ from derive.handouts.figure.scene import upwards
 from derive.handouts.language import Text
 from derive.handouts.notation.notation import Notation
 from derive.programs.program import Program
-from derive.robot.description import Convention, Joint
+from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names
 from derive.robot.names import number_of
@@ -109,11 +110,16 @@ def viewer(
         configuration=_configuration(robot, program.parameters, numbers, ways),
     )
     notation = notation or Notation.of(robot, robot.handout.notation)
+    assumed = ""  # what is drawn for symbols without a number
+    if values:
+        pairs = (f"{html_symbol(notation.glyph(name).box.tex)} = {value:.4g}" for name, value in values.items())
+        message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
+        assumed = html_text(message).replace("@values@", ", ".join(pairs))
     html = render(
         "page/viewer/viewer.html.jinja",
         rows=_rows(robot, notation, ways),
         words={name: html_text(word) for name, word in _words(text).items()},
-        assumed=_assumed(values, notation, text),
+        assumed=assumed,
         entries=range(4),
     )
     return Viewer(html, render("page/viewer/viewer.css.jinja"), f"{three()}\n{script}")
@@ -150,23 +156,14 @@ def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] |
     ways = []
     for index, joint in enumerate(robot.joints):
         low, high = (-math.pi, math.pi) if joint.is_revolute else (0.0, longest)
-        limits = _limits(joint, numbers)
-        if limits is not None and limits[0] < limits[1]:
-            low, high = limits
+        with suppress(ArithmeticError):  # limits that are no numbers do not count
+            lower, upper = (evaluate(limit, numbers) for limit in joint.limits) if joint.limits else (low, high)
+            low, high = (lower, upper) if lower < upper else (low, high)
         wanted = 0.0 if joint.is_revolute else (low + high) / 2
         if start is not None:
             wanted = start[index]
         ways.append(Travel(joint.is_revolute, low, high, min(max(wanted, low), high)))
     return tuple(ways)
-
-
-def _limits(joint: Joint, numbers: Mapping[str, float]) -> tuple[float, float] | None:
-    if joint.limits is None:
-        return None
-    try:
-        return evaluate(joint.limits[0], numbers), evaluate(joint.limits[1], numbers)
-    except ArithmeticError:
-        return None
 
 
 @cache
@@ -230,15 +227,6 @@ def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict
             }
         )
     return rows
-
-
-def _assumed(values: Mapping[str, float], notation: Notation, text: Text) -> str:
-    """States what is drawn for symbols without a number, as HTML; empty if there are none."""
-    if not values:
-        return ""
-    pairs = ", ".join(f"{html_symbol(notation.glyph(name).box.tex)} = {value:.4g}" for name, value in values.items())
-    message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
-    return html_text(message).replace("@values@", pairs)
 
 
 def _words(_: Text) -> dict[str, str]:

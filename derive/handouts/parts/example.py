@@ -6,18 +6,27 @@ The configuration is that of the figure, or a generic one within the limits.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.numbers import magnitude
-from derive.handouts.notation.pieces import EMPTY, MINUS_WIDTH, Box, Piece, concatenate, italic, joined, script
+from derive.handouts.notation.pieces import (
+    EMPTY,
+    MINUS_WIDTH,
+    Box,
+    Piece,
+    concatenate,
+    italic,
+    joined,
+    magnitude,
+    script,
+)
 from derive.handouts.notation.symbols import bold
 from derive.mechanics.floats import value_at
-from derive.robot.description import Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Number, Pi, Product
 from derive.robot.names import robot_symbols
@@ -32,8 +41,8 @@ _DISPLACEMENT = Number(Fraction(1, 10))
 _DIGITS = 5
 """Significant digits in print."""
 
-_COPIED_DIGITS = 12
-"""Significant digits of what is copied: beyond them machines differ."""
+_copied = "{:.12g}".format
+"""A number to be copied, with twelve digits: beyond them machines differ."""
 
 _NOISE = 1e-12
 """Part of the largest entry below which an entry is zero up to rounding."""
@@ -152,10 +161,6 @@ def _number(value: float) -> Box:
     return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
 
 
-def _copied(value: float) -> str:
-    return f"{value:.{_COPIED_DIGITS}g}"
-
-
 def _matrix(context: Context, symbol: Box, rows: Values, function: str) -> Formula:
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
@@ -238,27 +243,18 @@ def configuration(robot: Robot) -> Configuration:
     """
     values = numbers_of(robot)
     if robot.figure.q is not None:
-        cells = robot.figure.q
-    else:
-        generic = (
-            Product((Number(Fraction(ANGLES[i % len(ANGLES)], 6)), Pi())) if joint.is_revolute else _DISPLACEMENT
-            for i, joint in enumerate(robot.joints)
-        )
-        cells = tuple(_within(joint, cell, values) for joint, cell in zip(robot.joints, generic, strict=True))
-    return Configuration(cells, tuple(evaluate(cell, values) for cell in cells))
-
-
-def _within(joint: Joint, cell: Expression, values: Mapping[str, float]) -> Expression:
-    """The value, or the limit that it exceeds; limits in symbols without numbers do not count."""
-    if joint.limits is None:
-        return cell
-    try:
-        lower, upper = (evaluate(limit, values) for limit in joint.limits)
-    except (ArithmeticError, KeyError):
-        return cell
-    value = evaluate(cell, values)
-    if value < lower and not math.isclose(value, lower):
-        return joint.limits[0]
-    if value > upper and not math.isclose(value, upper):
-        return joint.limits[1]
-    return cell
+        return Configuration(robot.figure.q, tuple(evaluate(cell, values) for cell in robot.figure.q))
+    cells: list[Expression] = []
+    for i, joint in enumerate(robot.joints):
+        sixths = Number(Fraction(ANGLES[i % len(ANGLES)], 6))
+        cell: Expression = Product((sixths, Pi())) if joint.is_revolute else _DISPLACEMENT
+        if joint.limits is not None:
+            value = evaluate(cell, values)
+            with suppress(ArithmeticError, KeyError):  # limits in symbols without numbers do not count
+                lower, upper = (evaluate(limit, values) for limit in joint.limits)
+                if value < lower and not math.isclose(value, lower):
+                    cell = joint.limits[0]
+                elif value > upper and not math.isclose(value, upper):
+                    cell = joint.limits[1]
+        cells.append(cell)
+    return Configuration(tuple(cells), tuple(evaluate(cell, values) for cell in cells))

@@ -11,8 +11,8 @@ from derive.handouts.figure.arm import arm_drawing, arm_view
 from derive.handouts.figure.convention import convention_drawing
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
+from derive.handouts.formula import textbook
 from derive.handouts.notation.pieces import EMPTY
-from derive.handouts.textbook import textbook
 from derive.robot.style import Functions
 
 _DIGITS = 4

@@ -9,18 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
-from derive.handouts import groups
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Paragraph, Rows, Steps
-from derive.handouts.formula import Small, component_namer, formula, side_by_side, small
+from derive.handouts.formula import Small, component_namer, formula, side_by_side, small, textbook
 from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import BINARY_WIDTH, BRACKET_WIDTH, MINUS_WIDTH, Box, concatenate, italic, script
-from derive.handouts.notation.symbols import EntryNamer, bold
+from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.orientation import euler_names
-from derive.handouts.textbook import textbook
 
 _UPPER = (1, 2, 3)
 _ALL = (1, 2, 3, 4, 5, 6)
@@ -60,10 +58,21 @@ def jacobian(context: Context) -> Iterator[Block]:
     yield from _construction(context, axes)
     if context.steps:
         yield Steps(_("Axes, origins and columns"), tuple(_steps(context, axes)))
-    name = EntryNamer(context.symbols, "J")
-    laid_out = context.layouter.lay_out(bold("J"), name, context.entries.J, group=groups.J)
+    name = partial(context.symbols.entry, "J")
+    laid_out = context.layouter.lay_out(bold("J"), name, context.entries.J, group=Group.J)
     yield formula(context, laid_out, "jacobian")
-    yield from _analytic(context)
+    end = context.entries.T
+    if end.terms(1, 3) or end.terms(2, 3):  # else the angles ZYZ are singular in every configuration
+        phi, theta, psi = (angle.tex.strip() for angle in euler_names(context))
+        yield Paragraph(
+            _(
+                "The analytic Jacobian for Euler angles ZYZ, $%(angles)s$, has the same linear rows; its angular rows "
+                "are those of $%(jacobian)s$ multiplied from the left by the inverse of",
+                angles=f"{phi}, {theta}, {psi}",
+                jacobian="\\mathbf{J}",
+            )
+        )
+        yield textbook("euler_zyz_rates", phi=phi, theta=theta)
 
 
 def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
@@ -125,23 +134,6 @@ def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
             yield Rows(tuple(pack(left)))
 
 
-def _analytic(context: Context) -> Iterator[Block]:
-    """How the Jacobian of the angles ZYZ follows, where they are not singular in every configuration."""
-    end = context.entries.T
-    if not (end.terms(1, 3) or end.terms(2, 3)):
-        return
-    phi, theta, psi = (name.tex.strip() for name in euler_names(context))
-    yield Paragraph(
-        context.text(
-            "The analytic Jacobian for Euler angles ZYZ, $%(angles)s$, has the same linear rows; its angular rows are "
-            "those of $%(jacobian)s$ multiplied from the left by the inverse of",
-            angles=f"{phi}, {theta}, {psi}",
-            jacobian="\\mathbf{J}",
-        )
-    )
-    yield textbook("euler_zyz_rates", phi=phi, theta=theta)
-
-
 @dataclass(frozen=True)
 class _JointAxes:
     """Axes and origins of the joints of one robot, from which the columns of J are made; joints from 1."""
@@ -183,7 +175,7 @@ class _JointAxes:
         found = small(self.context, symbol, quantity, namer)
         if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
             return Vector(symbol, found)
-        group = groups.axis(self.context.robot.n, frame, column)
+        group = Group.axis(self.context.robot.n, frame, column)
         return Vector(symbol, entries=self.context.layouter.lay_out(symbol, namer, quantity, group=group))
 
     def end(self) -> Vector:

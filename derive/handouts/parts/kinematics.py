@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 
-from derive.handouts import groups
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Paragraph, Rows, Steps
-from derive.handouts.formula import Small, entry_namer, formula, side_by_side, small
+from derive.handouts.formula import Small, entry_namer, formula, side_by_side, small, textbook
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import Box, Break, Piece, concatenate
-from derive.handouts.notation.symbols import EntryNamer, bold
+from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, TOOL
-from derive.handouts.textbook import textbook
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
 
@@ -44,7 +43,7 @@ def transforms(context: Context) -> Iterator[Block]:
             continue
         if fitting:
             yield formula(context, side_by_side(fitting), "link_transforms")
-        yield formula(context, _laid_out(context, symbol, quantity, groups.row(i)), "link_transforms")
+        yield formula(context, _laid_out(context, symbol, quantity, Group.row(i)), "link_transforms")
         fitting = []
     if fitting:
         yield formula(context, side_by_side(fitting), "link_transforms")
@@ -60,7 +59,7 @@ def end_effector(context: Context) -> Iterator[Block]:
         The blocks of the part.
     """
     _ = context.text
-    end = context.layouter.lay_out(_END, EntryNamer(context.symbols, "t"), context.entries.T, group=groups.T)
+    end = context.layouter.lay_out(_END, partial(context.symbols.entry, "t"), context.entries.T, group=Group.T)
     yield Paragraph(_("The end effector in the world:"))
     n, frame = context.robot.n, context.symbols.frame
     factors = [frame("A", i, i - 1) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
@@ -113,7 +112,7 @@ def _steps(context: Context) -> Iterator[Block]:
             yield formula(context, side_by_side([on_one_line]))
         else:
             yield Rows((products[i].tex,))
-            yield formula(context, _laid_out(context, symbol, quantity, groups.product(i)), "link_transforms")
+            yield formula(context, _laid_out(context, symbol, quantity, Group.product(i)), "link_transforms")
     if long <= last:
         yield Paragraph(context.text("From here on the entries are too long for a step:"))
     end = concatenate(_END, EQUALS, *_between_base_and_tool(context, [frame("T", robot.n, 0)]))
@@ -140,7 +139,7 @@ def _partial_products(context: Context) -> Iterator[Block]:
     )
     for start, end in pairwise(cuts):
         quantity = context.entries.transform(start, end)
-        laid_out = _laid_out(context, frame("T", end, start), quantity, groups.factor(start))
+        laid_out = _laid_out(context, frame("T", end, start), quantity, Group.factor(start))
         yield formula(context, laid_out, "link_transforms")
     yield Paragraph(_("The arm as a whole is"))
     factors = (Piece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))

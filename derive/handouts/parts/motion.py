@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Paragraph, Rows, Steps
-from derive.handouts.formula import formula
+from derive.handouts.formula import formula, textbook
 from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction
 from derive.handouts.parts.bodies import has_rotors
-from derive.handouts.textbook import textbook
 from derive.robot.expression import ZERO
 
 _CORIOLIS = "coriolis_matrix"
@@ -28,7 +27,7 @@ def christoffel(context: Context) -> Iterator[Block]:
         The blocks of the part.
     """
     _ = context.text
-    b, c = context.dynamics.letter.lower(), context.symbols.christoffel("i", "j", "k").tex
+    b, c = context.symbols.inertia_letter.lower(), context.symbols.christoffel("i", "j", "k").tex
     yield Paragraph(
         _("The Christoffel symbols follow from the inertia matrix; each is symmetric in its last two indices.")
     )
@@ -37,22 +36,17 @@ def christoffel(context: Context) -> Iterator[Block]:
         yield Paragraph(_("All are zero."))
         return
     if context.steps and context.dynamics.is_compact(context.entries.Bdot):
-        lines = tuple(equation_lines(_derivatives(context)))
-        if lines:
-            yield Steps(_("Derivatives of the inertia matrix"), (Rows(lines),))
+        joints, partial, derivatives = range(1, context.robot.n + 1), Box("\\partial ", 6.0), []
+        for i, j, k in ((i, j, k) for i in joints for j in joints for k in joints if i <= j):
+            derivative = context.entries.inertia_derivative(i, j, k)
+            if derivative.terms(1, 1):
+                variable = context.notation.glyph(context.robot.joints[k - 1].variable).box
+                entry = context.dynamics.inertia_entry(i, j)
+                symbol = fraction(concatenate(partial, entry), concatenate(partial, variable))
+                derivatives.append(Equation(symbol, tuple(context.printer.pieces(derivative.entry(1, 1)))))
+        if derivatives:
+            yield Steps(_("Derivatives of the inertia matrix"), (Rows(tuple(equation_lines(derivatives))),))
     yield formula(context, context.dynamics.christoffel(), _CORIOLIS)
-
-
-def _derivatives(context: Context) -> Iterator[Equation]:
-    """Those of the entries of B that are not zero."""
-    joints = range(1, context.robot.n + 1)
-    for i, j, k in ((i, j, k) for i in joints for j in joints for k in joints if i <= j):
-        derivative = context.entries.inertia_derivative(i, j, k)
-        if derivative.terms(1, 1):
-            variable = context.notation.glyph(context.robot.joints[k - 1].variable).box
-            partial, entry = Box("\\partial ", 6.0), context.dynamics.inertia_entry(i, j)
-            symbol = fraction(concatenate(partial, entry), concatenate(partial, variable))
-            yield Equation(symbol, tuple(context.printer.pieces(derivative.entry(1, 1))))
 
 
 def coriolis(context: Context) -> Iterator[Block]:
@@ -88,7 +82,7 @@ def skew(context: Context) -> Iterator[Block]:
         The blocks of the part.
     """
     _ = context.text
-    letter, c = context.dynamics.letter, context.symbols.christoffel
+    letter, c = context.symbols.inertia_letter, context.symbols.christoffel
     yield textbook("skew_matrix", B=letter)
     yield Paragraph(
         _(
@@ -144,7 +138,7 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     """
     _ = context.text
     friction = any(link.viscous != ZERO or link.coulomb != ZERO for link in context.robot.links)
-    yield textbook("equations_of_motion", B=context.dynamics.letter, friction=friction)
+    yield textbook("equations_of_motion", B=context.symbols.inertia_letter, friction=friction)
     entries, is_compact = context.entries, context.dynamics.is_compact
     if is_compact(entries.C) and is_compact(entries.tau):
         if context.steps:

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows, Steps
-from derive.handouts.formula import component_namer, entry_namer
+from derive.handouts.formula import component_namer, entry_namer, matrix_lines, textbook
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.notation.pieces import Box, concatenate, italic, joined, script
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
-from derive.handouts.textbook import textbook
 from derive.lecture.to_sympy import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, velocity_name
@@ -34,25 +33,41 @@ def newton_euler(context: Context) -> Iterator[Block]:
     yield Paragraph(_introduction(context))
     yield Paragraph(_("The base is at rest, gravity acts as an acceleration of the base, and nothing loads the end."))
     start = textbook("recursion_start", after_last=context.robot.n + 1)
-    yield Rows((*start.lines, *_base_acceleration(context)))
+    base = [[tuple(context.printer.pieces(cell))] for cell in context.entries.base_acceleration]
+    symbol = Box("\\mathbf{a}_{0}", 11.0)
+    yield Rows((*start.lines, *matrix_lines(symbol, base, lambda k, _: Box(f"({symbol.tex})_{{{k}}}", 25.0))))
     joint_types = {joint.is_revolute for joint in context.robot.joints}
     if True in joint_types:
         yield Paragraph(_("A revolute joint, outward from $i = 1$ and back inward from the last link:"))
-        joint = JointLetters.any_joint(is_revolute=True)
-        yield Rows((*recursion.outward(joint), *recursion.inward(joint)))
+        letters = JointLetters.any_joint(is_revolute=True)
+        yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
     if False in joint_types:
         yield Paragraph(_("A prismatic joint, outward from $i = 1$ and back inward from the last link:"))
-        joint = JointLetters.any_joint(is_revolute=False)
-        yield Rows((*recursion.outward(joint), *recursion.inward(joint)))
+        letters = JointLetters.any_joint(is_revolute=False)
+        yield Rows((*recursion.outward(letters), *recursion.inward(letters)))
     yield from _remarks(context)
     words = {True: _("revolute"), False: _("prismatic")}
     for i, row in enumerate(context.robot.joints, 1):
         yield Paragraph(_("Link %(index)s, its joint %(kind)s:", index=i, kind=words[row.is_revolute]))
         yield _link_data(context, recursion, i)
     if context.steps:
-        joints = [_joint_letters(context, i) for i in range(1, context.robot.n + 1)]
-        outward = tuple(line for joint in joints for line in recursion.outward(joint))
-        inward = tuple(line for joint in reversed(joints) for line in recursion.inward(joint))
+        glyph = context.notation.glyph
+        joints = [
+            JointLetters(
+                index=str(i),
+                before=str(i - 1),
+                after=str(i + 1),
+                is_revolute=joint.is_revolute,
+                sign=joint.sign,
+                rate=glyph(velocity_name(joint.variable)).box,
+                acceleration=glyph(acceleration_name(joint.variable)).box,
+                torque=context.symbols.torque(i),
+                is_last=i == context.robot.n,
+            )
+            for i, joint in enumerate(context.robot.joints, 1)
+        ]
+        outward = tuple(line for letters in joints for line in recursion.outward(letters))
+        inward = tuple(line for letters in reversed(joints) for line in recursion.inward(letters))
         yield Steps(_("Outward, link by link"), (Rows(outward),))
         yield Steps(_("Inward, link by link"), (Rows(inward),))
 
@@ -78,15 +93,6 @@ def _introduction(context: Context) -> str:
             "$\\mathbf{z}_0 = (0, 0, 1)^T$ is the axis of joint $i$ in frame $i$."
         )
     return f"{common} {rest}"
-
-
-def _base_acceleration(context: Context) -> list[str]:
-    symbol = Box("\\mathbf{a}_{0}", 11.0)
-    cells = [tuple(context.printer.pieces(cell)) for cell in context.entries.base_acceleration]
-    vector_line = concatenate(symbol, EQUALS, matrix([[joined(cell)] for cell in cells]))
-    if fits(vector_line, 3):
-        return [vector_line.tex]
-    return equation_lines(Equation(Box(f"({symbol.tex})_{{{k}}}", 25.0), cell) for k, cell in enumerate(cells, 1))
 
 
 def _remarks(context: Context) -> Iterator[Block]:
@@ -119,21 +125,6 @@ def _remarks(context: Context) -> Iterator[Block]:
     if added:
         yield Paragraph(_("Friction and armatures add to the torques of the joints:"))
         yield Rows(tuple(equation_lines(added)))
-
-
-def _joint_letters(context: Context, i: int) -> JointLetters:
-    joint, glyph = context.robot.joints[i - 1], context.notation.glyph
-    return JointLetters(
-        index=str(i),
-        before=str(i - 1),
-        after=str(i + 1),
-        is_revolute=joint.is_revolute,
-        sign=joint.sign,
-        rate=glyph(velocity_name(joint.variable)).box,
-        acceleration=glyph(acceleration_name(joint.variable)).box,
-        torque=context.symbols.torque(i),
-        is_last=i == context.robot.n,
-    )
 
 
 # -- data of the links

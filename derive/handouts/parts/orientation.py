@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from derive.handouts import groups
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Paragraph, Rows
 from derive.handouts.formula import formula
@@ -29,7 +28,7 @@ from derive.handouts.notation.pieces import (
     script,
     upright,
 )
-from derive.handouts.notation.symbols import bold
+from derive.handouts.notation.symbols import Group, bold
 from derive.model.entries import Entries
 
 SHORT_ANGLES = 12
@@ -55,24 +54,20 @@ def orientation(context: Context) -> Iterator[Block]:
     Yields:
         The blocks of the part.
     """
-    yield from _position(context)
-    yield from _roll_pitch_yaw(context)
-    yield from _euler_zyz(context)
-
-
-def _position(context: Context) -> Iterator[Block]:
     _ = context.text
     yield Paragraph(_("The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END))
     quantity = context.entries.T.part((1, 2, 3), (4,))
-    if not quantity.is_short(context.policy.compact_terms):
-        yield Rows((concatenate(bold("p"), EQUALS, matrix([[_t(context, i, 4)] for i in (1, 2, 3)])).tex,))
-        return
-
-    names = [script(italic("p"), italic(axis)) for axis in "xyz"]
-    names = [_t(context, i, 4) if p.tex in context.notation.taken else p for i, p in enumerate(names, 1)]
-    group = groups.row(context.robot.n + 1)
-    laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
-    yield formula(context, laid_out, "forward_kinematics")
+    entries = [_t(context, i, 4) for i in (1, 2, 3)]
+    if quantity.is_short(context.policy.compact_terms):
+        letters = [script(italic("p"), italic(axis)) for axis in "xyz"]
+        names = [t if p.tex in context.notation.taken else p for p, t in zip(letters, entries, strict=True)]
+        group = Group.row(context.robot.n + 1)
+        laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
+        yield formula(context, laid_out, "forward_kinematics")
+    else:
+        yield Rows((concatenate(bold("p"), EQUALS, matrix([[entry] for entry in entries])).tex,))
+    yield from _roll_pitch_yaw(context)
+    yield from _euler_zyz(context)
 
 
 def _roll_pitch_yaw(context: Context) -> Iterator[Block]:

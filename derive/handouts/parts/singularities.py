@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from functools import partial
 
 import sympy
 
-from derive.handouts import groups
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Formula, Paragraph, Rows, Steps
 from derive.handouts.formula import formula
 from derive.handouts.layout.lines import EQUALS, break_lines, pack
 from derive.handouts.layout.quantity import Item, omitted
-from derive.handouts.notation.names import Glyph
 from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, Piece, concatenate, italic, script
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.symbols import EntryNamer, bold
+from derive.handouts.notation.subscripts import Glyph
+from derive.handouts.notation.symbols import Group, bold
 from derive.lecture.to_sympy import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.determinant import MAX_TERMS, Outcome, Posture, SingularFactor, Singularities
@@ -134,9 +132,9 @@ def _matrices(context: Context, found: Singularities) -> Iterator[Block]:
             name = script(bold("J"), italic(block.name[2:]), frame)
         else:
             name = script(bold("J"), sup=frame) if n == 6 else _symbol(context, found)
-        namer = EntryNamer(context.symbols, "J'" if len(block.rows) < 6 and len(blocks) == 1 else "J")
+        namer = partial(context.symbols.entry, "J'" if len(block.rows) < 6 and len(blocks) == 1 else "J")
         quantity = of_matrix(block.matrix)
-        group = groups.SINGULARITY_BLOCKS + k
+        group = Group.SINGULARITY_BLOCKS + k
         yield formula(context, context.layouter.lay_out(name, namer, quantity, group=group))
 
 
@@ -145,12 +143,32 @@ def _symbol(context: Context, found: Singularities) -> Box:
     return bold("J") if context.robot.n == 6 or len(found.blocks) > 1 else Box("\\mathbf{J}'", 14.0)
 
 
-@dataclass(frozen=True)
 class _SingularFormulas:
     """The determinant of one robot in factors, and the zeros of the factors, as formulas."""
 
-    context: Context
-    found: Singularities
+    def __init__(self, context: Context, found: Singularities) -> None:
+        self.context, self.found, _ = context, found, context.text
+        if len(found.blocks) > 1:
+            elbow = _("Elbow: the wrist centre lies in the plane of axes 2 and 3, the arm is stretched out or folded.")
+            shoulder = _("Shoulder: the wrist centre lies in the plane through axis 1 that is parallel to axis 2.")
+        else:
+            elbow = _("Elbow: the end effector lies in the plane of axes 2 and 3, the arm is stretched out or folded.")
+            shoulder = _("Shoulder: the end effector lies in the plane through axis 1 that is parallel to axis 2.")
+        self._words: dict[Posture | None, tuple[str, str]] = {  # a word, and what it means
+            Posture.WRIST: (_("wrist"), _("Wrist: axes 4 and 6 are aligned.")),
+            Posture.ELBOW: (_("elbow"), elbow),
+            Posture.SHOULDER: (_("shoulder"), shoulder),
+        }
+        policy, pieces = context.policy, context.printer.pieces
+        self._long: dict[Expr, SingularFactor] = {  # factors that are too long to be printed have a symbol instead
+            sympy.Symbol(f"_f{k}"): f
+            for k, f in enumerate(found.factors, 1)
+            if expanded_terms(f.expression) > policy.flat_terms
+            or len(break_lines(EMPTY, pieces(f.expression))) > policy.entry_lines
+        }
+        self._names = {s: context.symbols.term(Group.DETERMINANT, k) for k, s in enumerate(self._long, 1)}
+        glyphs = {symbol.name: Glyph(box) for symbol, box in self._names.items()}
+        self._printer = LatexPrinter(context.notation.with_terms(glyphs))
 
     def determinant(self) -> Formula:
         """The determinant in factors, those that are too long by their numbers of terms."""
@@ -159,7 +177,7 @@ class _SingularFormulas:
             value = self.found.determinant
             terms = sum(expanded_terms(f.expression) for f in self.found.factors) or int(value not in (None, 0))
             item, limit = Item(left, terms, lambda: value), self.context.policy.grouped_terms
-            group = groups.DETERMINANT + 1
+            group = Group.DETERMINANT + 1
             return formula(self.context, self.context.layouter.entries([item], group=group, limit=limit))
         product = sympy.Mul(*(self._short(f) ** f.exponent for f in self.found.factors))
         lines = break_lines(concatenate(left, EQUALS), self._printer.pieces(product))
@@ -202,44 +220,6 @@ class _SingularFormulas:
         if condition.posture in self._words:
             word, _meaning = self._words[condition.posture]
             yield Piece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
-
-    @cached_property
-    def _words(self) -> dict[Posture | None, tuple[str, str]]:
-        """Postures: a word, and what it means."""
-        _ = self.context.text
-        if len(self.found.blocks) > 1:
-            elbow = _("Elbow: the wrist centre lies in the plane of axes 2 and 3, the arm is stretched out or folded.")
-            shoulder = _("Shoulder: the wrist centre lies in the plane through axis 1 that is parallel to axis 2.")
-        else:
-            elbow = _("Elbow: the end effector lies in the plane of axes 2 and 3, the arm is stretched out or folded.")
-            shoulder = _("Shoulder: the end effector lies in the plane through axis 1 that is parallel to axis 2.")
-        return {
-            Posture.WRIST: (_("wrist"), _("Wrist: axes 4 and 6 are aligned.")),
-            Posture.ELBOW: (_("elbow"), elbow),
-            Posture.SHOULDER: (_("shoulder"), shoulder),
-        }
-
-    # -- factors that are too long to be printed
-
-    @cached_property
-    def _long(self) -> dict[Expr, SingularFactor]:
-        """They have a symbol in place of their expression."""
-        policy, pieces = self.context.policy, self.context.printer.pieces
-        return {
-            sympy.Symbol(f"_f{k}"): f
-            for k, f in enumerate(self.found.factors, 1)
-            if expanded_terms(f.expression) > policy.flat_terms
-            or len(break_lines(EMPTY, pieces(f.expression))) > policy.entry_lines
-        }
-
-    @cached_property
-    def _names(self) -> dict[Expr, Box]:
-        return {s: self.context.symbols.term(groups.DETERMINANT, k) for k, s in enumerate(self._long, 1)}
-
-    @cached_property
-    def _printer(self) -> LatexPrinter:
-        glyphs = {symbol.name: Glyph(box) for symbol, box in self._names.items()}
-        return LatexPrinter(self.context.notation.with_terms(glyphs))
 
     def _short(self, factor: SingularFactor) -> Expr:
         """The factor, or its symbol."""

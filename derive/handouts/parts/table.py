@@ -8,13 +8,13 @@ from dataclasses import fields
 import sympy
 
 from derive.handouts.context import Context
-from derive.handouts.data_printer import Pieces
 from derive.handouts.document import Block, Paragraph, Rows, Table
-from derive.handouts.formula import entry_namer
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, concatenate, italic, joined, script
+from derive.handouts.formula import entry_namer, matrix_lines
+from derive.handouts.layout.lines import Equation, equation_lines, pack
+from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, italic, joined, script
+from derive.handouts.notation.printer import Cell
 from derive.lecture.to_sympy import expression_to_sympy
-from derive.robot.description import IDENTITY, Joint, Link
+from derive.robot.description import IDENTITY, Link
 from derive.robot.expression import ZERO
 from derive.robot.names import free_symbols
 from derive.targets.escape import latex_text
@@ -57,7 +57,11 @@ def dh_table(context: Context) -> Iterator[Block]:
     )
     yield Paragraph(f"{kind} {units}")
     yield _rows(context)
-    frames = tuple(_constant_frames(context))
+    frames: list[str] = []
+    for symbol, frame in ((BASE, context.robot.base), (TOOL, context.robot.tool)):
+        if frame != IDENTITY:
+            rows = [[context.data.value(cell) for cell in row] for row in frame]
+            frames += matrix_lines(symbol, rows, entry_namer(symbol))
     if frames:
         yield Paragraph(
             _(
@@ -66,7 +70,7 @@ def dh_table(context: Context) -> Iterator[Block]:
                 n=n,
             )
         )
-        yield Rows(frames)
+        yield Rows(tuple(frames))
 
 
 def _rows(context: Context) -> Block:
@@ -74,7 +78,14 @@ def _rows(context: Context) -> Block:
     _ = context.text
     joints = context.robot.joints
     has_limits = any(joint.limits is not None for joint in joints)
-    rows = [[*_cells(context, joint), *([context.data.limits(joint)] if has_limits else [])] for joint in joints]
+    data, rows = context.data, []
+    for joint in joints:
+        variable = joint.sign * sympy.Symbol(joint.variable)
+        theta, d = expression_to_sympy(joint.theta), expression_to_sympy(joint.d)
+        theta, d = (theta + variable, d) if joint.is_revolute else (theta, d + variable)
+        moving, fixed = [data.angle(theta), data.value(d)], [data.value(joint.a), data.angle(joint.alpha)]
+        row = moving + fixed if context.is_standard else fixed[::-1] + moving
+        rows.append([*row, data.limits(joint)] if has_limits else row)
     boxes = [[joined(cell) for cell in row] for row in rows]
     widths = (max(box.width for box in column) for column in zip(*boxes, strict=True))
     if _FIRST_COLUMNS + sum(width + _COLUMN_GAP for width in widths) > _TABLE_WIDTH:
@@ -92,16 +103,7 @@ def _rows(context: Context) -> Block:
     return Table(header, cells, len(rows) > _LONGEST_TABLE)
 
 
-def _cells(context: Context, joint: Joint) -> list[Pieces]:
-    """theta, d, a, alpha in the standard convention; alpha, a, theta, d in the modified one."""
-    data, variable = context.data, joint.sign * sympy.Symbol(joint.variable)
-    theta, d = expression_to_sympy(joint.theta), expression_to_sympy(joint.d)
-    theta, d = (theta + variable, d) if joint.is_revolute else (theta, d + variable)
-    moving, fixed = [data.angle(theta), data.value(d)], [data.value(joint.a), data.angle(joint.alpha)]
-    return moving + fixed if context.is_standard else fixed[::-1] + moving
-
-
-def _named_cells(context: Context, i: int, row: list[Pieces]) -> Iterator[Equation]:
+def _named_cells(context: Context, i: int, row: list[Cell]) -> Iterator[Equation]:
     names = ("\\theta", i), ("d", i), ("a", i), ("\\alpha", i)
     if not context.is_standard:
         names = ("\\alpha", i - 1), ("a", i - 1), ("\\theta", i), ("d", i)
@@ -109,22 +111,6 @@ def _named_cells(context: Context, i: int, row: list[Pieces]) -> Iterator[Equati
         yield Equation(script(Box(letter, 6.5), italic(str(index))), cell)
     if context.robot.joints[i - 1].limits is not None:
         yield Equation(Box(f"\\text{{limits {i}}}", 45.0), row[-1])
-
-
-def _constant_frames(context: Context) -> Iterator[str]:
-    """Lines with base and tool, where they are not the identity."""
-    for symbol, frame in ((BASE, context.robot.base), (TOOL, context.robot.tool)):
-        if frame == IDENTITY:
-            continue
-        cells = [[context.data.value(cell) for cell in row] for row in frame]
-        box = concatenate(symbol, EQUALS, matrix([[joined(cell) for cell in row] for row in cells]))
-        if fits(box, 4):
-            yield box.tex
-            continue
-        name = entry_namer(symbol)
-        yield from equation_lines(
-            Equation(name(i, j), cell) for i, row in enumerate(cells, 1) for j, cell in enumerate(row, 1)
-        )
 
 
 # -- parameters and links
@@ -162,7 +148,13 @@ def _link(context: Context, link: Link) -> Iterator[Equation]:
     """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero."""
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
-    yield Equation(_word(_("centre of mass")), _tuple([context.data.value(cell) for cell in link.com]))
+    com: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]
+    for index, part in enumerate(map(context.data.value, link.com)):
+        if index:  # behind a comma a line may be broken
+            com.append(Piece(Box(",\\, ", 6.0)))
+            part = (part[0]._replace(before=Break.COMMA), *part[1:])
+        com += part
+    yield Equation(_word(_("centre of mass")), (*com, Piece(Box(")", BRACKET_WIDTH))))
     cells = [(f"$I_{{{item.name}}}$", getattr(link.inertia, item.name)) for item in fields(link.inertia)]
     if link.motor is not None:
         cells += [
@@ -183,14 +175,3 @@ def _link(context: Context, link: Link) -> Iterator[Equation]:
 def _word(text: str) -> Box:
     escaped = text if text.startswith("$") else latex_text(text)
     return Box(f"\\text{{{escaped}}}", _LETTER_WIDTH * len(text.strip("${}")))
-
-
-def _tuple(cells: list[Pieces]) -> Pieces:
-    """Cells in brackets, with commas after which a line may be broken."""
-    row: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]
-    for index, cell in enumerate(cells):
-        if index:
-            row.append(Piece(Box(",\\, ", 6.0)))
-            cell = (cell[0]._replace(before=Break.COMMA), *cell[1:])
-        row += cell
-    return (*row, Piece(Box(")", BRACKET_WIDTH)))

@@ -8,13 +8,13 @@ import random
 import numpy as np
 import pytest
 
-from derive.handouts.data_printer import DataPrinter
 from derive.handouts.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
 from derive.handouts.figure.drawing import Drawing, Label, Path
 from derive.handouts.figure.paper import AXIS_COLORS
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import DataPrinter
 from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot

@@ -8,8 +8,7 @@ from typing import Any
 import sympy
 from sympy import Symbol, cos, sin
 
-from derive.handouts.layout.policy import POLICY
-from derive.handouts.layout.quantity import Item, Layouter, omitted
+from derive.handouts.layout.quantity import POLICY, Item, Layouter, omitted
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.printer import LatexPrinter

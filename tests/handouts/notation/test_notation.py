@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import re
+from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import italic, joined
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.symbols import EntryNamer, Symbols
+from derive.handouts.notation.symbols import Symbols
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.style import AngleLetter, FrameIndices, Functions, InertiaLetter, NotationOptions, SliderLetter
@@ -207,7 +208,7 @@ def test_letter_of_the_inertia_matrix(letter: InertiaLetter) -> None:
     """Its entries have the small letter."""
     symbols_ = Symbols(Notation.of(scara(), NotationOptions(inertia=letter)), 3)
     assert symbols_.inertia_letter == letter.value
-    entry = EntryNamer(symbols_, symbols_.inertia_letter.lower())
+    entry = partial(symbols_.entry, symbols_.inertia_letter.lower())
     assert entry(1, 2).tex == f"{letter.value.lower()}_{{12}}"
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.handouts.notation.numbers import DIGITS, magnitude
+from derive.handouts.notation.pieces import DIGITS, magnitude
 
 
 @pytest.mark.parametrize(

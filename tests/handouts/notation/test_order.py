@@ -6,8 +6,7 @@ import random
 
 from sympy import Symbol, cos, pi, sin
 
-from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.order import Order, is_below
+from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.robot.robot import Robot
 
 ROBOT = Robot.load("planar-2r-perugia")

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from sympy import Rational, Symbol, atan2, cos, pi, sign, sin, sqrt, symbols
 
 from derive.errors import TargetError
-from derive.handouts.notation.names import distinct, natural
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import joined
 from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.subscripts import distinct, natural
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
 from tests.places import ROOT

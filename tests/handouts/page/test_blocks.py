@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from derive.handouts.page.blocks import formula, unicode_name
+from derive.handouts.page.writer import formula, unicode_name
 
 
 @pytest.mark.parametrize(

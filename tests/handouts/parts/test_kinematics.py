@@ -17,7 +17,7 @@ from derive.handouts.context import Context
 from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, blocks_of
 from derive.handouts.language import Text
 from derive.handouts.latex_writer import latex
-from derive.handouts.layout.policy import POLICY, SheetPolicy
+from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.handouts.parts.example import ANGLES, configuration, numbers_of
 from derive.mechanics.floats import value_at
 from derive.model.dynamic_entries import ModelEntries

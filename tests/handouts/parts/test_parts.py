@@ -11,10 +11,9 @@ from derive.handouts.assemble import context_of
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Formula, Rows, Section, Steps, blocks_of
 from derive.handouts.dynamics import DynamicsLayout
-from derive.handouts.parts.bodies import link_jacobians
+from derive.handouts.parts.bodies import energies, inertia, link_jacobians
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
-from derive.handouts.parts.inertia import energies, inertia
 from derive.handouts.parts.jacobian import jacobian
 from derive.handouts.parts.kinematics import end_effector, transforms
 from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew

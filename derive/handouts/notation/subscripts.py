@@ -102,19 +102,18 @@ def natural(name: str) -> Glyph:
         head = upright(letters)
     suffix += match.group(2) or ""
     subscripts = [italic(suffix)] if suffix else []
-    subscripts += map(_subscript, parts[1:])
+    for part in parts[1:]:  # behind an underscore: a Greek letter, an index, or a word with or without one
+        word = part.rstrip("0123456789")
+        if part in GREEK:
+            subscripts.append(greek(part))
+        elif len(word) <= LONGEST_SUFFIX:
+            subscripts.append(italic(part))
+        elif word == part:
+            subscripts.append(upright(part))
+        else:
+            subscripts.append(concatenate(upright(word), italic(part[len(word) :])))
     commas = (box for subscript in subscripts for box in (_COMMA, subscript))
     return Glyph(head, concatenate(*list(commas)[1:]) if subscripts else EMPTY)
-
-
-def _subscript(part: str) -> Box:
-    """What stands behind an underscore: a Greek letter, an index, or a word with or without one."""
-    letters = part.rstrip("0123456789")
-    if part in GREEK:
-        return greek(part)
-    if len(letters) <= LONGEST_SUFFIX:
-        return italic(part)
-    return concatenate(upright(letters), italic(part[len(letters) :])) if letters != part else upright(part)
 
 
 def distinct(names: Iterable[str], chosen: Mapping[str, Glyph] | None = None) -> Iterator[tuple[str, Glyph]]:
