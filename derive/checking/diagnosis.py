@@ -138,8 +138,19 @@ class _Search:
         self.outer = None if question.is_plain else question.compared(Name("(printed)"))
         self.target = evaluate(question.right)
         self._compared_value(evaluate(question.printed))
-        self.may = _replacements(question, known_names)
         self.work = 0
+        angles = tuple(joint.variable for joint in question.robot.joints if joint.is_revolute)
+        tokens = [node for node in (*_nodes(question.printed), *_nodes(question.right)) if is_token(node)]
+        singles = [Call(f, (Name(angle),)) for angle in angles[:MAX_SINGLE_ANGLES] for f in ("cos", "sin")]
+        whole = () if isinstance(question.right, Sum) else (question.right,)
+        of_right = islice(chain(whole, _terms_inside(question.right)), MAX_LACKING_TERMS)
+        terms = [*question.extra_terms, *of_right]
+        self.may = Replacements(
+            names=tuple(known_names),
+            angles=angles,
+            factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known_names)])),
+            terms=tuple(dict.fromkeys([*terms, *map(negate, terms)])),
+        )
 
     def _compared_value(self, value: float) -> float:
         """What is compared, for a value of the printed formula."""
@@ -206,21 +217,6 @@ def _known_names(question: Question) -> list[str]:
     defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
     found = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
     return list(dict.fromkeys(found))
-
-
-def _replacements(question: Question, known_names: Sequence[str]) -> Replacements:
-    angles = tuple(joint.variable for joint in question.robot.joints if joint.is_revolute)
-    tokens = [node for node in (*_nodes(question.printed), *_nodes(question.right)) if is_token(node)]
-    singles = [Call(f, (Name(angle),)) for angle in angles[:MAX_SINGLE_ANGLES] for f in ("cos", "sin")]
-    whole = () if isinstance(question.right, Sum) else (question.right,)
-    of_right = islice(chain(whole, _terms_inside(question.right)), MAX_LACKING_TERMS)
-    terms = [*question.extra_terms, *of_right]
-    return Replacements(
-        names=tuple(known_names),
-        angles=angles,
-        factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known_names)])),
-        terms=tuple(dict.fromkeys([*terms, *map(negate, terms)])),
-    )
 
 
 def _nodes(e: Expression) -> Iterator[Expression]:

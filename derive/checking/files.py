@@ -125,12 +125,19 @@ def _quantity(node: Node, robot: Robot) -> PrintedQuantity:
                 remedy="print the wrong entry too",
                 location=correction.location,
             )
+    abbreviated: tuple[Printed, ...] = ()
+    if "abbreviated" in item.entries:  # the entries as they are printed with the abbreviations of the notes
+        short = NO_ABBREVIATIONS
+        for key, text in reading.pairs(item, "abbreviations", "an abbreviation"):
+            short = short.defining(key.text, read_printed(text, robot, short))
+        rows = reading.rows(item.entries["abbreviated"][1], "abbreviated", "a row of 'abbreviated'")
+        abbreviated = tuple(_matrix_entries(rows, robot, short))
     return PrintedQuantity(
         quantity=name,
         location=item.location,
         entries=entries,
         shape=shape,
-        abbreviated=_abbreviated(item, robot),
+        abbreviated=abbreviated,
         corrections=corrections,
         rest_zero=reading.word(item, "rest", ("zero",), "") == "zero",
         status=reading.status(item),
@@ -180,17 +187,6 @@ def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot:
             )
         seen.add(place)
         yield read_printed(text, robot, place=place)
-
-
-def _abbreviated(item: YamlMapping, robot: Robot) -> tuple[Printed, ...]:
-    """The entries as they are printed with the abbreviations of the notes."""
-    if "abbreviated" not in item.entries:
-        return ()
-    short = NO_ABBREVIATIONS
-    for key, text in reading.pairs(item, "abbreviations", "an abbreviation"):
-        short = short.defining(key.text, read_printed(text, robot, short))
-    rows = reading.rows(item.entries["abbreviated"][1], "abbreviated", "a row of 'abbreviated'")
-    return tuple(_matrix_entries(rows, robot, short))
 
 
 def _identity(node: Node, robot: Robot) -> Identity:

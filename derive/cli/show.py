@@ -67,6 +67,9 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.quantities:
         _list(robot, arguments.format)
         return 0
+    from derive.handouts.notation.notation import Notation
+    from derive.handouts.notation.printer import LatexPrinter
+    from derive.handouts.notation.text import PlainPrinter, TextPrinter
     from derive.model.model import Model
 
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
@@ -77,7 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             value, definitions = model.abbreviated(name, by=arguments.abbreviate)
             shown += [(name, value), *((str(symbol), meaning) for symbol, meaning in definitions.items())]
-    printer = _printer(robot, arguments.format)
+    if arguments.format == "latex":
+        printer: Printer = LatexPrinter(Notation.of(robot)).latex
+    else:
+        printer = TextPrinter(robot).doprint if arguments.format == "text" else PlainPrinter().doprint
     if arguments.format == "json":
         rows = {name: _entries(value, printer) for name, value in shown}
         quantities = {name: printer(value) if rows[name] is None else rows[name] for name, value in shown}
@@ -100,18 +106,6 @@ def _list(robot: Robot, form: str) -> None:
         print_json({"robot": robot.name, "quantities": dict(rows)})
     else:
         print_columns(rows)
-
-
-def _printer(robot: Robot, form: str) -> Printer:
-    """How one expression is written in a form."""
-    from derive.handouts.notation.notation import Notation
-    from derive.handouts.notation.printer import LatexPrinter
-    from derive.handouts.notation.text import PlainPrinter, TextPrinter
-
-    if form == "latex":
-        return LatexPrinter(Notation.of(robot)).latex
-    plain: Printer = TextPrinter(robot).doprint if form == "text" else PlainPrinter().doprint
-    return plain
 
 
 def _entries(value: Any, printer: Printer) -> list[list[str]] | None:

@@ -113,7 +113,14 @@ def read_figure(
     """
     own = Cells(document, cells.units)
     variables, numbered = {joint.variable for joint in joints}, {name for name, _ in parameters}
-    q = _configuration(own, joints) if document.find(("figure", "q")) is not None else None
+    q, where = None, ("figure", "q")
+    if document.find(where) is not None:
+        count = document.length(where)
+        if count != len(joints):
+            found, allowed = "1 entry" if count == 1 else f"{count} entries", f"allowed: exactly {len(joints)}"
+            raise document.error(where, found, allowed, "write one number per joint, in the order of the table")
+        reads = (own.angle if joint.is_revolute else own.length for joint in joints)
+        q = tuple(_number(own, (*where, row), read) for row, read in enumerate(reads))
     block = document.find(("figure", "values"))
     values = list(block.entries) if isinstance(block, YamlMapping) else []
     for name in values:
@@ -128,16 +135,6 @@ def read_figure(
             known = cells.first_use.keys() - variables - numbered
             raise document.error(path, "no cell uses this symbol", allowed, near_miss(name, known))
     return FigureOptions(q, tuple((name, _number(own, ("figure", "values", name), own.plain)) for name in values))
-
-
-def _configuration(cells: Cells, joints: tuple[Joint, ...]) -> tuple[Expression, ...]:
-    path: KeyPath = ("figure", "q")
-    count = cells.document.length(path)
-    if count != len(joints):
-        found, allowed = "1 entry" if count == 1 else f"{count} entries", f"allowed: exactly {len(joints)}"
-        raise cells.document.error(path, found, allowed, "write one number per joint, in the order of the table")
-    reads = (cells.angle if joint.is_revolute else cells.length for joint in joints)
-    return tuple(_number(cells, (*path, row), read) for row, read in enumerate(reads))
 
 
 def _number(cells: Cells, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:

@@ -285,7 +285,12 @@ def _refusal(document: Document, violation: Any) -> RobotFileError:
         case "missing" if not (path and isinstance(path[-1], int)):
             return document.error(path[:-1], f"key '{key}' is missing", remedy=_MISSING.get(key, "add it"))
         case "missing" | "too_long" | "too_short":
-            return _wrong_length(document, path[:-1] if kind == "missing" else path)
+            where = path[:-1] if kind == "missing" else path
+            expected = {"limits": 2, "com": 3, "gravity": 3}.get(str(where[-1]), 4) if where else 0
+            count = document.length(where)
+            remedy = "write [lower, upper]" if where[-1:] == ("limits",) else "write zeros where nothing else is"
+            found = f"{count} entry" if count == 1 else f"{count} entries"
+            return document.error(where, found, f"allowed: exactly {expected}", remedy)
         case "literal_error" | "enum":
             text = node.text if isinstance(node, YamlScalar) else ""
             allowed = violation["ctx"]["expected"]
@@ -296,14 +301,6 @@ def _refusal(document: Document, violation: Any) -> RobotFileError:
     if isinstance(node, YamlMapping):
         remedy = "check the indentation; texts with ': ' or '{' need quotation marks"
     return document.error(path, _found(node), _expected(path, kind), remedy)
-
-
-def _wrong_length(document: Document, path: KeyPath) -> RobotFileError:
-    expected = {"limits": 2, "com": 3, "gravity": 3}.get(str(path[-1]), 4) if path else 0
-    count = document.length(path)
-    remedy = "write [lower, upper]" if path[-1:] == ("limits",) else "write zeros where nothing else is"
-    found = f"{count} entry" if count == 1 else f"{count} entries"
-    return document.error(path, found, f"allowed: exactly {expected}", remedy)
 
 
 def _found(node: Node | None) -> str:

@@ -66,8 +66,12 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
             if value is not None and value < 0:
                 found, path = f"negative mass {value:g}", ("links", index, *key)
                 raise document.error(path, found, "allowed: zero or more", "correct the sign")
+    # numbers for all symbols, random for those without one and those that may change at run time
+    source = random.Random(_SEED)
+    open_names = sorted(name for name in cells.first_use if name not in values or name in robot.runtime)
+    trials = [{**values, **{name: source.uniform(0.1, 0.9) for name in open_names}} for _ in range(_TRIALS)]
     for frame, matrix in (("base", robot.base), ("tool", robot.tool)):
-        check_rotation(document, frame, matrix, _trials(robot, cells, values))
+        check_rotation(document, frame, matrix, trials)
 
 
 def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expression]]:
@@ -150,14 +154,6 @@ def _number(document: Document, path: KeyPath, expression: Expression, values: M
         return _value(expression, values)
     except ArithmeticError as error:
         raise document.error(path, str(error), _REAL) from None
-
-
-def _trials(robot: Description, cells: Cells, values: Mapping[str, float]) -> Iterator[dict[str, float]]:
-    """Sets of numbers for all symbols, random for those without a number and those that may change at run time."""
-    source = random.Random(_SEED)
-    open_names = sorted(name for name in cells.first_use if name not in values or name in robot.runtime)
-    for _ in range(_TRIALS):
-        yield {**values, **{name: source.uniform(0.1, 0.9) for name in open_names}}
 
 
 def _check_possible(document: Document, path: KeyPath, expression: Expression, values: Mapping[str, float]) -> None:
