@@ -13,6 +13,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 
 ROOT = Path(__file__).resolve().parents[1]
+KATEX = ROOT / "derive" / "assets" / "katex"
 sys.path.insert(0, str(ROOT))
 
 from derive.version import __version__  # noqa: E402
@@ -50,7 +51,7 @@ suppress_warnings = ["ref.python"]
 
 html_theme = "furo"
 html_title = f"derive {__version__}"
-html_static_path = [str(ROOT / "derive" / "assets" / "katex"), "site"]
+html_static_path = ["site", *(str(KATEX / name) for name in ("katex.min.css", "katex.min.js"))]
 html_css_files = ["katex.min.css"]
 html_js_files = ["katex.min.js", "formulas.js"]
 html_math_renderer = "katex"
@@ -85,9 +86,18 @@ def _escaped(text: str) -> str:
     return re.sub(r"[*|\\]|(?<=\w)_(?!\w)", lambda found: "\\" + found[0], text)
 
 
+def _fonts(app: Sphinx, error: Exception | None) -> None:
+    """The fonts of the formulas lie where KaTeX's style sheet looks for them."""
+    folder = Path(app.outdir) / "_static" / "fonts"
+    folder.mkdir(parents=True, exist_ok=True)
+    for font in KATEX.glob("*.woff2"):
+        shutil.copy(font, folder)
+
+
 def setup(app: Sphinx) -> None:
     """Formulas are drawn by the KaTeX that derive brings along: the site needs no network."""
     shutil.copytree(ROOT / "bench" / "results", ROOT / "docs" / "bench" / "results", dirs_exist_ok=True)
     app.connect("source-read", _at_home)
+    app.connect("build-finished", _fonts)
     app.connect("autodoc-process-docstring", _plain, priority=100)
     app.add_html_math_renderer("katex", (_formula(False), None), (_formula(True), None))
