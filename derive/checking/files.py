@@ -46,7 +46,7 @@ def check_path(path: str) -> tuple[FileReport, Robot]:
     Raises:
         DeriveError: The file cannot be read.
     """
-    source, data = _shown(path), file_bytes(Path(path))
+    source, data = path if path.isprintable() else quoted(path, 200), file_bytes(Path(path))
     root = read_tree(data, source)
     if isinstance(root, YamlMapping) and "robot" not in root.entries:
         if "items" in root.entries:
@@ -57,29 +57,8 @@ def check_path(path: str) -> tuple[FileReport, Robot]:
     return check_file(file), file.robot
 
 
-def read_corpus_file(path: str) -> CorpusFile:
-    """Read a robot and the formulas printed about it.
-
-    Args:
-        path: Path of the file.
-
-    Returns:
-        The robot and the formulas.
-
-    Raises:
-        RobotFileError: The file cannot be read, or its block ``robot:`` is no robot.
-        ExpressionError: A cell of the robot is outside the grammar.
-        CheckError: A printed formula, or the structure around it, cannot be read.
-    """
-    return corpus_from_bytes(file_bytes(Path(path)), _shown(path))
-
-
-def _shown(path: str) -> str:
-    return path if path.isprintable() else quoted(path, 200)
-
-
 def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
-    """Read the bytes of a corpus file; raises what `read_corpus_file` does.
+    """Read a robot and the formulas printed about it.
 
     Args:
         data: YAML in UTF-8.
@@ -87,6 +66,11 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
 
     Returns:
         The robot and the formulas.
+
+    Raises:
+        RobotFileError: The bytes are no YAML, or the block ``robot:`` is no robot.
+        ExpressionError: A cell of the robot is outside the grammar.
+        CheckError: A printed formula, or the structure around it, cannot be read.
     """
     robot = Robot.from_bytes(data, source)
     node = read_tree(data, source)

@@ -7,7 +7,7 @@ from functools import cache
 
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.comparison import check_file
-from derive.checking.files import read_corpus_file
+from derive.checking.files import corpus_from_bytes
 from derive.checking.findings import FileReport, Finding, Role
 from derive.checking.printed import CorpusFile, PrintedQuantity
 from derive.errors import Location
@@ -21,7 +21,7 @@ from tests.lectures.results import CORPUS, Result, document
 
 @cache
 def corpus_file(file: str) -> CorpusFile:
-    return read_corpus_file(str(CORPUS / file))
+    return corpus_from_bytes((CORPUS / file).read_bytes(), str(CORPUS / file))
 
 
 @cache

@@ -15,7 +15,7 @@ import pytest
 
 from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.comparison import derived_matrix
-from derive.checking.files import read_corpus_file
+from derive.checking.files import corpus_from_bytes
 from derive.checking.findings import same_form
 from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
@@ -89,7 +89,7 @@ def contains_sum(e: Expression) -> bool:
 @cache
 def compared(path: Path) -> list[tuple[str, Expression, Expression]]:
     """(place, ours, printed) for every right entry with a sum, the A_i left out."""
-    file = read_corpus_file(str(path))
+    file = corpus_from_bytes(path.read_bytes(), str(path))
     model = Model(file.robot)
     found = []
     for item in file.expected:
