@@ -189,9 +189,9 @@ def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vect
     Returns:
         The change, or None if no such change does.
     """
-    relatives, others = partial(_other_names, names, True), partial(_other_names, names, False)
-    for change in (_other_signs, relatives, _other_operation, others):
-        for kind, text, changed in islice(_everywhere(printed, change), MAX_TRIES):
+    relatives = partial(_changes, "relative", names)
+    for what in ("sign", "relative", "operation", "other"):
+        for kind, text, changed in islice(_everywhere(printed, partial(_changes, what, names)), MAX_TRIES):
             if holds(changed):
                 return Repair((kind,), text, Name(str(changed)))
     pairs = (
@@ -213,22 +213,19 @@ def _everywhere(e: Vector, change: Callable[[Vector], Iterator[Change]]) -> Iter
             yield kind, text, replace(e, parts=(*e.parts[:i], changed, *e.parts[i + 1 :]))
 
 
-def _other_signs(node: Vector) -> Iterator[Change]:
-    for i, term in enumerate(node.parts if node.operation == "+" else ()):
-        other = term.parts[0] if term.operation == "-" else Vector("-", parts=(term,))
-        yield SlipKind.SIGN, f"sign of {term}", Vector("+", parts=(*node.parts[:i], other, *node.parts[i + 1 :]))
-
-
-def _other_names(names: Sequence[str], relatives: bool, node: Vector) -> Iterator[Change]:
-    """Names with the same first letter (another dot, another index), or all others."""
-    kind = SlipKind.INDEX if relatives else SlipKind.SYMBOL
-    for name in names if node.operation == "name" else ():
-        if name != node.text and (name[0] == node.text[0]) is relatives:
-            yield kind, f"{kind.value}: {name} instead of {node.text}", Vector("name", name)
-
-
-def _other_operation(node: Vector) -> Iterator[Change]:
-    """A cross product where a sum is meant, and the other way round."""
-    if node.operation == "cross" or (node.operation == "+" and len(node.parts) == 2):
-        other = Vector("+" if node.operation == "cross" else "cross", parts=node.parts)
-        yield SlipKind.SYMBOL, f"operation: {other} instead of {node}", other
+def _changes(what: str, names: Sequence[str], node: Vector) -> Iterator[Change]:
+    """The changes of one sort at one node; relatives have the same first letter, another dot or another index."""
+    match what, node.operation:
+        case "sign", "+":
+            for i, term in enumerate(node.parts):
+                other = term.parts[0] if term.operation == "-" else Vector("-", parts=(term,))
+                turned = Vector("+", parts=(*node.parts[:i], other, *node.parts[i + 1 :]))
+                yield SlipKind.SIGN, f"sign of {term}", turned
+        case (("relative" | "other"), "name"):
+            kind = SlipKind.INDEX if what == "relative" else SlipKind.SYMBOL
+            for name in names:
+                if name != node.text and (name[0] == node.text[0]) is (what == "relative"):
+                    yield kind, f"{kind.value}: {name} instead of {node.text}", Vector("name", name)
+        case "operation", "cross" | "+" if len(node.parts) == 2:  # a cross product where a sum is meant, or the reverse
+            exchanged = Vector("+" if node.operation == "cross" else "cross", parts=node.parts)
+            yield SlipKind.SYMBOL, f"operation: {exchanged} instead of {node}", exchanged
