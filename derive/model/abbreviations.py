@@ -7,7 +7,7 @@ constants. Two values that differ by a rational factor share one name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import gcd, lcm
 
@@ -58,25 +58,21 @@ def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matr
 
 def _matrix(model: DynamicModel, quantity: str, writer: _ByChristoffel | _ByCoefficients) -> Matrix:
     n = range(model.n)
-
-    def _inertia(i: int, j: int) -> Expr:
-        return writer.constant_part(model.dynamics.inertia_matrix[i][j], model.B[i, j])
-
-    def _gravity(i: int) -> Expr:
-        return writer.constant_part(model.kinematics.gravity_vector[i], model.g[i])
-
-    match quantity:
-        case "B":
-            return sympy.ImmutableMatrix([[_inertia(i, j) for j in n] for i in n])
-        case "g":
-            return sympy.ImmutableMatrix([_gravity(i) for i in n])
-        case "tau":
-            rows = []
-            for i in n:
-                accelerated = [_inertia(i, j) * model.qdd[j] for j in n]
-                velocity = writer.rate_sum(model.velocity_pairs(i))
-                rows.append(sympy.Add(*accelerated, velocity, _gravity(i), model.friction[i]))
-            return sympy.ImmutableMatrix(rows)
+    if quantity in ("B", "g", "tau"):
+        rows = []
+        for i in n:
+            row = []
+            if quantity != "g":
+                b = model.dynamics.inertia_matrix[i]
+                row = [writer.constant_part(b[j], model.B[i, j]) for j in n]
+            if quantity == "tau":
+                accelerated = [entry * qdd for entry, qdd in zip(row, model.qdd, strict=True)]
+                row = [*accelerated, writer.rate_sum(model.velocity_pairs(i)), model.friction[i]]
+            if quantity != "B":
+                gravity = writer.constant_part(model.kinematics.gravity_vector[i], model.g[i])
+                row = [sympy.Add(*row, gravity)]
+            rows.append(row)
+        return sympy.ImmutableMatrix(rows)
     coefficient = model.rate_coefficient(quantity)
     assert coefficient is not None, "what else is abbreviated is linear in the rates"
     return sympy.ImmutableMatrix(
@@ -95,11 +91,9 @@ class _Names:
     def __init__(self, letters: Sequence[str], model: DynamicModel) -> None:
         taken = tuple(robot_symbols(model.robot))
 
-        def _collides(letter: str) -> bool:
-            rests = (s.removeprefix(letter) for s in taken if s.startswith(letter))
-            return any(not rest or rest.isdigit() for rest in rests)
-
-        self.letter = next((letter for letter in letters if not _collides(letter)), "abbreviation_")
+        # h is taken by a symbol h, and by h1
+        stems = {name.rstrip("0123456789") for name in taken}
+        self.letter = next((letter for letter in letters if letter not in stems), "abbreviation_")
         self._known: dict[object, int] = {}
         self._values: list[Expr] = []
 
@@ -209,19 +203,15 @@ class _ByCoefficients:
         lead = terms[min(terms)]
         if list(terms) == [()]:
             return _rational(lead)
-        scale = abs(lead) if len(terms) == 1 else _content(terms.values())
+        # the greatest rational of which all are whole multiples
+        numerators, denominators = zip(*((c.numerator, c.denominator) for c in terms.values()), strict=True)
+        scale = abs(lead) if len(terms) == 1 else Fraction(gcd(*numerators), lcm(*denominators))
         scale = -scale if lead < 0 else scale
         key = tuple(sorted((m, c / scale) for m, c in terms.items()))
         # decimals stay in the value: a name is the value itself, not what a tiny number multiplies
         base = self._bases.setdefault(key, scale if scale.denominator > 1 else Fraction(1))
         name = self.names.name(key, lambda: self._form.write_dynamic({m: c * base for m, c in key}))
         return _rational(scale / base) * name
-
-
-def _content(numbers: Iterable[Fraction]) -> Fraction:
-    """The greatest rational of which all are whole multiples."""
-    values = list(numbers)
-    return Fraction(gcd(*(v.numerator for v in values)), lcm(*(v.denominator for v in values)))
 
 
 def _rational(value: Fraction) -> Expr:

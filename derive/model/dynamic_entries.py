@@ -14,7 +14,7 @@ from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import MAX_DYNAMIC_TERMS
 from derive.model.dynamics import Dynamics
 from derive.model.entries import Entries, KinematicEntries, of_polynomials
-from derive.model.matrices import only_link, only_rotor
+from derive.model.matrices import only_body
 from derive.robot.expression import ZERO
 
 Triple = tuple[int, int, int]
@@ -55,8 +55,7 @@ class ModelEntries(KinematicEntries):
         Returns:
             Its entries.
         """
-        alone = only_rotor(self.robot, i) if of_rotor else only_link(self.robot, i)
-        dynamics = Dynamics(alone, self.model.domain, MAX_DYNAMIC_TERMS)
+        dynamics = Dynamics(only_body(self.robot, i, of_rotor), self.model.domain, MAX_DYNAMIC_TERMS)
         return self._inertia(dynamics, DynamicForm(dynamics, self.model.form))
 
     def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Entries:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import sympy
 
@@ -51,19 +50,11 @@ class DynamicForm:
         self.form = form
         self.budget = budget or Budget()
         self._lumped_form = LectureForm(dynamics.lumped, style=form.style)
+        self._lumps: dict[int, Expr] = {}
         self._coefficients: dict[object, Expr] = {}
         self._cache: dict[object, Expr] = {}
 
     # -- entries
-
-    def matrix_entries(self, entries: Sequence[Polynomial]) -> list[Expr]:
-        """The entries of one quantity as SymPy expressions.
-
-        Args:
-            entries: In lumped parameters.
-        """
-        limit = self.limit(entries)
-        return [self.entry(p, limit) for p in entries]
 
     def limit(self, entries: Iterable[Polynomial]) -> int:
         """The longest entry that is expanded when a whole quantity is to be written.
@@ -94,23 +85,22 @@ class DynamicForm:
     def _grouped(self, p: Polynomial) -> Expr:
         """Sum of lumped parameter times trigonometric polynomial, equal ones of the latter written once."""
         parts, rest = self.dynamics.split(p)
-        terms = [sympy.Mul(self._lumps[lump.generator], self._coefficient(coefficient)) for lump, coefficient in parts]
+        terms = []
+        for lump, coefficient in parts:
+            if lump.generator not in self._lumps:
+                self._lumps[lump.generator] = self.form.dynamic(lump.value)
+            scale, key = coefficient.normalised()
+            if key not in self._coefficients:
+                unit = coefficient * (1 / scale)
+                self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.table.terms(unit)))
+            value = self._coefficients[key]
+            if scale != 1:
+                factor = sympy.Rational(scale.numerator, scale.denominator)
+                value = sympy.Mul(factor, value, evaluate=not value.is_Add)
+            terms.append(sympy.Mul(self._lumps[lump.generator], value))
         if rest:
             terms.append(self.form.dynamic(self.dynamics.domain.ring.project(rest)))
         return sympy.Add(*terms)
-
-    @cached_property
-    def _lumps(self) -> dict[int, Expr]:
-        return {lump.generator: self.form.dynamic(lump.value) for lump in self.dynamics.lumps}
-
-    def _coefficient(self, p: Polynomial) -> Expr:
-        scale, key = p.normalised()
-        if key not in self._coefficients:
-            unit = p * (1 / scale)
-            self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.table.terms(unit)))
-        value = self._coefficients[key]
-        factor = sympy.Rational(scale.numerator, scale.denominator)
-        return value if scale == 1 else sympy.Mul(factor, value, evaluate=not value.is_Add)
 
     # -- sums over rates
 

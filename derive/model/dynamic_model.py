@@ -14,9 +14,8 @@ from derive.errors import QuantityError
 from derive.lecture.to_sympy import Expr, Matrix
 from derive.model.dynamic_form import DynamicForm, times_rate
 from derive.model.dynamics import Dynamics
-from derive.model.identification.closed_forms import ClosedIdentification
-from derive.model.kinematic_model import KinematicModel
-from derive.model.matrices import aligned_latex, columns_matrix, only_link, symmetric_matrix
+from derive.model.identification.closed_forms import IdentifiedModel
+from derive.model.matrices import aligned_latex, columns_matrix, only_body, symmetric_matrix
 from derive.robot.style import Style
 
 MAX_DYNAMIC_TERMS = 400_000
@@ -40,7 +39,7 @@ class Energy:
         return aligned_latex([f"\\mathcal{{T}} = {kinetic}", f"\\mathcal{{U}} = {potential}"])
 
 
-class DynamicModel(KinematicModel):
+class DynamicModel(IdentifiedModel):
     """Closed forms of the dynamics of one robot; arguments and attributes as in `KinematicModel`."""
 
     # -- exact layer
@@ -98,14 +97,6 @@ class DynamicModel(KinematicModel):
         if coefficient is None:
             raise QuantityError(f"the size of {quantity!r}", allowed="B, C, Bdot, N or g")
         return sum(self.dynamics.expanded_size(coefficient(i, j, k)) for k in range(self.n))
-
-    def _require_links(self, what: str) -> None:
-        if not self.robot.has_dynamics:
-            raise QuantityError(
-                f"{what} of {self.robot.name}",
-                allowed="kinematics only, for the file has no `links`",
-                remedy="add `links:` with mass, com and inertia of each link",
-            )
 
     def _require_body(self, i: int) -> None:
         self._require_links("link and rotor Jacobians")
@@ -204,12 +195,14 @@ class DynamicModel(KinematicModel):
             QuantityError: No such link, or the file gives none.
         """
         self._require_body(i)
-        alone = Dynamics(only_link(self.robot, i), self.domain, MAX_DYNAMIC_TERMS)
+        alone = Dynamics(only_body(self.robot, i, of_rotor=False), self.domain, MAX_DYNAMIC_TERMS)
         return self._inertia(alone, DynamicForm(alone, self.form))
 
     def _inertia(self, dynamics: Dynamics, form: DynamicForm) -> Matrix:
         b, n = dynamics.inertia_matrix, self.n
-        return symmetric_matrix(n, form.matrix_entries([b[i][j] for i in range(n) for j in range(i, n)]))
+        upper = [b[i][j] for i in range(n) for j in range(i, n)]
+        limit = form.limit(upper)
+        return symmetric_matrix(n, [form.entry(p, limit) for p in upper])
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
         """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, eq. 7.45).
@@ -314,50 +307,3 @@ class DynamicModel(KinematicModel):
         if self.style is Style.BY_GEOMETRY:
             return self.dynamic_form.rate_sum(pairs, limit)
         return sympy.Add(*(self.dynamic_form.product(p, rates, limit) for p, rates in pairs))
-
-    # -- identification
-
-    @cached_property
-    def identification(self) -> ClosedIdentification:
-        """Regressors and base parameters, see `derive.model.identification.base_parameters`."""
-        self._require_links("regressor")
-        return ClosedIdentification(self)
-
-    @property
-    def regressor(self) -> Matrix:
-        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi (Siciliano et al., Robotics, eq. 7.63)."""
-        return self.identification.regressor
-
-    @property
-    def standard_parameters(self) -> Matrix:
-        """The standard parameters pi, px1, link by link.
-
-        Of each link mass, first moments and inertia about the origin of its DH frame, ten whether the file gives them
-        or not; of its joint rotor mass and inertia, armature and friction where the file gives them.
-        """
-        return self.identification.standard_values
-
-    @property
-    def standard_parameter_names(self) -> tuple[str, ...]:
-        """Names of the standard parameters: ``m1``, ``mx1``, ..., ``Iyz1``, ``mm1``, ``Im1``, ``Ia1``, ..."""
-        return tuple(parameter.name for parameter in self.identification.standard)
-
-    @property
-    def regressor_base(self) -> Matrix:
-        """Y(q, qd, qdd), nxb, with tau = Y beta for the base parameters beta; its columns are independent."""
-        return self.identification.base_regressor
-
-    @property
-    def base_parameters(self) -> Matrix:
-        """The base parameters beta, bx1: as few combinations of the standard parameters as determine the torques.
-
-        Links' parameters are those in joint frames: on the axis of joint i, DH frame i in the modified convention, DH
-        frame i before its a_i and alpha_i in the standard one. How the set is found and proven is in
-        `derive.model.identification.base_parameters` (Gautier and Khalil 1990; Khalil and Dombre, ch. 9).
-        """
-        return self.identification.base_values
-
-    @property
-    def base_parameter_names(self) -> tuple[str, ...]:
-        """Names of the base parameters, each that of the parameter which takes the others over."""
-        return tuple(parameter.name for parameter in self.identification.base.parameters)

@@ -19,7 +19,6 @@ from derive.lecture.to_sympy import Expr, Matrix
 from derive.mechanics.vectors import Frame, Vector
 from derive.model.long_chain import LongChain, NestedKinematics, TermCount, nested_term_counts
 from derive.model.model import Model
-from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,13 +82,9 @@ class KinematicEntries:
 
     def __init__(self, model: Model) -> None:
         self.model = model
+        self.robot = model.robot
         self._long = LongChain(model.robot)
         self._kept: dict[tuple[object, ...], Entries] = {}
-
-    @property
-    def robot(self) -> Robot:
-        """The robot of the model."""
-        return self.model.robot
 
     # -- kinematics
 

@@ -153,7 +153,9 @@ class KinematicModel:
     @cached_property
     def T(self) -> Matrix:
         """T = base A_1 ... A_n tool, 4x4: the end effector in the world."""
-        return self._long.end if self._is_long else frame_matrix(self.kinematics.end, self.form.kinematic)
+        if self._is_long:
+            return frame_matrix(self._long.kinematics.end)
+        return frame_matrix(self.kinematics.end, self.form.kinematic)
 
     @property
     def p(self) -> Matrix:
@@ -216,7 +218,7 @@ class KinematicModel:
         section 3.1.3).
         """
         if self._is_long:
-            return self._long.jacobian
+            return columns_matrix(self._long.kinematics.linear, self._long.kinematics.angular)
         return columns_matrix(*self._jacobian_columns, write=self.form.kinematic)
 
     @cached_property

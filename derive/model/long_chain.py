@@ -24,7 +24,7 @@ from derive.lecture.to_sympy import Expr, Matrix
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
 from derive.model.kinematics import Kinematics
-from derive.model.matrices import columns_matrix, frame_matrix
+from derive.model.matrices import frame_matrix
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
@@ -182,16 +182,6 @@ class LongChain:
     def kinematics(self) -> NestedKinematics[Expr]:
         """T and J."""
         return nested_kinematics(self.chain)
-
-    @property
-    def end(self) -> Matrix:
-        """The end effector in the world, 4x4."""
-        return frame_matrix(self.kinematics.end)
-
-    @property
-    def jacobian(self) -> Matrix:
-        """J, 6xn, world frame."""
-        return columns_matrix(self.kinematics.linear, self.kinematics.angular)
 
     def frame(self, i: int) -> Matrix:
         """DH frame i in the world.

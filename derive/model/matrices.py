@@ -82,28 +82,17 @@ def gravity_symbols(robot: Robot) -> frozenset[str]:
     return frozenset(name for cell in robot.gravity or () for name in names(cell))
 
 
-def only_link(robot: Robot, i: int) -> Robot:
-    """The robot with the body of one link alone: every other link massless, no rotor at all.
+def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:
+    """The robot with one body alone, a link or a rotor: every other link massless, no armature.
 
     Args:
         robot: A robot with links.
-        i: The link, from 1.
+        i: The link, or the joint of the rotor, from 1.
+        of_rotor: Whether the rotor is meant.
     """
-    return _only(robot, i, replace(robot.links[i - 1], motor=None, armature=Link().armature))
-
-
-def only_rotor(robot: Robot, i: int) -> Robot:
-    """The robot with one rotor alone: every link massless, no armature.
-
-    Args:
-        robot: A robot with links.
-        i: The joint of the rotor, from 1.
-    """
-    return _only(robot, i, Link(motor=robot.links[i - 1].motor))
-
-
-def _only(robot: Robot, i: int, link: Link) -> Robot:
-    return replace(robot, links=tuple(link if k == i else Link() for k in range(1, robot.n + 1)))
+    own, bare = robot.links[i - 1], Link()
+    body = Link(motor=own.motor) if of_rotor else replace(own, motor=None, armature=bare.armature)
+    return replace(robot, links=tuple(body if k == i else bare for k in range(1, robot.n + 1)))
 
 
 def aligned_latex(lines: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ import pytest
 from derive.lecture.form import LectureForm
 from derive.model.kinematics import Kinematics, Reference, jacobian_columns
 from derive.model.long_chain import LongChain, nested_kinematics
-from derive.model.matrices import columns_matrix, frame_matrix, only_link, only_rotor, symmetric_matrix
+from derive.model.matrices import columns_matrix, frame_matrix, only_body, symmetric_matrix
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.robot import Robot
@@ -53,7 +53,7 @@ def test_the_inertia_matrix_is_the_sum_over_links_and_rotors(seed: int) -> None:
     values = parameter_values(arm.robot)
     total = np.diag([to_float(link.armature, values) for link in arm.robot.links])
     for i in range(1, arm.robot.n + 1):
-        for part in (only_link(arm.robot, i), only_rotor(arm.robot, i)):
+        for part in (only_body(arm.robot, i, of_rotor=False), only_body(arm.robot, i, of_rotor=True)):
             total = total + Oracle.of(part).evaluate("inertia_matrix", arm.q)
     assert_close(total, arm.expected("inertia_matrix"))
 

@@ -6,13 +6,14 @@ columns are qd_i and sign(qd_i).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 
 import sympy
 
 from derive.algebra.ring import Polynomial
+from derive.errors import QuantityError
 from derive.lecture.form import LectureForm
 from derive.lecture.to_sympy import Expr, Matrix
 from derive.mechanics.chain import build_chain
@@ -24,104 +25,117 @@ from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.model.kinematic_model import KinematicModel
 from derive.robot.inertial_parameters import Parameter, standard_parameters
 
-_HALF = Fraction(1, 2)
 
+class IdentifiedModel(KinematicModel):
+    """Standard and base parameters of a robot with links, and the regressors that they are multiplied by."""
 
-class ClosedIdentification:
-    """Standard and base parameters of a robot, and the regressors that they are multiplied by.
-
-    Args:
-        model: Gives the ring, the symbols and the style.
-    """
-
-    def __init__(self, model: KinematicModel) -> None:
-        self.model = model
-        self._chain = build_chain(with_unit_rotors(model.robot), model.domain)
-        self._written: dict[str, Expr] = {}
+    def _require_links(self, what: str) -> None:
+        if not self.robot.has_dynamics:
+            raise QuantityError(
+                f"{what} of {self.robot.name}",
+                allowed="kinematics only, for the file has no `links`",
+                remedy="add `links:` with mass, com and inertia of each link",
+            )
 
     @cached_property
-    def standard(self) -> tuple[Parameter, ...]:
-        """The standard parameters."""
-        return standard_parameters(self.model.robot)
+    def standard_set(self) -> tuple[Parameter, ...]:
+        """Which the standard parameters are."""
+        self._require_links("regressor")
+        return standard_parameters(self.robot)
 
     @cached_property
-    def base(self) -> BaseSet:
-        """The base parameters and the relations behind them."""
-        return base_set(self.model.robot)
+    def base_set(self) -> BaseSet:
+        """Which the base parameters are, and the relations behind them."""
+        self._require_links("regressor")
+        return base_set(self.robot)
+
+    @property
+    def standard_parameter_names(self) -> tuple[str, ...]:
+        """Names of the standard parameters: ``m1``, ``mx1``, ..., ``Iyz1``, ``mm1``, ``Im1``, ``Ia1``, ..."""
+        return tuple(parameter.name for parameter in self.standard_set)
+
+    @property
+    def base_parameter_names(self) -> tuple[str, ...]:
+        """Names of the base parameters, each that of the parameter which takes the others over."""
+        return tuple(parameter.name for parameter in self.base_set.parameters)
 
     @cached_property
-    def standard_values(self) -> Matrix:
-        """The standard parameters pi, px1."""
-        values = standard_values(self.model.robot, self.standard, self.model.domain)
-        return sympy.ImmutableMatrix([self.model.form.dynamic(value) for value in values])
+    def standard_parameters(self) -> Matrix:
+        """The standard parameters pi, px1, link by link.
+
+        Of each link mass, first moments and inertia about the origin of its DH frame, ten whether the file gives them
+        or not; of its joint rotor mass and inertia, armature and friction where the file gives them.
+        """
+        values = standard_values(self.robot, self.standard_set, self.domain)
+        return sympy.ImmutableMatrix([self.form.dynamic(value) for value in values])
 
     @cached_property
-    def base_values(self) -> Matrix:
-        """The base parameters beta, bx1."""
-        values = grouped_values(self.model.robot, self.base, self.model.domain)
-        moved: dict[Parameter, list[Expr]] = {parameter: [] for parameter in self.base.parameters}
-        for relation in self.base.relations:
-            assert self.base.domain is not None, "relations come with their ring"
-            write = LectureForm(self.base.domain).kinematic
+    def base_parameters(self) -> Matrix:
+        """The base parameters beta, bx1: as few combinations of the standard parameters as determine the torques.
+
+        Links' parameters are those in joint frames: on the axis of joint i, DH frame i in the modified convention, DH
+        frame i before its a_i and alpha_i in the standard one. How the set is found and proven is in
+        `derive.model.identification.base_parameters` (Gautier and Khalil 1990; Khalil and Dombre, ch. 9).
+        """
+        base = self.base_set
+        values = grouped_values(self.robot, base, self.domain)
+        moved: dict[Parameter, list[Expr]] = {parameter: [] for parameter in base.parameters}
+        for relation in base.relations:
+            assert base.domain is not None, "relations come with their ring"
+            write = LectureForm(base.domain).kinematic
             value = values[relation.parameter]
             for parameter, factor in relation.terms:
                 if factor.numerator.is_constant:
                     values[parameter] = values[parameter] + factor.numerator.constant_term * value
                 else:
                     ratio = write(factor.numerator) / write(factor.denominator)
-                    moved[parameter].append(ratio * self.model.form.dynamic(value))
-        return sympy.ImmutableMatrix(
-            [sympy.Add(self.model.form.dynamic(values[p]), *moved[p]) for p in self.base.parameters]
-        )
+                    moved[parameter].append(ratio * self.form.dynamic(value))
+        return sympy.ImmutableMatrix([sympy.Add(self.form.dynamic(values[p]), *moved[p]) for p in base.parameters])
 
     @cached_property
     def regressor(self) -> Matrix:
-        """The regressor Y of the standard parameters, nxp."""
-        return self._matrix(UnitDynamics(self._chain, ends=True), self.standard)
+        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi (Siciliano et al., Robotics, eq. 7.63)."""
+        return self._regressor(self.standard_set, ends=True)
 
     @cached_property
-    def base_regressor(self) -> Matrix:
-        """The regressor Y of the base parameters, nxb."""
-        return self._matrix(UnitDynamics(self._chain, ends=False), self.base.parameters)
+    def regressor_base(self) -> Matrix:
+        """Y(q, qd, qdd), nxb, with tau = Y beta for the base parameters beta; its columns are independent."""
+        return self._regressor(self.base_set.parameters, ends=False)
 
-    # -- columns
+    def _regressor(self, parameters: Sequence[Parameter], ends: bool) -> Matrix:
+        """``ends``: the links' parameters are those in DH frames, else in joint frames."""
+        n, columns = range(self.n), []
+        units = UnitDynamics(build_chain(with_unit_rotors(self.robot), self.domain), ends=ends)
+        for parameter in parameters:
+            if parameter.part in ("b", "f"):
+                rate = self.qd[parameter.joint - 1]
+                own = rate if parameter.part == "b" else sympy.sign(rate)
+                columns.append([own if k == parameter.joint - 1 else sympy.S.Zero for k in n])
+                continue
+            gravity = [self.form.gravity(p) for p in units.gravity(parameter)]
+            gravity += [sympy.S.Zero] * (self.n - len(gravity))
+            inertia = {key: p for (a, b), p in units.inertia(parameter).items() for key in ((a, b), (b, a))}
+            columns.append([sympy.Add(*self._inertial(inertia, k), gravity[k]) for k in n])
+        return sympy.ImmutableMatrix(self.n, len(columns), lambda i, j: columns[j][i])
 
-    def _matrix(self, units: UnitDynamics[Polynomial], parameters: Sequence[Parameter]) -> Matrix:
-        columns = [self._column(units, parameter) for parameter in parameters]
-        return sympy.ImmutableMatrix(self.model.n, len(columns), lambda i, j: columns[j][i])
-
-    def _column(self, units: UnitDynamics[Polynomial], parameter: Parameter) -> list[Expr]:
-        model, n, i = self.model, range(self.model.n), parameter.joint - 1
-        if parameter.part in ("b", "f"):
-            own = model.qd[i] if parameter.part == "b" else sympy.sign(model.qd[i])
-            return [own if k == i else sympy.S.Zero for k in n]
-        gravity = [model.form.gravity(p) for p in units.gravity(parameter)]
-        gravity += [sympy.S.Zero] * (model.n - len(gravity))
-        inertia = {key: p for (a, b), p in units.inertia(parameter).items() for key in ((a, b), (b, a))}
-        return [sympy.Add(*self._inertial(inertia, k), gravity[k]) for k in n]
+    @cached_property
+    def _write(self) -> Callable[[Polynomial], Expr]:
+        """Writes a polynomial, the same one only once: many parameters have entries in common."""
+        return cache(self.form.kinematic)
 
     def _inertial(self, inertia: Mapping[tuple[int, int], Polynomial], i: int) -> Iterator[Expr]:
         """B_ij qdd_j, and c_ijk qd_j qd_k for every pair of joints once; what is missing in B is zero."""
-        model, n = self.model, range(self.model.n)
+        write, n, zero = self._write, range(self.n), self.domain.ring.zero
 
         def _slope(i: int, j: int, k: int) -> Polynomial:
             value = inertia.get((i, j))
-            return model.domain.derivative(value, k) if value else model.domain.ring.zero
+            return self.domain.derivative(value, k) if value else zero
 
         for j in n:
-            yield times_rate(self._expression(inertia.get((i, j))), model.qdd[j], model.style)
+            yield times_rate(write(inertia.get((i, j), zero)), self.qdd[j], self.style)
         for j in n:
-            for k in range(j, model.n):
+            for k in range(j, self.n):
                 twice = _slope(i, j, k) + _slope(i, k, j) - _slope(j, k, i)
                 if twice:
-                    rates = model.qd[j] * model.qd[k]
-                    value = twice * _HALF if j == k else twice
-                    yield times_rate(self._expression(value), rates, model.style)
-
-    def _expression(self, p: Polynomial | None) -> Expr:
-        if not p:
-            return sympy.S.Zero
-        key = p.key()
-        if key not in self._written:
-            self._written[key] = self.model.form.kinematic(p)
-        return self._written[key]
+                    value = twice * Fraction(1, 2) if j == k else twice
+                    yield times_rate(write(value), self.qd[j] * self.qd[k], self.style)

@@ -5,15 +5,15 @@ The standard parameters are those of the file in the frames of the links; the ba
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.errors import ExpressionError
-from derive.mechanics.chain import Body, Chain, Domain, build_chain, central_inertia, constant_vector
+from derive.mechanics.chain import Body, Domain, build_chain, central_inertia, constant_vector
 from derive.mechanics.joint_motion import axis
 from derive.mechanics.regrouping import regroup
-from derive.mechanics.vectors import S, Vector, axial_tensor, scale, steiner
+from derive.mechanics.vectors import S, axial_tensor, scale, steiner
 from derive.model.identification.base_parameters import BaseSet, Coefficient, absorbed_rotors
 from derive.robot.description import Link, Motor
 from derive.robot.expression import ZERO, Expression, add, multiply, power, to_text
@@ -72,43 +72,30 @@ def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Param
     Returns:
         By parameter its value; those that the relations replace are among them.
     """
-    chain, absorbed = _grouped_chain(robot, domain)
-    every = [*base.parameters, *(relation.parameter for relation in base.relations)]
-    values: dict[Parameter, S] = {}
-    for p in every:
-        link = robot.links[p.joint - 1]
-        values[p] = _body_part(chain.bodies[p.joint - 1], p.part) if p.of_link else _joint_part(link, p.part, domain)
-    for i, (ratio, inertia) in absorbed.items():
-        values[Parameter(i, "Ia")] = values[Parameter(i, "Ia")] + (ratio * ratio - ratio) * inertia
-    return values
-
-
-def _grouped_chain(robot: Robot, domain: Domain[S]) -> tuple[Chain[S], Mapping[int, tuple[S, S]]]:
-    """The arm without spinning rotors: links and the masses of rotors, and what absorbed rotors add to them.
-
-    The second result is, by joint, ratio (counted along +z) and inertia of the rotors that links and armatures take
-    over.
-    """
-    links = [
+    # links and the masses of rotors, without their spin; what absorbed rotors add to links and armatures
+    still = [
         link if link.motor is None else replace(link, motor=replace(link.motor, inertia=ZERO)) for link in robot.links
     ]
-    chain = build_chain(replace(robot, links=tuple(links)), domain)
-    absorbed: dict[int, tuple[S, S]] = {}
+    chain = build_chain(replace(robot, links=tuple(still)), domain)
+    bodies, z, armatures = list(chain.bodies), chain.zero, dict[Parameter, S]()
     for i in absorbed_rotors(robot):
         motor = robot.links[i - 1].motor or Motor()
         ratio, inertia = domain.constant(motor.ratio), domain.constant(motor.inertia)
-        absorbed[i] = (ratio if robot.joints[i - 1].sign > 0 else -ratio, inertia)
-    bodies, z = list(chain.bodies), chain.zero
-
-    def _resists_turning(u: Vector[S], inertia: S) -> Body[S]:
-        return Body(z, chain.null, axial_tensor(inertia, u))
-
-    for i, (ratio, inertia) in absorbed.items():
-        bodies[i - 1] = bodies[i - 1] + _resists_turning((z, z, chain.one), ratio * inertia)
+        ratio = ratio if robot.joints[i - 1].sign > 0 else -ratio
+        armatures[Parameter(i, "Ia")] = (ratio * ratio - ratio) * inertia
+        turning = axial_tensor(ratio * inertia, (z, z, chain.one))
+        bodies[i - 1] = bodies[i - 1] + Body(z, chain.null, turning)
         if i > 1:
-            u = axis(chain.joints[i - 1])
-            bodies[i - 2] = bodies[i - 2] + _resists_turning(u, inertia - ratio * inertia)
-    return regroup(replace(chain, bodies=tuple(bodies))), absorbed
+            turning = axial_tensor(inertia - ratio * inertia, axis(chain.joints[i - 1]))
+            bodies[i - 2] = bodies[i - 2] + Body(z, chain.null, turning)
+    grouped = regroup(replace(chain, bodies=tuple(bodies))).bodies
+    values: dict[Parameter, S] = {}
+    for p in [*base.parameters, *(relation.parameter for relation in base.relations)]:
+        link = robot.links[p.joint - 1]
+        values[p] = _body_part(grouped[p.joint - 1], p.part) if p.of_link else _joint_part(link, p.part, domain)
+    for p, added in armatures.items():
+        values[p] = values[p] + added
+    return values
 
 
 def _body_part(body: Body[S], part: str) -> S:

@@ -10,8 +10,10 @@ gamma being the acceleration of gravity; the rotor of joint i, on link i-1, adds
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Generic
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from operator import mul
+from typing import Any, Generic
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import axis, to_child
@@ -50,9 +52,23 @@ class UnitDynamics(Generic[S]):
         Returns:
             Entries (a, b), a <= b, joints from 0; what is missing is zero.
         """
-        signs = [joint.sign for joint in self.chain.joints]
-        count, entry = self._inertia(parameter)
-        found = {(a, b): entry(a, b) for a in range(count) for b in range(a, count)}
+        i, part, signs = parameter.joint - 1, parameter.part, [joint.sign for joint in self.chain.joints]
+        if part == "Ia":
+            return {(i, i): self.chain.one}
+        # what each joint does to the body, and the entry of two of them
+        entry: Callable[[Any, Any], S] = dot
+        moved: Sequence[Any] = ()
+        if part == "Im":
+            u = axis(self.chain.joints[i])
+            moved = [*(dot(screw.angular, u) for screw in (self._screws(i - 1) if i else ()))]
+            moved.append(self.chain.joints[i].coupling)
+            entry = mul
+        elif part == "mm":
+            moved = self._rotor_velocities(i)
+        elif parameter.of_link:
+            moved, entry = self._link(i)[0], partial(_body_entry, part)
+        pairs = ((a, b) for a in range(len(moved)) for b in range(a, len(moved)))
+        found = {(a, b): entry(moved[a], moved[b]) for a, b in pairs}
         return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
 
     def gravity(self, parameter: Parameter) -> list[S]:
@@ -76,24 +92,6 @@ class UnitDynamics(Generic[S]):
             else:
                 along_z = [-cross(gamma, screw.angular)[_AXES[part[1]]] for screw in screws]
         return [value if joint.sign > 0 else -value for joint, value in zip(self.chain.joints, along_z, strict=False)]
-
-    def _inertia(self, parameter: Parameter) -> tuple[int, Callable[[int, int], S]]:
-        """How many joints take part, and the entry of two of them."""
-        i, part = parameter.joint - 1, parameter.part
-        if part == "Ia":
-            return i + 1, lambda a, b: self.chain.one if a == b == i else self.chain.zero
-        if part == "Im":
-            u = axis(self.chain.joints[i])
-            spins = [*(dot(screw.angular, u) for screw in (self._screws(i - 1) if i else ()))]
-            spins.append(self.chain.joints[i].coupling)
-            return len(spins), lambda a, b: spins[a] * spins[b]
-        if part == "mm":
-            velocities = self._rotor_velocities(i)
-            return len(velocities), lambda a, b: dot(velocities[a], velocities[b])
-        if not parameter.of_link:
-            return 0, lambda a, b: self.chain.zero
-        screws, _ = self._link(i)
-        return len(screws), lambda a, b: _body_entry(part, screws[a], screws[b])
 
     def _rotor_velocities(self, i: int) -> list[Vector[S]]:
         return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._screws(i - 1)] if i else []

@@ -101,25 +101,20 @@ def zero_condition(
         variable = expression_to_sympy(domain.angle_sum(factor.joints))
         values = (sympy.S.Zero, sympy.pi) if factor.kind is Kind.SINE else (-sympy.pi / 2, sympy.pi / 2)
     elif len(joints) == 1:
-        joint = domain.robot.joints[joints[0]]
-        values = (_angles if joint.is_revolute else _offset)(domain, factor.value, joints[0], write)
-        variable = sympy.Symbol(joint.variable) if values else None
+        values = _solved(domain, factor.value, joints[0], write)
+        variable = sympy.Symbol(domain.robot.joints[joints[0]].variable) if values else None
     return Condition(expression, variable, values, _posture(domain, joints, has_wrist), tuple(j + 1 for j in joints))
 
 
-def _offset(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
-    """q of k*q + rest = 0 where k is a number."""
-    by_q = domain.derivative(p, joint)
-    if not by_q.is_constant:
-        return ()
-    rest = p - by_q * domain.ring.generator(domain.robot.joints[joint].variable)
-    return (write(rest * (-1 / by_q.constant_term)),)
-
-
-def _angles(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
-    """Both angles of a*c + b*s = 0, the arc tangents of -a/b."""
-    c, s = domain.cosine_sine_of(joint)
+def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
+    """q of k*q + rest = 0 where k is a number; both angles of a*c + b*s = 0, the arc tangents of -a/b."""
     slope = domain.derivative(p, joint)
+    if not domain.robot.joints[joint].is_revolute:
+        if not slope.is_constant:
+            return ()
+        rest = p - slope * domain.ring.generator(domain.robot.joints[joint].variable)
+        return (write(rest * (-1 / slope.constant_term)),)
+    c, s = domain.cosine_sine_of(joint)
     a, b = p * c - slope * s, p * s + slope * c
     if moving_joints(domain, a) or moving_joints(domain, b):
         return ()
@@ -306,15 +301,9 @@ def _scaled(domain: PolynomialDomain, factor: Factor, lengths: list[Fraction]) -
         return p**factor.exponent, Factor(ring.one, 1)
     coefficients = [c for _, c in p.terms()]
     positive = sum(1 if c > 0 else -1 for c in coefficients) or coefficients[0]
-    scale = _scale([abs(c) for c in coefficients], lengths) * (1 if positive > 0 else -1)
+    sizes = [abs(c) for c in coefficients]
+    common = Fraction(lcm(*(c.denominator for c in sizes)), gcd(*(c.numerator for c in sizes)))
+    scales = [length / sizes[0] for length in lengths] if len(sizes) > 1 else []
+    scale = next((scale for scale in scales if all(scale * c in lengths for c in sizes)), common)
+    scale = scale if positive > 0 else -scale
     return ring.number(Fraction(1) / scale) ** factor.exponent, Factor(p * scale, factor.exponent)
-
-
-def _scale(coefficients: list[Fraction], lengths: list[Fraction]) -> Fraction:
-    if len(coefficients) == 1:
-        return 1 / coefficients[0]
-    for length in lengths:
-        scale = length / coefficients[0]
-        if all(scale * c in lengths for c in coefficients):
-            return scale
-    return Fraction(lcm(*(c.denominator for c in coefficients)), gcd(*(c.numerator for c in coefficients)))

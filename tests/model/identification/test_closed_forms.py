@@ -9,7 +9,7 @@ import pytest
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.regressor import with_unit_rotors
-from derive.model.identification.closed_forms import ClosedIdentification
+from derive.model.identification.closed_forms import IdentifiedModel
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.model.model import Model
 from derive.robot.inertial_parameters import standard_parameters
@@ -20,14 +20,13 @@ from tests.mechanics.arms import SEEDS, arm_of, assert_close
 @pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-matlab"])
 def test_torques_are_regressors_times_parameters(name: str) -> None:
     model = Model(Robot.load(name))
-    closed = model.identification
-    assert isinstance(closed, ClosedIdentification)
+    assert isinstance(model, IdentifiedModel)
     for regressor, values in (
-        (closed.regressor, closed.standard_values),
-        (closed.base_regressor, closed.base_values),
+        (model.regressor, model.standard_parameters),
+        (model.regressor_base, model.base_parameters),
     ):
         assert all(entry.expand(trig=True).equals(0) for entry in regressor * values - model.tau)
-    assert len(closed.base.parameters) <= len(closed.standard)
+    assert len(model.base_set.parameters) <= len(model.standard_set)
 
 
 @pytest.mark.parametrize("seed", [s for s in SEEDS if s % 7 < 4])
