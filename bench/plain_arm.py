@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.robots import Array, Case
-from derive.verification.oracle.arm import Arm
+from derive.verification.oracle.frames import Arm
 
 
 @dataclass(frozen=True, eq=False)

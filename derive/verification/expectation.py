@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.verification.oracle.arm import Array
+from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.identification import fitting_states
 from derive.verification.oracle.rates import distance_from_singularity

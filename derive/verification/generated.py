@@ -22,7 +22,7 @@ import numpy as np
 
 from derive.errors import TargetError, VerificationError
 from derive.targets.compiler import Command, compile_shared
-from derive.verification.oracle.arm import Array
+from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
 
 C_OPTIONS = ("-std=c99", "-O0")

@@ -15,7 +15,7 @@ from derive.robot.expression import names
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.arm import Array
+from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import Oracle
 
 REGIONS = ((0.3, 1.7), (0.05, 0.4), (1.5, 4.0), (5.0, 20.0), (0.001, 0.01))

@@ -14,7 +14,7 @@ import numpy as np
 
 from derive.programs.functions import INTERFACES
 from derive.programs.program import Magnitude
-from derive.verification.oracle.arm import Array
+from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, Oracle
 from derive.verification.oracle.identification import Identification
 

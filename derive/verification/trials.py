@@ -9,7 +9,7 @@ from functools import cache, partial
 import numpy as np
 
 from derive.verification.generated import GeneratedModel, Parameters
-from derive.verification.oracle.arm import Array
+from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import SampleSet
 
@@ -119,13 +119,8 @@ def _parameter_trials(model: GeneratedModel, function: str, sample_sets: Sequenc
     shaped = read_only([np.broadcast_to(argument, (len(sample_sets), *argument.shape)) for argument in arguments])
     call = cache(partial(model.call, function, shaped, stacked))
     for index, sample_set in enumerate(sample_sets):
-        yield Trial("a batch of parameters", partial(_entry, call, index), arguments, sample_set)
-
-
-def _entry(call: Callable[[], Array], index: int) -> Array:
-    """What belongs to one set of a batch of parameters."""
-    value: Array = np.asarray(call())[index]
-    return value
+        own: Callable[[], Array] = partial(lambda k: np.asarray(call())[k], index)
+        yield Trial("a batch of parameters", own, arguments, sample_set)
 
 
 def read_only(arrays: Sequence[Array]) -> list[Array]:

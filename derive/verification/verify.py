@@ -16,7 +16,7 @@ from derive.robot.robot import Robot
 from derive.targets.compiler import Command, find_compiler
 from derive.verification.expectation import Expectation, PartialExpectation, expectation
 from derive.verification.generated import COMPILED, MODULES, GeneratedModel, compile_models, load_models
-from derive.verification.oracle.arm import Array
+from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import sample_sets
 from derive.verification.tolerance import TOLERANCE

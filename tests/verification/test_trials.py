@@ -10,7 +10,7 @@ import pytest
 
 from derive.robot.robot import Robot
 from derive.verification.expectation import expectation
-from derive.verification.oracle.arm import Array
+from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import Oracle
 from derive.verification.samples import SampleSet, sample_sets
 from derive.verification.trials import BLOCK_ROWS, trials

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from derive.robot.inertial_parameters import Parameter, standard_parameters
 from derive.robot.robot import Robot
 from derive.verification.oracle import frames, identification, lagrange, newton, rates
-from derive.verification.oracle.arm import Arm, Array, numeric_arm
+from derive.verification.oracle.frames import Arm, Array, numeric_arm
 from derive.verification.oracle.identification import Identification
 
 

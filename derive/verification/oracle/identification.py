@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from derive.robot.inertial_parameters import Parameter
-from derive.verification.oracle.arm import Arm, Array
 from derive.verification.oracle.frames import (
+    Arm,
+    Array,
     angular_jacobian,
     chain_frames,
     cross,

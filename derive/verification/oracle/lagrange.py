@@ -8,8 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.verification.oracle.arm import Arm, Array
-from derive.verification.oracle.frames import angular_jacobian, chain_frames, joint_axes, point_jacobian, rotor_places
+from derive.verification.oracle.frames import (
+    Arm,
+    Array,
+    angular_jacobian,
+    chain_frames,
+    joint_axes,
+    point_jacobian,
+    rotor_places,
+)
 
 STEP = 1e-30
 """Complex step: no difference is taken, so it may be so small that the truncation error vanishes."""

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.verification.oracle.arm import Arm, Array
-from derive.verification.oracle.frames import chain_frames, cross, joint_axes, rotor_places
+from derive.verification.oracle.frames import Arm, Array, chain_frames, cross, joint_axes, rotor_places
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,25 +118,17 @@ def link_motions(arm: Arm, frames: Array, axis: Array, qd: Array, qdd: Array) ->
     for i in range(arm.n):
         u = arm.sign[i] * axis[..., i, :]
         rate, acceleration = qd[..., i, None], qdd[..., i, None]
-        step = _turn if arm.revolute[i] else _slide
-        motions.append(step(arm, motions[-1], frames[..., i + 1, :3, 3], u, rate, acceleration))
+        before, origin = motions[-1], frames[..., i + 1, :3, 3]
+        if arm.revolute[i]:  # the links share the points of the axis, o_{i-1} (standard) or o_i (modified)
+            omega = before.omega + u * rate
+            alpha = before.alpha + u * acceleration + cross(before.omega, u) * rate
+            shared = before.point if arm.standard else origin
+            hinge = Motion(omega, alpha, shared, before.acceleration_at(shared))
+            motions.append(Motion(omega, alpha, origin, hinge.acceleration_at(origin)))
+        else:  # carried along, plus Coriolis and relative acceleration
+            relative = 2.0 * cross(before.omega, u) * rate + u * acceleration
+            motions.append(Motion(before.omega, before.alpha, origin, before.acceleration_at(origin) + relative))
     return motions
-
-
-def _turn(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, acceleration: Array) -> Motion:
-    """A revolute joint: the links share the points of its axis, o_{i-1} (standard) or o_i (modified)."""
-    omega = before.omega + u * rate
-    alpha = before.alpha + u * acceleration + cross(before.omega, u) * rate
-    shared = before.point if arm.standard else origin
-    hinge = Motion(omega, alpha, shared, before.acceleration_at(shared))
-    return Motion(omega, alpha, origin, hinge.acceleration_at(origin))
-
-
-def _slide(arm: Arm, before: Motion, origin: Array, u: Array, rate: Array, acceleration: Array) -> Motion:
-    """A prismatic joint: carried along, plus Coriolis and relative acceleration."""
-    carried = before.acceleration_at(origin)
-    relative = 2.0 * cross(before.omega, u) * rate + u * acceleration
-    return Motion(before.omega, before.alpha, origin, carried + relative)
 
 
 def _link_wrench(arm: Arm, i: int, frame: Array, motion: Motion) -> Wrench:

@@ -11,8 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from derive.verification.oracle.arm import Arm, Array
-from derive.verification.oracle.frames import forward_kinematics, jacobian
+from derive.verification.oracle.frames import Arm, Array, forward_kinematics, jacobian
 from derive.verification.oracle.newton import inverse_dynamics
 
 STEP = 1e-30

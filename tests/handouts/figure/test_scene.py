@@ -18,8 +18,7 @@ from derive.handouts.notation.printer import DataPrinter
 from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.verification.oracle.arm import numeric_arm
-from derive.verification.oracle.frames import chain_frames, forward_kinematics
+from derive.verification.oracle.frames import chain_frames, forward_kinematics, numeric_arm
 from tests.random_robots import robot_text
 
 

@@ -9,7 +9,7 @@ from derive.model.identification.base_parameters import base_set
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle import frames, newton
-from derive.verification.oracle.arm import Arm, Array, numeric_arm
+from derive.verification.oracle.frames import Arm, Array, numeric_arm
 from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from derive.verification.oracle.identification import Identification
 
