@@ -55,23 +55,20 @@ class Dynamics:
         names = [Name(f"{part} of {i}") for i in range(robot.n) for part in PARTS]
         self.lumped = PolynomialDomain(bare, names, contraction=domain.contraction, rates=False, max_terms=max_terms)
         self.lumps: list[Lump] = []
-        bodies = tuple(self._lump_body(i, body) for i, body in enumerate(build_chain(robot, domain).bodies))
-        self.chain = replace(build_chain(bare, self.lumped), bodies=bodies)
+        # a generator for each of the ten parameters of a body, or its number
+        bodies, ring = [], self.lumped.ring
+        for i, body in enumerate(build_chain(robot, domain).bodies):
+            t, p = body.inertia, list[Polynomial]()
+            values = (body.mass, *body.first_moment, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz)
+            for part, value in zip(PARTS, values, strict=True):
+                name = f"{part} of {i}"
+                if not value.is_constant:
+                    self.lumps.append(Lump(ring.index[name], value))
+                p.append(self.lumped.number(value.constant_term) if value.is_constant else ring.generator(name))
+            bodies.append(Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:])))
+        self.chain = replace(build_chain(bare, self.lumped), bodies=tuple(bodies))
         self._derivatives: dict[tuple[int, int, int], Polynomial] = {}
         self._christoffel: dict[tuple[int, int, int], Polynomial] = {}
-
-    def _lump_body(self, index: int, body: Body[Polynomial]) -> Body[Polynomial]:
-        """A generator for each of the ten parameters of a body, or its number."""
-        t, ring, p = body.inertia, self.lumped.ring, list[Polynomial]()
-        values = (body.mass, *body.first_moment, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz)
-        for part, value in zip(PARTS, values, strict=True):
-            if value.is_constant:
-                p.append(self.lumped.number(value.constant_term))
-            else:
-                name = f"{part} of {index}"
-                self.lumps.append(Lump(ring.index[name], value))
-                p.append(ring.generator(name))
-        return Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:]))
 
     @cached_property
     def inertia_matrix(self) -> list[list[Polynomial]]:

@@ -10,6 +10,7 @@ theirs.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -143,7 +144,7 @@ class LongChain:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self._reach: dict[int, int] = {}
+        self._reach: dict[int, int] = {}  # by frame the last one up to which its transforms are short
 
     def is_long(self, i: int, j: int) -> bool:
         """Whether the entries of the transform between two DH frames are too long to expand.
@@ -156,21 +157,16 @@ class LongChain:
             return False
         start, end = sorted((i, j))
         if start not in self._reach:
-            self._reach[start] = self._measure(start)
+            probe = PolynomialDomain(self.robot, rates=False, max_terms=20 * MAX_TERMS)
+            kinematics, last = Kinematics(self.robot, probe), start
+            with suppress(TooManyTerms):
+                for k in range(start + 1, self.robot.n + 1):
+                    frame = kinematics.transform(start, k)
+                    if max(len(x) for x in (*frame.position, *frame.rotation[0], *frame.rotation[1])) > MAX_TERMS:
+                        break
+                    last = k
+            self._reach[start] = last
         return end > self._reach[start]
-
-    def _measure(self, i: int) -> int:
-        """The last j up to which the polynomials of T_j^i stay short."""
-        probe = PolynomialDomain(self.robot, rates=False, max_terms=20 * MAX_TERMS)
-        kinematics = Kinematics(self.robot, probe)
-        for j in range(i + 1, self.robot.n + 1):
-            try:
-                frame = kinematics.transform(i, j)
-            except TooManyTerms:
-                return j - 1
-            if max(len(x) for x in (*frame.position, *frame.rotation[0], *frame.rotation[1])) > MAX_TERMS:
-                return j - 1
-        return self.robot.n
 
     @cached_property
     def chain(self) -> Chain[Expr]:

@@ -210,7 +210,11 @@ def base_set(robot: Robot) -> BaseSet:
         return found
     symbolic = _base_set(robot, {})
     same = symbolic.parameters == found.parameters and symbolic.proven
-    return symbolic if same and _defined(symbolic, numbers) else found
+    if not same or symbolic.domain is None:
+        return found
+    denominators = {c.denominator for relation in symbolic.relations for _, c in relation.terms}
+    values = (exact_number(polynomial_expression(d, symbolic.domain), numbers) for d in denominators)
+    return symbolic if all(value != 0 for value in values) else found
 
 
 def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
@@ -226,13 +230,6 @@ def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
         except (ExpressionError, TooManyTerms, NoPointError, ZeroDivisionError):
             break
     return BaseSet(_ordered([*candidates, *friction]), (), None, proven=False)
-
-
-def _defined(base: BaseSet, numbers: Mapping[str, Expression]) -> bool:
-    """Whether no denominator vanishes at the numbers."""
-    assert base.domain is not None, "a proven set has a ring"
-    denominators = {c.denominator for relation in base.relations for _, c in relation.terms}
-    return all(exact_number(polynomial_expression(d, base.domain), numbers) != 0 for d in denominators)
 
 
 def _proven(geometry: Robot, candidates: Sequence[Parameter], friction: Sequence[Parameter], samples: int) -> BaseSet:

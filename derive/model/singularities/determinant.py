@@ -103,7 +103,14 @@ def zero_condition(
     elif len(joints) == 1:
         values = _solved(domain, factor.value, joints[0], write)
         variable = sympy.Symbol(domain.robot.joints[joints[0]].variable) if values else None
-    return Condition(expression, variable, values, _posture(domain, joints, has_wrist), tuple(j + 1 for j in joints))
+    robot, posture = domain.robot, None
+    articulated = all(joint.is_revolute for joint in robot.joints[:3]) and (has_wrist or robot.n == 3)
+    elbow = any({1, 2} <= set(group) and 0 not in group for group in domain.groups)
+    if has_wrist and joints == (4,):
+        posture = Posture.WRIST
+    elif articulated and elbow:
+        posture = {(2,): Posture.ELBOW, (1, 2): Posture.SHOULDER}.get(joints)
+    return Condition(expression, variable, values, posture, tuple(j + 1 for j in joints))
 
 
 def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
@@ -119,17 +126,6 @@ def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -
     if moving_joints(domain, a) or moving_joints(domain, b):
         return ()
     return (sympy.atan2(write(-a), write(b)), sympy.atan2(write(a), write(-b)))
-
-
-def _posture(domain: PolynomialDomain, joints: tuple[int, ...], has_wrist: bool) -> Posture | None:
-    robot = domain.robot
-    if has_wrist and joints == (4,):
-        return Posture.WRIST
-    articulated = all(joint.is_revolute for joint in robot.joints[:3]) and (has_wrist or robot.n == 3)
-    elbow = any({1, 2} <= set(group) and 0 not in group for group in domain.groups)
-    if not (articulated and elbow):
-        return None
-    return {(2,): Posture.ELBOW, (1, 2): Posture.SHOULDER}.get(joints)
 
 
 MAX_TERMS = 20_000
