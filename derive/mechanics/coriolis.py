@@ -111,6 +111,36 @@ class _Composite(Generic[S]):
             second_rate = add_matrices(second_rate, outer(slide, moved))
         return _Composite(mass, moved, shifted, first_rate, second_rate)
 
+    def column(self, joint: ChainJoint[S], omega: Vector[S], zero: S) -> _ColumnWrench[S]:
+        """What begins its way inward in joint frame j.
+
+        Args:
+            joint: Joint j, which carries this.
+            omega: Angular velocity of link j.
+            zero: The scalar 0.
+        """
+        (x, y, z), (hx, hy, hz), (rx, ry, _) = omega, self.first, self.first_rate
+        m, p, e = self.mass, self.second, self.second_rate
+        if not joint.revolute:
+            moment = (hz * x, hz * y, -(hx * x + hy * y))
+            return _ColumnWrench(
+                force=(m * y, -(m * x), zero),
+                moment=moment,
+                unit=(zero, zero, m),
+                eta=(hy, -hx, zero),
+                kappa=(ry - moment[0], -(rx + moment[1]), -moment[2]),
+            )
+        swing_x = p.xx * x + p.xy * y + p.xz * z
+        swing_y = p.xy * x + p.yy * y + p.yz * z
+        planar = e[0][0] + e[1][1]
+        return _ColumnWrench(
+            force=(-(z * hx) - ry, rx - z * hy, x * hx + y * hy),
+            moment=(swing_y - e[0][2], -(swing_x + e[1][2]), planar),
+            unit=(-hy, hx, zero),
+            eta=(-p.xz, -p.yz, p.xx + p.yy),
+            kappa=(-(swing_y + e[2][0]), swing_x - e[2][1], planar),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class _ColumnWrench(Generic[S]):
@@ -166,7 +196,7 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
     composites = _composites(chain, rates, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
-        column = _column_at_joint(chain, joint, composites[j], omegas[j + 1])
+        column = composites[j].column(joint, omegas[j + 1], chain.zero)
         matrix[j][j] = generalized_force(joint, column.force, column.moment)
         for i in range(j - 1, -1, -1):
             inner, omega = chain.joints[i], omegas[i + 1]
@@ -203,30 +233,3 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
             add_matrices(moved.second_rate, spin),
         )
     return composites
-
-
-def _column_at_joint(
-    chain: Chain[S], joint: ChainJoint[S], composite: _Composite[S], omega: Vector[S]
-) -> _ColumnWrench[S]:
-    """What begins its way inward in joint frame j; ``omega`` of link j."""
-    (x, y, z), (hx, hy, hz), (rx, ry, _) = omega, composite.first, composite.first_rate
-    m, p, e = composite.mass, composite.second, composite.second_rate
-    if not joint.revolute:
-        moment = (hz * x, hz * y, -(hx * x + hy * y))
-        return _ColumnWrench(
-            force=(m * y, -(m * x), chain.zero),
-            moment=moment,
-            unit=(chain.zero, chain.zero, m),
-            eta=(hy, -hx, chain.zero),
-            kappa=(ry - moment[0], -(rx + moment[1]), -moment[2]),
-        )
-    swing_x = p.xx * x + p.xy * y + p.xz * z
-    swing_y = p.xy * x + p.yy * y + p.yz * z
-    planar = e[0][0] + e[1][1]
-    return _ColumnWrench(
-        force=(-(z * hx) - ry, rx - z * hy, x * hx + y * hy),
-        moment=(swing_y - e[0][2], -(swing_x + e[1][2]), planar),
-        unit=(-hy, hx, chain.zero),
-        eta=(-p.xz, -p.yz, p.xx + p.yy),
-        kappa=(-(swing_y + e[2][0]), swing_x - e[2][1], planar),
-    )

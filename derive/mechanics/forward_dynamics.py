@@ -93,7 +93,7 @@ def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques:
 
 
 @dataclass(frozen=True, slots=True)
-class _Articulated(Generic[S]):
+class _Articulated(Generic[F]):
     """How a link with joints beyond it answers: force = M a + H^T alpha + f, moment = H a + I alpha + n.
 
     Attributes:
@@ -104,13 +104,13 @@ class _Articulated(Generic[S]):
         moment: n, at no acceleration.
     """
 
-    mass: Symmetric[S]
-    coupling: Matrix[S]
-    inertia: Symmetric[S]
-    force: Vector[S]
-    moment: Vector[S]
+    mass: Symmetric[F]
+    coupling: Matrix[F]
+    inertia: Symmetric[F]
+    force: Vector[F]
+    moment: Vector[F]
 
-    def __add__(self, other: _Articulated[S]) -> _Articulated[S]:
+    def __add__(self, other: _Articulated[F]) -> _Articulated[F]:
         return _Articulated(
             self.mass + other.mass,
             add_matrices(self.coupling, other.coupling),
@@ -119,7 +119,7 @@ class _Articulated(Generic[S]):
             add(self.moment, other.moment),
         )
 
-    def to_parent(self, joint: ChainJoint[S]) -> _Articulated[S]:
+    def to_parent(self, joint: ChainJoint[F]) -> _Articulated[F]:
         """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^.
 
         Args:
@@ -136,6 +136,33 @@ class _Articulated(Generic[S]):
         i, above = inertia.matrix, ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
         shifted = Symmetric(*(i[r][c] + (left[c][r] + right[r][c]) for r, c in above))
         return _Articulated(mass, moved, shifted, force, moment)
+
+    def release(self, joint: ChainJoint[F], torque: F) -> tuple[_Release[F], _Articulated[F]]:
+        """What the joint needs, and the link as the one before feels it while the joint gives way.
+
+        Args:
+            joint: The joint that carries this.
+            torque: What accelerates it, positive along +z.
+        """
+        mass, coupling, inertia = self.mass.matrix, self.coupling, self.inertia.matrix
+        if joint.revolute:
+            upper, lower = coupling[2], inertia[2]
+        else:
+            upper, lower = mass[2], column(coupling, 2)
+        pivot = (lower[2] if joint.revolute else upper[2]) + joint.armature
+        lower = (lower[0], lower[1], lower[2] + joint.coupling)
+        up: Vector[F] = (upper[0] / pivot, upper[1] / pivot, upper[2] / pivot)
+        low: Vector[F] = (lower[0] / pivot, lower[1] / pivot, lower[2] / pivot)
+        rest = (torque - generalized_force(joint, self.force, self.moment)) / pivot
+        mass_left, taken = _less(self.mass, upper, up), outer(low, upper)
+        free = _Articulated(
+            mass_left,
+            (subtract(coupling[0], taken[0]), subtract(coupling[1], taken[1]), subtract(coupling[2], taken[2])),
+            _less(self.inertia, lower, low),
+            add(self.force, scale(rest, upper)),
+            add(self.moment, scale(rest, lower)),
+        )
+        return _Release(rest, up, low), free
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,35 +222,12 @@ def _releases(
         mass, coupling = Symmetric(m, m, m, zero, zero, zero), hat(body.first_moment, zero)
         link = _Articulated(mass, coupling, body.inertia, *wrench)
         link = link if beyond is None else link + beyond
-        release, free = _release(joint, link, torques[i] - joint.coupling * dot(axis(joint), before.alpha))
+        release, free = link.release(joint, torques[i] - joint.coupling * dot(axis(joint), before.alpha))
         found.append(release)
         beyond = free.to_parent(joint)
         turning = scale(joint.coupling * rates[i], cross(before.omega, axis(joint)))
         beyond = replace(beyond, moment=add(beyond.moment, turning))
     return found[::-1]
-
-
-def _release(joint: ChainJoint[F], link: _Articulated[F], torque: F) -> tuple[_Release[F], _Articulated[F]]:
-    """What the joint needs, and the link as the one before feels it while the joint gives way."""
-    mass, coupling, inertia = link.mass.matrix, link.coupling, link.inertia.matrix
-    if joint.revolute:
-        upper, lower = coupling[2], inertia[2]
-    else:
-        upper, lower = mass[2], column(coupling, 2)
-    pivot = (lower[2] if joint.revolute else upper[2]) + joint.armature
-    lower = (lower[0], lower[1], lower[2] + joint.coupling)
-    up: Vector[F] = (upper[0] / pivot, upper[1] / pivot, upper[2] / pivot)
-    low: Vector[F] = (lower[0] / pivot, lower[1] / pivot, lower[2] / pivot)
-    rest = (torque - generalized_force(joint, link.force, link.moment)) / pivot
-    mass_left, taken = _less(link.mass, upper, up), outer(low, upper)
-    free = _Articulated(
-        mass_left,
-        (subtract(coupling[0], taken[0]), subtract(coupling[1], taken[1]), subtract(coupling[2], taken[2])),
-        _less(link.inertia, lower, low),
-        add(link.force, scale(rest, upper)),
-        add(link.moment, scale(rest, lower)),
-    )
-    return _Release(rest, up, low), free
 
 
 def _less(tensor: Symmetric[F], a: Vector[F], divided: Vector[F]) -> Symmetric[F]:

@@ -135,6 +135,39 @@ class _LinkView(Generic[S]):
         motion = LinkMotion(omega, alpha, angular_acceleration_tensor(omega, alpha)[0], acceleration)
         return _LinkView(motion, [screw.seen_from(frame) for screw in self.screws])
 
+    def power(self, part: str, screw: Screw[S]) -> S:
+        """What the wrench of a unit parameter does on a unit rate.
+
+        Args:
+            part: Which of the ten parameters.
+            screw: Of the joint that moves, in the frame.
+        """
+        motion = self.motion
+        u, (x, y, z), (ax, ay, az) = motion.tensor, motion.omega, motion.alpha
+        moment: Vector[S]  # E alpha + omega x (E omega) of the unit tensor E
+        match part:
+            case "m":
+                return dot(screw.linear, motion.acceleration)
+            case "mx" | "my" | "mz":
+                k = "xyz".index(part[1])
+                turning = cross(motion.acceleration, screw.angular)[k]
+                return dot((u[0][k], u[1][k], u[2][k]), screw.linear) + turning
+            case "Ixx":
+                moment = (ax, x * z, -(x * y))
+            case "Iyy":
+                moment = (-(y * z), ay, x * y)
+            case "Izz":
+                moment = (y * z, -(x * z), az)
+            case "Ixy":
+                moment = (-u[2][0], u[2][1], x * x - y * y)
+            case "Ixz":
+                moment = (u[1][0], z * z - x * x, -u[1][2])
+            case "Iyz":
+                moment = (y * y - z * z, -u[0][1], u[0][2])
+            case _:
+                raise KeyError(part)
+        return dot(screw.angular, moment)
+
 
 class Regressor(Generic[S]):
     """Columns of the regressor of one arm in one state.
@@ -190,7 +223,7 @@ class Regressor(Generic[S]):
         i, part = parameter.joint - 1, parameter.part
         if parameter.of_link:
             view = self._views[i]
-            found = [_power(part, view.motion, screw) for screw in view.screws]
+            found = [view.power(part, screw) for screw in view.screws]
         elif part in ("mm", "Im"):
             found = self._of_rotor(i, part)
         else:
@@ -223,31 +256,3 @@ class Regressor(Generic[S]):
         spin = dot(u, omega) + joint.coupling * rate
         moment = add(scale(spin_rate, u), scale(spin, cross(omega, u)))
         return [*(dot(screw.angular, moment) for screw in carrier.screws), joint.coupling * spin_rate]
-
-
-def _power(part: str, motion: LinkMotion[S], screw: Screw[S]) -> S:
-    """What the wrench of a unit parameter does on a unit rate."""
-    u, (x, y, z), (ax, ay, az) = motion.tensor, motion.omega, motion.alpha
-    moment: Vector[S]  # E alpha + omega x (E omega) of the unit tensor E
-    match part:
-        case "m":
-            return dot(screw.linear, motion.acceleration)
-        case "mx" | "my" | "mz":
-            k = "xyz".index(part[1])
-            turning = cross(motion.acceleration, screw.angular)[k]
-            return dot((u[0][k], u[1][k], u[2][k]), screw.linear) + turning
-        case "Ixx":
-            moment = (ax, x * z, -(x * y))
-        case "Iyy":
-            moment = (-(y * z), ay, x * y)
-        case "Izz":
-            moment = (y * z, -(x * z), az)
-        case "Ixy":
-            moment = (-u[2][0], u[2][1], x * x - y * y)
-        case "Ixz":
-            moment = (u[1][0], z * z - x * x, -u[1][2])
-        case "Iyz":
-            moment = (y * y - z * z, -u[0][1], u[0][2])
-        case _:
-            raise KeyError(part)
-    return dot(screw.angular, moment)

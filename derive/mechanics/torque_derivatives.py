@@ -95,6 +95,34 @@ class _MovingBody(Generic[S]):
         second_rate = add_matrices(second_rate, outer(origin_rate, body.first_moment))
         return _MovingBody(body, add(first_rate, scale(body.mass, origin_rate)), second_rate)
 
+    def response(self, chain: Chain[S], joint: ChainJoint[S], motion: LinkMotion[S]) -> _Response[S]:
+        """How the wrench on all that joint j carries answers its variable, in frame j, and what its own torque answers.
+
+        Args:
+            chain: The arm.
+            joint: Joint j, which carries this.
+            motion: Of link j.
+        """
+        h, hdot, e, body = self.body.first_moment, self.first_rate, self.second_rate, self.body
+        unit, eta = unit_wrench(chain, joint, body)
+        zddot = column(motion.tensor, 2)
+        if not joint.revolute:
+            delta = (hdot[1], -hdot[0], chain.zero)
+            return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, delta)
+        zdot: Vector[S] = (motion.omega[1], -motion.omega[0], chain.zero)
+        twice = add(zdot, zdot)
+        a = motion.acceleration
+        a_z: Vector[S] = (a[1], -a[0], chain.zero)
+        force = add(add(scale(body.mass, a_z), cross(zddot, h)), cross(twice, hdot))
+        x, y, _ = twice
+        spread = (
+            (e[1][1] + e[2][2]) * x - e[0][1] * y,
+            (e[0][0] + e[2][2]) * y - e[1][0] * x,
+            -(e[2][0] * x + e[2][1] * y),
+        )
+        moment = add(add(cross(h, a_z), multiply(body.inertia.matrix, zddot)), spread)
+        return _Response(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
+
 
 @dataclass(frozen=True, slots=True)
 class _Response(Generic[S]):
@@ -188,7 +216,7 @@ def torque_position_derivative(
     bodies = _moving_composites(chain, rates, omegas, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
-        response = _response(chain, joint, bodies[j], motions[j + 1])
+        response = bodies[j].response(chain, joint, motions[j + 1])
         matrix[j][j] = generalized_force(joint, response.force, response.moment)
         # seen from the links before, the carried wrench turns with a revolute joint and is shifted by a prismatic one
         (fx, fy, fz), (nx, ny, nz) = wrenches[j]
@@ -261,26 +289,3 @@ def _origin_rate(joint: ChainJoint[S], omega: Vector[S], rate: S) -> Vector[S]:
     """Velocity of the origin of frame i seen from that of frame i-1, in frame i-1."""
     turning = cross(omega, origin(joint))
     return turning if joint.revolute else add(turning, scale(rate, axis(joint)))
-
-
-def _response(chain: Chain[S], joint: ChainJoint[S], moving: _MovingBody[S], motion: LinkMotion[S]) -> _Response[S]:
-    """How the wrench on all that joint j carries answers its variable, in frame j, and what its own torque answers."""
-    h, hdot, e, body = moving.body.first_moment, moving.first_rate, moving.second_rate, moving.body
-    unit, eta = unit_wrench(chain, joint, body)
-    zddot = column(motion.tensor, 2)
-    if not joint.revolute:
-        delta = (hdot[1], -hdot[0], chain.zero)
-        return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, delta)
-    zdot: Vector[S] = (motion.omega[1], -motion.omega[0], chain.zero)
-    twice = add(zdot, zdot)
-    a = motion.acceleration
-    a_z: Vector[S] = (a[1], -a[0], chain.zero)
-    force = add(add(scale(body.mass, a_z), cross(zddot, h)), cross(twice, hdot))
-    x, y, _ = twice
-    spread = (
-        (e[1][1] + e[2][2]) * x - e[0][1] * y,
-        (e[0][0] + e[2][2]) * y - e[1][0] * x,
-        -(e[2][0] * x + e[2][1] * y),
-    )
-    moment = add(add(cross(h, a_z), multiply(body.inertia.matrix, zddot)), spread)
-    return _Response(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
