@@ -7,7 +7,7 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load, load_all
 from derive.errors import OutputError
-from derive.programs.policy import Effort, effort_named
+from derive.programs.search_policy import Effort, effort_named
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, folder_of
 from derive.publish.many import build_many, check_many
 from derive.verification.verify import Report

@@ -12,7 +12,7 @@ from derive.handouts.document import Document
 from derive.handouts.latex_writer import latex
 from derive.handouts.pdf import compile_latex
 from derive.programs.functions import build_program
-from derive.programs.policy import Effort
+from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.robot.style import HandoutOptions
 

@@ -31,7 +31,7 @@ from derive.mechanics.vectors import (
 )
 from derive.programs.optimise.choice import choose
 from derive.programs.parallel_axes import Placement, Run, about_z
-from derive.programs.policy import POLICY
+from derive.programs.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref, Value
 
 

@@ -18,7 +18,7 @@ from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.programs.policy import POLICY
+from derive.programs.search_policy import POLICY
 from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, QDD, Q, TapeDomain
 from derive.robot.robot import Robot

@@ -25,7 +25,7 @@ from derive.mechanics.newton_euler import FrameChoice, Place
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
 from derive.programs.parallel_axes import SumOfTurns, Turn, about_z
-from derive.programs.policy import POLICY
+from derive.programs.search_policy import POLICY
 from derive.programs.tape.cost import Cost
 from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref, Value
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from derive.errors import QuantityError
-from derive.programs.formulation import Formulation
+from derive.programs.formulation_choice import Formulation
 from derive.programs.formulations import dynamics, identification, kinematics
-from derive.programs.policy import POLICY, Effort
 from derive.programs.program import Column, Function, Interface, Magnitude, Program
+from derive.programs.search_policy import POLICY, Effort
 from derive.programs.tape.cost import program_cost
 from derive.programs.trace import Trace
 from derive.robot.inertial_parameters import has_regressor

@@ -10,7 +10,7 @@ from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.vectors import Frame
 from derive.programs.cheapest_kinematics import Stations, cheapest_jacobian, cheapest_pose
 from derive.programs.closed_form import ClosedForm
-from derive.programs.formulation import FormulationChoice
+from derive.programs.formulation_choice import FormulationChoice
 from derive.programs.frame_choice import (
     CHAIN_CHOICES,
     FrameChoices,
@@ -19,7 +19,7 @@ from derive.programs.frame_choice import (
     starting_choices,
 )
 from derive.programs.parallel_axes import Run, parallel_runs
-from derive.programs.policy import POLICY, Effort
+from derive.programs.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph, Ref, Value
 from derive.programs.tape.scalars import QD, TapeDomain
 from derive.robot.description import Matrix

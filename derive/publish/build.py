@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from derive.programs.policy import Effort
+from derive.programs.search_policy import Effort
 from derive.publish.atomic_folder import heal, publish
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, contents, is_current, read_manifest

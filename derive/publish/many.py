@@ -15,7 +15,7 @@ from types import FrameType
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
-from derive.programs.policy import Effort
+from derive.programs.search_policy import Effort
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, check_robot
 from derive.robot.robot import Robot
 from derive.targets.target import package_name

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from derive.errors import OutputError, TargetError
 from derive.programs.functions import build_program
-from derive.programs.policy import Effort
 from derive.programs.program import Program
+from derive.programs.search_policy import Effort
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
 from derive.publish.processes import in_another_process, in_two_processes

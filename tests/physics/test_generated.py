@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 
 from derive.model.identification.base_parameters import base_set
 from derive.programs.functions import build_program
-from derive.programs.policy import Effort
+from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy

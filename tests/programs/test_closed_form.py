@@ -13,7 +13,7 @@ from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.programs.closed_form import CLOSED_FORMS, ClosedForm
 from derive.programs.functions import build_program
-from derive.programs.policy import POLICY
+from derive.programs.search_policy import POLICY
 from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, QDD
 from derive.programs.trace import Trace, flat

@@ -8,7 +8,7 @@ from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
 from derive.mechanics.vectors import Frame, column
 from derive.programs.cheapest_kinematics import cheapest_links
-from derive.programs.formulation import Formulation
+from derive.programs.formulation_choice import Formulation
 from derive.programs.optimise.improve import improved_values
 from derive.programs.tape.derivative import derivative
 from derive.programs.tape.graph import Value

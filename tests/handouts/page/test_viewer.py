@@ -13,7 +13,7 @@ from derive.handouts.figure.scene import upwards
 from derive.handouts.language import Text
 from derive.handouts.page.viewer import Viewer, html_symbol, symbol_values, three, travels, viewer
 from derive.programs.functions import build_program
-from derive.programs.policy import Effort
+from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 from tests.handouts.page.viewer_page import assumed
 from tests.random_robots import random_robot

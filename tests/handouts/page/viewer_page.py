@@ -8,7 +8,7 @@ from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import Text
 from derive.handouts.page.viewer import viewer
 from derive.programs.functions import build_program
-from derive.programs.policy import Effort
+from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 
 FRAME = """<!DOCTYPE html>

@@ -10,7 +10,7 @@ import pytest
 
 from derive.programs.formulations import dynamics, identification, kinematics
 from derive.programs.parallel_axes import parallel_runs
-from derive.programs.policy import Effort
+from derive.programs.search_policy import Effort
 from derive.programs.tape.graph import Value
 from derive.programs.trace import Trace
 from derive.robot.robot import Robot

@@ -2,7 +2,7 @@
 
 Numbers of the robot are put into a graph traced with its symbols, each formulation is improved for a short time, those
 that come close to the best for a longer one, and the tape is cut from the cheapest. Every threshold of this is in
-`derive.programs.policy`.
+`derive.programs.search_policy`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from derive.algebra.constants import Constant, exact_number
 from derive.programs.optimise.improve import Improvement
-from derive.programs.policy import POLICY, Effort
+from derive.programs.search_policy import POLICY, Effort
 from derive.programs.tape.build import Replacements, bake, copy, cut
 from derive.programs.tape.cost import Cost, program_cost
 from derive.programs.tape.graph import Graph, Ref, Value
