@@ -85,7 +85,11 @@ class PolynomialDomain:
             for i, members in enumerate(self.angles)
             if members
         ]
-        constant = [sine_and_cosine(angle, repr(angle)) for angle in self._constant_angles()]
+        constant: list[tuple[Generator, Generator]] = []
+        for unit, divisor in atoms.units.items():
+            if not (isinstance(unit, Name) and unit.name in self._revolute):
+                parts = [Fraction(1, divisor)] if atoms.is_common(unit) else list(atoms.multiples[unit])
+                constant += [sine_and_cosine(scaled(unit, part), repr(scaled(unit, part))) for part in parts]
         # of an angle near 0 the cosine's squares go: s^2 is a small number, 1 - c^2 the difference of two large ones
         small = [sine_and_cosine(scaled(Pi(), rest), repr(scaled(Pi(), rest)))[::-1] for rest in atoms.pi_rests]
         for pairs in (moving, constant, small):
@@ -103,14 +107,6 @@ class PolynomialDomain:
         yield from (Generator(Kind.PARAMETER, name, Name(name)) for name in atoms.names if name not in known)
         if atoms.has_pi:
             yield Generator(Kind.PI, "pi", Pi())
-
-    def _constant_angles(self) -> Iterator[Expression]:
-        """The constant angles with a symbol that have a sine and a cosine of their own."""
-        atoms = self.atoms
-        for unit, divisor in atoms.units.items():
-            if not (isinstance(unit, Name) and unit.name in self._revolute):
-                parts = [Fraction(1, divisor)] if atoms.is_common(unit) else list(atoms.multiples[unit])
-                yield from (scaled(unit, part) for part in parts)
 
     def _relate(self) -> None:
         """Roots and inverses last: their relations hold polynomials in the other generators."""
