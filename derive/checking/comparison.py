@@ -8,7 +8,6 @@ from itertools import pairwise, product
 
 import sympy
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.diagnosis import Question
 from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
 from derive.checking.latex_formula import read_latex
@@ -16,7 +15,7 @@ from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed
 from derive.checking.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location
 from derive.lecture.shorthand import read_formula
-from derive.lecture.to_sympy import Matrix
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
 from derive.robot.expression import number

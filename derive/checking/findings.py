@@ -18,13 +18,12 @@ from typing import Any
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.algebra.quotients import opaque
 from derive.checking.diagnosis import Question, Repair, diagnose
 from derive.checking.printed import NO_CITATION, NO_REMARK, Citation, Remark
 from derive.errors import DeriveError, Location, UnknownNameError
 from derive.lecture.form import LectureForm
-from derive.lecture.to_sympy import Expr, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.robot import Robot

@@ -17,13 +17,12 @@ from collections.abc import Iterator, Mapping
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking import reading
 from derive.checking.diagnosis import Question
 from derive.checking.findings import FileReport, Finding, Role, verdict_at
 from derive.errors import CheckError, DeriveError, ExpressionError, Location, quoted
 from derive.lecture.form import LectureForm
-from derive.lecture.to_sympy import Expr, Matrix, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.robot.description import Convention
 from derive.robot.document import Node, YamlMapping, YamlScalar
 from derive.robot.expression import Expression

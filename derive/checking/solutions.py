@@ -9,13 +9,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking import reading
 from derive.checking.diagnosis import Question
 from derive.checking.findings import Finding, Role, undecidable, verdict_at
 from derive.checking.printed import Printed, Solution
 from derive.checking.reading import Abbreviations, read_printed, required_text
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import evaluate
 from derive.model.model import Model
 from derive.robot.document import Node

@@ -18,7 +18,7 @@ from derive.handouts.notation.pieces import Box, Break, Piece, binary, concatena
 from derive.handouts.notation.printer import MINUS, LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, Symbols
-from derive.lecture.to_sympy import Expr
+from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.entries import Entries
 from derive.robot.names import acceleration_name, velocity_name

@@ -20,8 +20,8 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.lecture.plan import Level, Plan, Plus, Term, Times, cheapest, factored, flat, grouped, nested, product_form
+from derive.lecture.sympy_conversion import Expr, factor_to_sympy
 from derive.lecture.terms import FactorTable, Monomial, Terms
-from derive.lecture.to_sympy import Expr, factor_to_sympy
 from derive.robot.style import Style
 
 MAX_CANDIDATE_TERMS = 300

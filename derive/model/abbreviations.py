@@ -16,8 +16,8 @@ import sympy
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
+from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.lecture.terms import Terms, partition
-from derive.lecture.to_sympy import Expr, Matrix
 from derive.model.dynamic_model import DynamicModel
 from derive.robot.names import robot_symbols
 

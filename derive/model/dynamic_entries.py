@@ -9,7 +9,7 @@ from typing import NamedTuple
 import sympy
 
 from derive.algebra.ring import TooManyTerms
-from derive.lecture.to_sympy import Expr, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import MAX_DYNAMIC_TERMS
 from derive.model.dynamics import Dynamics

@@ -16,7 +16,7 @@ import sympy
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
 from derive.lecture.plan import flat
-from derive.lecture.to_sympy import Expr
+from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamics import Dynamics
 from derive.robot.style import Style
 

@@ -11,7 +11,7 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
-from derive.lecture.to_sympy import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.model.dynamic_form import DynamicForm, times_rate
 from derive.model.dynamics import Dynamics
 from derive.model.identification.closed_forms import IdentifiedModel

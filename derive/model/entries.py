@@ -15,7 +15,7 @@ from math import prod
 import sympy
 
 from derive.algebra.ring import Polynomial
-from derive.lecture.to_sympy import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Frame, Vector
 from derive.model.long_chain import LongChain, NestedKinematics, TermCount, nested_term_counts
 from derive.model.model import Model

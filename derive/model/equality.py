@@ -14,12 +14,11 @@ from typing import Any
 
 import mpmath
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.algebra.quotients import QuotientRing
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
-from derive.lecture.to_sympy import Expr
+from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.dynamic_model import DynamicModel
 from derive.model.quantities import parse, pick
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, names

@@ -11,7 +11,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError
 from derive.lecture.form import LectureForm, SymbolRoles
-from derive.lecture.to_sympy import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.model.kinematics import Kinematics
 from derive.model.long_chain import LongChain

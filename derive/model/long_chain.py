@@ -21,7 +21,7 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
-from derive.lecture.to_sympy import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
 from derive.model.kinematics import Kinematics

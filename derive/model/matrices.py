@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy
 
-from derive.lecture.to_sympy import Matrix
+from derive.lecture.sympy_conversion import Matrix
 from derive.mechanics.vectors import Frame, Vector
 from derive.robot.description import Link
 from derive.robot.expression import names

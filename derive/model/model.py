@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from derive.lecture.to_sympy import Expr
+from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal

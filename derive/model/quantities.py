@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from derive.errors import QuantityError
-from derive.lecture.to_sympy import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
 from derive.model.matrices import columns_matrix

@@ -83,7 +83,7 @@ def test_contraction_never_changes_the_value(seed: int, sums: bool) -> None:
 
 
 def _product(domain: PolynomialDomain, exponents: tuple[int, ...], values: dict[str, float]) -> float:
-    from derive.lecture.to_sympy import expression_to_sympy
+    from derive.lecture.sympy_conversion import expression_to_sympy
 
     result = 1.0
     for generator, e in zip(domain.generators, exponents, strict=True):

@@ -103,7 +103,7 @@ def test_a_budget_of_terms_is_kept() -> None:
 def test_derivatives_are_those_of_calculus(joint: int, cell: str) -> None:
     import sympy
 
-    from derive.lecture.to_sympy import expression_to_sympy
+    from derive.lecture.sympy_conversion import expression_to_sympy
 
     domain = domain_for(cell)
     symbol = sympy.Symbol(f"q{joint + 1}")

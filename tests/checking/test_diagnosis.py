@@ -7,10 +7,10 @@ from functools import cache
 
 import pytest
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.diagnosis import Question, diagnose
 from derive.checking.edits import SlipKind, ordinal
 from derive.lecture.shorthand import notation_text, read_formula
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
 from derive.robot.evaluate import to_float

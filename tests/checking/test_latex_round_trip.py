@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.latex_formula import read_latex
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import LatexPrinter
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.load import catalogue_names

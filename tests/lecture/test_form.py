@@ -8,7 +8,7 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.errors import Location
 from derive.lecture.form import LectureForm, SymbolRoles
-from derive.lecture.to_sympy import Expr
+from derive.lecture.sympy_conversion import Expr
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.robot.style import Style

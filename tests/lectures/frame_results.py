@@ -9,10 +9,9 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.frames_file import compose, point, rotation, translation
 from derive.errors import Location
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import compare
 from derive.robot.description import Convention
 from derive.robot.parser import parse_expression

@@ -8,8 +8,7 @@ from typing import Any
 
 import sympy
 
-from derive.algebra.from_sympy import expression_from_sympy
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.description import Motor

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cache
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.findings import FileReport, Finding, Role
 from derive.checking.printed import CorpusFile, PrintedQuantity
 from derive.errors import Location
 from derive.lecture.shorthand import read_formula
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.expression import ZERO, Call, Expression, add, multiply, negate, number, substitute

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.from_sympy import expression_from_sympy
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.lectures.lagrange_formulas import FORMULAS

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.from_sympy import expression_from_sympy
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.mechanics.chain import build_chain
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.printed_newton_euler import newton_euler_base, newton_euler_link, without_rotors

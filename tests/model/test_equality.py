@@ -10,9 +10,9 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare, difference, equal, scalar_quantity, verdict
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Number, Pi, Power, Product, Sum

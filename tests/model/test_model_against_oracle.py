@@ -46,7 +46,7 @@ class Numbers:
 
 
 def _sympy(value: Any) -> Any:
-    from derive.lecture.to_sympy import expression_to_sympy
+    from derive.lecture.sympy_conversion import expression_to_sympy
 
     return expression_to_sympy(value)
 

@@ -33,7 +33,7 @@ from derive.handouts.notation.pieces import (
     script,
 )
 from derive.handouts.notation.subscripts import Glyph
-from derive.lecture.to_sympy import Expr, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot

@@ -14,7 +14,7 @@ from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.bodies import has_rotors
 from derive.handouts.parts.recursion import JointLetters, Recursion, com, vector
-from derive.lecture.to_sympy import Expr, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, velocity_name
 

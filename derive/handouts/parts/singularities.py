@@ -16,7 +16,7 @@ from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, P
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, bold
-from derive.lecture.to_sympy import Expr
+from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.determinant import MAX_TERMS, Outcome, Posture, SingularFactor, Singularities
 

@@ -13,7 +13,7 @@ from derive.handouts.formula import entry_namer, matrix_lines
 from derive.handouts.layout.lines import Equation, equation_lines, pack
 from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, italic, joined, script
 from derive.handouts.notation.printer import Cell
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot.description import IDENTITY, Link
 from derive.robot.expression import ZERO
 from derive.robot.names import free_symbols

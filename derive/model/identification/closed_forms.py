@@ -15,7 +15,7 @@ import sympy
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
 from derive.lecture.form import LectureForm
-from derive.lecture.to_sympy import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import with_unit_rotors
 from derive.model.dynamic_form import times_rate

@@ -20,7 +20,7 @@ from derive.algebra.factors import Factor, Factoring
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
-from derive.lecture.to_sympy import Expr, Matrix, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
 from derive.model.kinematics import Kinematics, Reference
 from derive.model.matrices import aligned_latex
 from derive.model.singularities.blocks import square_blocks

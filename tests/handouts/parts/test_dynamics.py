@@ -112,7 +112,7 @@ class Numbers:
 
 
 def _numbers(robot: Robot) -> dict[str, float]:
-    from derive.lecture.to_sympy import expression_to_sympy
+    from derive.lecture.sympy_conversion import expression_to_sympy
 
     return {name: float(evaluate(expression_to_sympy(value), {})) for name, value in number_of(robot).items()}
 

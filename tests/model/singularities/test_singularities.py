@@ -13,7 +13,7 @@ import sympy
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from derive.lecture.to_sympy import expression_to_sympy
+from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
 from derive.model.singularities.determinant import JacobianBlock, Outcome, Posture, Singularities
 from derive.robot.load import catalogue_names

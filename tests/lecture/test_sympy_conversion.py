@@ -6,10 +6,9 @@ import pytest
 import sympy
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.errors import Location
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy, factor_to_sympy
 from derive.lecture.terms import FactorTable
-from derive.lecture.to_sympy import expression_to_sympy, factor_to_sympy
 from derive.robot.evaluate import evaluate
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.robot import Robot

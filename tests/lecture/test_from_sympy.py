@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from derive.algebra.from_sympy import expression_from_sympy
 from derive.errors import ExpressionError
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Number
 
