@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
+.PHONY: all setup models test test-sweep test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -22,12 +22,16 @@ $(READY): pyproject.toml constraints.txt
 models: $(READY)
 	$(BIN)/derive build --jobs 2 --force
 
-# Everything, the sweeps that are marked slow included: less than nine minutes on two cores.
+# Less than nine minutes on two cores.
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep'
+
+# More robots of the same kinds, for CI and before a release.
+test-sweep: $(READY)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m sweep
 
 test-fast: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep'
 
 check: $(READY)
 	$(BIN)/ruff check .

@@ -11,9 +11,11 @@ import json
 import math
 import random
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 from hypothesis import strategies as st
 
 Array = npt.NDArray[np.float64]
@@ -385,3 +387,8 @@ def _yaml(block: dict[str, object]) -> str:
 
 def _flow(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)
+
+
+def seeds(count: int, usual: int) -> list[Any]:
+    """Seeds of random robots: the first ones for every run of the tests, the others for the sweeps."""
+    return [seed if seed < usual else pytest.param(seed, marks=pytest.mark.sweep) for seed in range(count)]

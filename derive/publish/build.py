@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import time
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -172,18 +173,22 @@ def build_robot(
         rendered = render_robot(robot, chosen, effort)
 
     def _check(folder: Path) -> Report | None:
-        if compiler:
-            tell(robot.name, "compile")
-            compile_libraries(folder, chosen, compiler, None if force else target)
-        if not verified:
-            return None
-        tell(robot.name, "verify")
-        return verify(robot, folder)
+        tell(robot.name, "compile and verify" if compiler and verified else "verify" if verified else "compile")
+        with ThreadPoolExecutor(1) as pool:  # the C compiler works while what needs no library is verified
+            former = None if force else target
+            ready = pool.submit(compile_libraries, folder, chosen, compiler, former).result if compiler else _nothing
+            found = verify(robot, folder, libraries=ready) if verified else None
+            ready()
+        return found
 
     report = publish(rendered.files, target, robot.name, _check, libraries)
     tell(robot.name, "built")
     files = (*rendered.files, *libraries)
     return BuildResult(robot.name, target, files, False, rendered.operations, report, time.perf_counter() - started)
+
+
+def _nothing() -> None:
+    """There are no libraries to wait for."""
 
 
 @contextmanager

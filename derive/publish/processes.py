@@ -5,8 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import sys
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -68,12 +66,19 @@ def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kw
 def _is_worthwhile() -> bool:
     """Whether there is a second core, and a copy is safe.
 
-    A copy of a process with threads may wait for ever for a lock that one of them held, and the libraries of other
-    systems than Linux start threads of their own.
+    A copy of a process with threads may wait for ever for a lock that one of them held: no thread may run, neither of
+    Python nor of a library. Only Linux tells.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    alone = threading.active_count() == 1 and multiprocessing.parent_process() is None
-    return sys.platform == "linux" and alone and cores > 1
+    return cores > 1 and _threads() == 1 and multiprocessing.parent_process() is None
+
+
+def _threads() -> int:
+    """How many threads this process has, those of libraries included; 0 where that is not known."""
+    try:
+        return len(os.listdir("/proc/self/task"))
+    except OSError:
+        return 0
 
 
 def _do_and_send(work: Callable[[], object], sender: Connection) -> None:

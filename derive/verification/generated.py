@@ -227,11 +227,12 @@ def _pointer(array: Array) -> Any:
     return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
 
 
-def load_models(folder: Path) -> tuple[GeneratedModel, ...]:
+def load_models(folder: Path, *, needing_library: bool | None = None) -> tuple[GeneratedModel, ...]:
     """The generated modules in Python.
 
     Args:
         folder: A robot's generated folder.
+        needing_library: Only those that load a compiled library, or only the others; None for all.
 
     Returns:
         Those that it holds.
@@ -239,7 +240,8 @@ def load_models(folder: Path) -> tuple[GeneratedModel, ...]:
     Raises:
         VerificationError: A module cannot be imported.
     """
-    return tuple(kind(_import(folder / file)) for file, kind in _IMPORTED.items() if (folder / file).is_file())
+    chosen = [file for file in _IMPORTED if needing_library in (None, file in _LIBRARIES)]
+    return tuple(_IMPORTED[file](_import(folder / file)) for file in chosen if (folder / file).is_file())
 
 
 def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedModel, ...]:
@@ -354,6 +356,12 @@ _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
     "model.c": load_c_model,
     "model_casadi.c": load_casadi_c,
 }
+
+_LIBRARIES = {"model_native.py"}
+"""Modules that load a library of their own."""
+
+TARGETS = ("numpy", "casadi", "native", "c", "casadi-c")
+"""The order in which reports list what was verified."""
 
 COMPILED = frozenset(_COMPILED)
 """Files that are verified where there is a C compiler."""

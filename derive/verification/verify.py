@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,7 +15,7 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, find_compiler
 from derive.verification.expectation import Expectation, PartialExpectation, expectation
-from derive.verification.generated import COMPILED, MODULES, GeneratedModel, compile_models, load_models
+from derive.verification.generated import COMPILED, MODULES, TARGETS, GeneratedModel, compile_models, load_models
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import sample_sets
@@ -80,7 +80,14 @@ class Report:
         }
 
 
-def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> Report:
+def verify(
+    robot: Robot,
+    folder: Path,
+    *,
+    samples: int = 24,
+    seed: int = 0,
+    libraries: Callable[[], None] = lambda: None,
+) -> Report:
     """Compare every function of every generated module with the independent recursion.
 
     Each function is called with one configuration, a batch, broadcast batches, more rows than one block holds and,
@@ -93,6 +100,7 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
             left out where there is no C compiler, and the report says so.
         samples: Number of configurations.
         seed: Seed of their random choice.
+        libraries: Waits for the libraries that modules in the folder need, where they are still being compiled.
 
     Returns:
         The worst relative error of each function.
@@ -107,7 +115,7 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
     rows: list[Row] = []
     models: list[GeneratedModel] = []
     answers: _Answers = {}
-    for model in _models(folder, compiler):
+    for model in _models(folder, compiler, libraries):
         models.append(model)
         _check_interface(robot, folder, model)
         rare = {name for name in ANGLES if name in model.constants}  # Jacobians that may hardly ever have a value
@@ -115,15 +123,18 @@ def verify(robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0) -> R
             if function in wanted or function in rare:
                 rows.append(_row(model, function, trials(model, function, sets), answers))
     _check_coverage(folder, models, rows, wanted, left_out)
+    rows.sort(key=lambda row: TARGETS.index(row.target))
     return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
 
 
-def _models(folder: Path, compiler: Command | None) -> Iterator[GeneratedModel]:
+def _models(folder: Path, compiler: Command | None, libraries: Callable[[], None]) -> Iterator[GeneratedModel]:
     """All targets; the C compiler works while the others are verified."""
     with ThreadPoolExecutor(1) as pool:
         compiled = pool.submit(compile_models, folder, compiler)
-        yield from load_models(folder)
+        yield from load_models(folder, needing_library=False)
         yield from compiled.result()
+        libraries()
+        yield from load_models(folder, needing_library=True)
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> Row:

@@ -24,7 +24,7 @@ from derive.robot.style import (
     SliderLetter,
 )
 from tests.handouts.latex_runner import run_latex
-from tests.random_robots import robot_text
+from tests.random_robots import robot_text, seeds
 
 pytestmark = pytest.mark.slow
 
@@ -72,7 +72,7 @@ def test_the_catalogue_in_one_language_after_another(number: int, name: str, tmp
     assert_is_clean(robot, replace(robot.handout, language=LANGUAGES[number % len(LANGUAGES)]), tmp_path)
 
 
-@pytest.mark.parametrize("seed", range(RANDOM_ROBOTS))
+@pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=10))
 def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
     """One to seven joints of all kinds; language, steps and notation change from one to the next."""
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))

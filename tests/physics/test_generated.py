@@ -25,7 +25,7 @@ from derive.verification.generated import GeneratedModel, load_models
 from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from derive.verification.tolerance import TOLERANCE
 from derive.verification.verify import verify
-from tests.random_robots import RandomRobot, configurations, random_robot, robots
+from tests.random_robots import RandomRobot, configurations, random_robot, robots, seeds
 from tests.verification.oracle.pinocchio_reference import Array, reference
 
 SEEDS = 28
@@ -79,7 +79,7 @@ def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, rob
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(SEEDS))
+@pytest.mark.parametrize("seed", seeds(SEEDS, usual=10))
 def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, seed: int) -> None:
     """The same robots in every run: one to seven joints of all kinds, every fifth without links."""
     robot = random_robot(random.Random(seed), 1 + seed % 7, dynamics=seed % 5 > 0)

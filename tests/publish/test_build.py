@@ -129,7 +129,7 @@ def test_a_failed_verification_keeps_the_old_folder(
     build_robot(arm, tmp_path)
     before = contents(tmp_path / "two_bars")
 
-    def wrong(robot: Robot, folder: Path) -> None:
+    def wrong(robot: Robot, folder: Path, **options: object) -> None:
         assert (folder / "model_numpy.py").is_file()
         raise VerificationError("wrong by 1e-3")
 

@@ -94,6 +94,18 @@ class Figure:
         self.settle()
         return bytes(self.page.locator(".viewer-stage").screenshot())
 
+    def steady_picture(self) -> bytes:
+        """The picture once fonts are there and nothing moves any more: a busy machine draws late."""
+        self.page.evaluate("document.fonts.ready.then(() => true)")
+        before, now, rest = b"", self.picture(), 0
+        for _ in range(100):
+            rest = rest + 1 if now == before else 0
+            if rest == 3:
+                break
+            self.page.wait_for_timeout(100)
+            before, now = now, self.picture()
+        return now
+
     def params(self, model: ModuleType) -> dict[str, float]:
         return {name: self.values.get(name, 1.0) for name in model.PARAMETERS}
 
@@ -173,8 +185,7 @@ def test_keys_numbers_and_the_reset_button_work(figure: Figure) -> None:
 
 def test_the_view_turns_by_mouse_and_keys_and_returns(figure: Figure) -> None:
     page = figure.page
-    page.wait_for_timeout(200)
-    home = figure.picture()
+    home = figure.steady_picture()
     box = page.locator(".viewer-canvas").bounding_box()
     page.mouse.move(box["x"] + 200, box["y"] + 200)
     page.mouse.down()
@@ -190,11 +201,7 @@ def test_the_view_turns_by_mouse_and_keys_and_returns(figure: Figure) -> None:
     page.locator(".viewer-names").check()
     page.evaluate("document.activeElement.blur()")
     page.mouse.move(5, 5)
-    for _ in range(30):  # a busy machine draws late
-        if figure.picture() == home:
-            break
-        page.wait_for_timeout(100)
-    assert figure.picture() == home
+    assert figure.steady_picture() == home
 
 
 def test_frames_and_labels_can_be_hidden(figure: Figure) -> None:
