@@ -28,8 +28,11 @@ PACKAGE = "__init__.py"
 OPTIONS = ("-std=c99", "-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
 """Products and sums may be fused and nobody reads `errno` or traps; nothing here changes the order of operations."""
 
-PROCESSORS = (("-march=native",), ("-mcpu=native",), ())
-"""Names that compilers have for the processor at hand, tried in this order."""
+_IN_PARTS = ("-flto=2", "--param=lto-min-partition=1000", "--param=lto-partitions=4")
+"""GCC optimises parts of one file at once: two thirds of the time on two cores, and the code is as fast."""
+
+ATTEMPTS = (("-march=native", *_IN_PARTS), ("-march=native",), ("-mcpu=native",), ())
+"""Options that not every compiler knows, tried in this order; the second and third name the processor at hand."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,10 +139,10 @@ def _is_same(folder: Path, former: Path, library: str, sources: Iterable[str]) -
 
 
 def _compile(compiler: Command, source: Path, library: Path) -> None:
-    """Compile for the processor at hand, by the first option that the compiler knows."""
-    for processor in PROCESSORS:
+    """Compile for the processor at hand, by the first options that the compiler knows."""
+    for options in ATTEMPTS:
         try:
-            return compile_shared(compiler, [source], library, (*OPTIONS, *processor))
+            return compile_shared(compiler, [source], library, (*OPTIONS, *options))
         except TargetError:
-            if not processor:
+            if not options:
                 raise
