@@ -89,4 +89,4 @@ wheel-smoke: wheel
 	rm -rf $(SMOKE)
 
 clean:
-	rm -rf dist $(SMOKE) bench/.build docs/_build docs/api docs/bench docs/gallery .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf dist $(SMOKE) bench/.build docs/_build docs/api docs/bench docs/contributing.md docs/gallery .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

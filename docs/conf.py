@@ -72,7 +72,11 @@ def _at_home(app: Sphinx, page: str, source: list[str]) -> None:
     if page == "index":
         readme = (ROOT / "README.md").read_text(encoding="utf-8")
         source[0] = re.sub(r"\]\((?!https?:|#|docs/)", "](../", readme).replace("](docs/", "](") + source[0]
-    source[0] = source[0].replace("](../bench/results/", "](bench/results/")
+    source[0] = (
+        source[0]
+        .replace("](../bench/results/", "](bench/results/")
+        .replace("](../CONTRIBUTING.md", "](contributing.md")
+    )
 
 
 def _plain(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
@@ -97,6 +101,8 @@ def _fonts(app: Sphinx, error: Exception | None) -> None:
 def setup(app: Sphinx) -> None:
     """Formulas are drawn by the KaTeX that derive brings along: the site needs no network."""
     shutil.copytree(ROOT / "bench" / "results", ROOT / "docs" / "bench" / "results", dirs_exist_ok=True)
+    recipes = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    (ROOT / "docs" / "contributing.md").write_text(recipes.replace("](docs/", "]("), encoding="utf-8")
     app.connect("source-read", _at_home)
     app.connect("build-finished", _fonts)
     app.connect("autodoc-process-docstring", _plain, priority=100)
