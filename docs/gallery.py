@@ -41,7 +41,7 @@ def entry(name: str) -> str:
     pose = run("show", name, "T", "--format", "latex").strip()
     formula = f"$$\n{pose}\n$$\n" if max(map(len, pose.splitlines())) < MOST_COLUMNS else ""
     (GALLERY / f"{name}.md").write_text(
-        f"# {name}\n\n{robot.title}\n\n![{name} with its frames](<{name}.svg>)\n\n{formula}\n"
+        f"# {name}\n\n{robot.title}\n\n![{name} with its frames]({name}.svg)\n\n{formula}\n"
         f'<a href="../pages/{name}.html">The handout as a page, with an arm that moves</a>\n\n'
         f"```sh\nderive handout {name} --html\n```\n",
         encoding="utf-8",

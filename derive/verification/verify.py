@@ -132,9 +132,9 @@ def _models(folder: Path, compiler: Command | None, libraries: Callable[[], None
     with ThreadPoolExecutor(1) as pool:
         compiled = pool.submit(compile_models, folder, compiler)
         yield from load_models(folder, needing_library=False)
-        yield from compiled.result()
         libraries()
         yield from load_models(folder, needing_library=True)
+        yield from compiled.result()
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> Row:
