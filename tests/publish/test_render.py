@@ -13,6 +13,7 @@ from derive.errors import TargetError
 from derive.programs.search_policy import Effort
 from derive.publish import render
 from derive.publish.manifest import FILE as MANIFEST
+from derive.publish.render import library_names
 from derive.publish.targets import TARGETS, targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
@@ -41,8 +42,8 @@ def test_sources_name_the_files_of_the_whole_build() -> None:
 
 
 def test_libraries_are_those_of_the_targets() -> None:
-    assert render.library_names(TARGETS.values()) == tuple(name for t in TARGETS.values() for name in t.compiled)
-    assert render.library_names(targets_named(["numpy"])) == ()
+    assert library_names(TARGETS.values()) == tuple(name for t in TARGETS.values() for name in t.compiled)
+    assert library_names(targets_named(["numpy"])) == ()
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -54,7 +55,7 @@ def test_a_library_of_the_same_sources_is_not_compiled_again(tmp_path: Path) -> 
         (former / name).write_bytes(data)
     shutil.copytree(former, folder)
     shutil.copytree(former, changed)
-    (library,) = render.library_names(targets)
+    (library,) = library_names(targets)
     (former / library).write_bytes(b"compiled before")
     compiler = find_compiler()
     assert compiler is not None
