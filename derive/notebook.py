@@ -26,7 +26,7 @@ class Model(ClosedForms):
 
     def _repr_latex_(self) -> str:
         """T, J and, where the robot has links, B and g, in the notation of the handout."""
-        robot = replace(self.robot, style=self.style, contraction=self.contraction)
+        robot = replace(self.robot, style=self.style)
         context = Context(ModelEntries(ClosedForms(robot)), robot.handout, Text(), __version__)
         return aligned_latex(list(_lines(context)))
 

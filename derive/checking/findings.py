@@ -27,7 +27,7 @@ from derive.lecture.sympy_conversion import Expr, expression_from_sympy, express
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.robot import Robot
-from derive.robot.style import Style
+from derive.robot.style import NAMED_STYLES
 
 NOTHING_KNOWN = Verdict(equal=False, exact=True)
 """Stands where no verdict is possible."""
@@ -250,7 +250,7 @@ def _difference_terms(question: Question) -> tuple[Expr, ...]:
     try:
         domain = PolynomialDomain(question.robot, [printed, right], max_terms=MAX_TERMS)
         polynomial = domain.constant(printed) - domain.constant(right)
-        difference = LectureForm(domain, style=Style.EXPANDED).kinematic(polynomial)
+        difference = LectureForm(domain, style=NAMED_STYLES["expanded"]).kinematic(polynomial)
     except DeriveError:
         return ()
     difference = difference.xreplace({sympy.Symbol(name): expression_to_sympy(e) for name, e in meanings.items()})

@@ -25,7 +25,6 @@ Indices count from 1; further indices pick an entry: 'B[1,2]', 'T[][1,4]'. A mat
 fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed.
 """
 FORMATS = ("text", "latex", "python", "json")
-STYLES = ("compact", "by-geometry", "expanded")
 CONTRACTIONS = ("aligned", "opposed")
 ABBREVIATIONS = ("christoffel", "coefficients")
 
@@ -46,7 +45,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("robot", metavar="ROBOT", help="robot file or catalogue name")
     add("quantities", metavar="QUANTITY", nargs="*", help="such as T, 'A[2]', B (default: list them)")
     add("--format", choices=FORMATS, default="text", help="form of the output (default text)")
-    add("--style", choices=STYLES, help="how expressions are grouped (default: as the robot file says)")
+    grouped = "how expressions are grouped: compact, by-geometry, expanded, or options as in a robot file, such as "
+    add("--style", help=grouped + "'compact, gravity: body' (default: as the robot file says)")
     add("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)")
     short = "short names for Christoffel symbols or for constants, with their definitions (B, C, N, Bdot, g, tau)"
     add("--abbreviate", choices=ABBREVIATIONS, help=short)

@@ -19,10 +19,31 @@ from sympy.core.basic import Basic
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
-from derive.lecture.plan import Level, Plan, Plus, Term, Times, cheapest, factored, flat, grouped, nested, product_form
+from derive.lecture.plan import (
+    Level,
+    Plan,
+    Plus,
+    Term,
+    Times,
+    cheapest,
+    factored,
+    flat,
+    grouped,
+    joined,
+    nested,
+    product_form,
+)
 from derive.lecture.sympy_conversion import Expr, factor_to_sympy
-from derive.lecture.terms import FactorTable, Monomial, Terms
-from derive.robot.style import Style
+from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition
+from derive.robot.style import (
+    CommonFactors,
+    Grouping,
+    Lengths,
+    Order,
+    Place,
+    Products,
+    Style,
+)
 
 MAX_CANDIDATE_TERMS = 300
 """Entries with more terms are grouped by the first rule alone: candidates would cost more time than they give sight."""
@@ -58,21 +79,19 @@ class LectureForm:
         table: The numbers of the printed factors.
     """
 
-    def __init__(
-        self, domain: PolynomialDomain, roles: SymbolRoles | None = None, style: Style = Style.COMPACT
-    ) -> None:
+    def __init__(self, domain: PolynomialDomain, roles: SymbolRoles | None = None, style: Style | None = None) -> None:
         self.domain = domain
         self.table = FactorTable(domain)
-        self.style = style
+        self.style = style or Style()
         self._products = ProductBuilder(self.table)
-        self._dynamic_cache: dict[str, Expr] = {}
+        self._dynamic_cache: dict[tuple[str, Grouping | None], Expr] = {}
         roles, factors = roles or SymbolRoles(), list(enumerate(self.table.factors))
         symbols = {i: getattr(f.argument, "name", "") for i, f in factors if f.kind is Kind.PARAMETER}
-        self._inertial: Level = frozenset(i for i, name in symbols.items() if name in roles.inertial)
+        self.inertial: Level = frozenset(i for i, name in symbols.items() if name in roles.inertial)
         self._gravity: Level = frozenset(i for i, name in symbols.items() if name in roles.gravity)
         self._lengths: Level = frozenset(i for i, f in factors if f.kind in (Kind.PARAMETER, Kind.VARIABLE))
         self._sines: Level = frozenset(i for i, f in factors if f.kind in (Kind.SINE, Kind.COSINE))
-        self._not_inertial: Level = frozenset(i for i, _ in factors) - self._inertial
+        self._not_inertial: Level = frozenset(i for i, _ in factors) - self.inertial
         homes = [frozenset(group) for group in sorted(domain.groups)]
         self._outwards: list[Level] = [
             frozenset(i for i in self._sines if self.table.factors[i].joints[0] in home) for home in homes
@@ -80,7 +99,7 @@ class LectureForm:
         """Sines and cosines group by group from the base outwards."""
 
     def kinematic(self, p: Polynomial) -> Expr:
-        """An entry of a frame or Jacobian: nested from the base outwards; or by lengths; or expanded.
+        """An entry of a frame or Jacobian: nested from the base outwards or the tool inwards, by lengths, or expanded.
 
         Args:
             p: A polynomial of the domain.
@@ -88,12 +107,16 @@ class LectureForm:
         return self.sympy(self._kinematic_plan(self.table.terms(p)))
 
     def _kinematic_plan(self, terms: Terms) -> Plan:
-        outwards = self._outwards
-        if self.style is Style.EXPANDED or len(terms) > MAX_CANDIDATE_TERMS:
+        order = self.style.kinematics
+        if len(terms) > MAX_CANDIDATE_TERMS:
             return flat(terms)
-        if self.style is Style.BY_GEOMETRY:
-            return nested(terms, [self._lengths, *outwards])
-        return cheapest([nested(terms, [*outwards[:1], self._lengths, *outwards[1:]]), flat(terms)])
+        if order is Order.EXPANDED:
+            return grouped(terms, self._lengths, flat) if self.style.lengths is Lengths.OUTSIDE else flat(terms)
+        joints = self._outwards if order is Order.BASE else self._outwards[::-1]
+        if self.style.lengths is Lengths.OUTSIDE:
+            return nested(terms, [self._lengths, *joints])
+        place = 1 if order is Order.BASE else len(joints)
+        return cheapest([nested(terms, [*joints[:place], self._lengths, *joints[place:]]), flat(terms)])
 
     def determinant(self, p: Polynomial) -> Expr:
         """A scalar whose zeros matter, as a product wherever it is one.
@@ -104,60 +127,83 @@ class LectureForm:
         terms = self.table.terms(p)
         return self.sympy(product_form(terms, self._kinematic_plan, monomials=True) or self._kinematic_plan(terms))
 
-    def dynamic(self, p: Polynomial) -> Expr:
+    def dynamic(self, p: Polynomial, grouping: Grouping | None = None) -> Expr:
         """An inertia, Christoffel symbol or energy.
-
-        Grouped by mass and inertia with the geometry expanded inside; or by geometry; or expanded.
 
         Args:
             p: A polynomial of the domain.
+            grouping: What is grouped first; by default what the style says of inertia.
         """
-        key = p.key()
+        key = p.key(), grouping
         if key not in self._dynamic_cache:
-            self._dynamic_cache[key] = self.write_dynamic(self.table.terms(p))
+            self._dynamic_cache[key] = self.write_dynamic(self.table.terms(p), grouping)
         return self._dynamic_cache[key]
 
-    def write_dynamic(self, terms: Terms) -> Expr:
+    def write_dynamic(self, terms: Terms, grouping: Grouping | None = None) -> Expr:
         """Contracted terms as `dynamic` writes them.
 
         Args:
             terms: A sum in the factors of `table`.
+            grouping: What is grouped first; by default what the style says of inertia.
         """
-        match self.style:
-            case Style.EXPANDED:
-                return self.sympy(flat(terms))
-            case Style.BY_GEOMETRY:
-                return self.sympy(self._by_geometry(terms))
-            case Style.COMPACT:
-                return self.sympy(grouped(terms, self._inertial, self._geometry_inside))
+        return self.sympy(self._dynamic_plan(terms, grouping or self.style.inertia))
 
     def gravity(self, p: Polynomial) -> Expr:
         """A torque of gravity.
 
-        Grouped by sines and cosines, ``(m1*l1 + m2*a1)*g*c1``; or by geometry; or expanded.
-
         Args:
             p: A polynomial of the domain.
         """
-        terms = self.table.terms(p)
-        match self.style:
-            case Style.EXPANDED:
-                return self.sympy(flat(terms))
-            case Style.BY_GEOMETRY:
-                return self.sympy(self._by_geometry(terms))
-            case Style.COMPACT:
-                level = self._sines | self._gravity
-                return self.sympy(grouped(terms, level, lambda part: factored(part, flat)))
+        terms, grouping = self.table.terms(p), self.style.gravity
+        taken_out = self._gravity if self.style.g is Place.OUTSIDE else frozenset[int]()
+        return self.sympy(factored(terms, lambda rest: self._dynamic_plan(rest, grouping), taken_out))
+
+    def _dynamic_plan(self, terms: Terms, grouping: Grouping) -> Plan:
+        """A sum in masses and inertias, grouped by body, by geometry, by function of q, or expanded."""
+        match grouping:
+            case Grouping.EXPANDED:
+                return flat(terms)
+            case Grouping.GEOMETRY:
+                return self._by_geometry(terms)
+            case Grouping.BODY:
+                return grouped(terms, self.inertial, self._geometry_inside)
+        inside = {
+            Grouping.FUNCTION: flat,
+            Grouping.FUNCTION_BODY: lambda part: grouped(part, self.inertial, self._geometry_inside),
+            Grouping.FUNCTION_GEOMETRY: self._by_geometry,
+        }[grouping]
+        products, rest = self._products_of_bodies(terms)
+        level = self._sines | self._gravity
+        by_function = grouped(rest, level, lambda part: factored(part, inside)) if rest else None
+        return joined([*([by_function] if by_function else []), *products])
 
     def _by_geometry(self, terms: Terms) -> Plan:
         """``(m1 + m2)*a1**2``: masses and inertias collected for each monomial in everything else."""
         return grouped(terms, self._not_inertial, flat)
 
+    def _products_of_bodies(self, terms: Terms) -> tuple[list[Plan], Terms]:
+        """The bodies whose coefficient is a product of sums, ``m3*(a2*c2 + l3*c23)**2``, and the others' terms."""
+        products, rest = list[Plan](), Terms()
+        for body, part in partition(terms, self.inertial).items():
+            whole = {multiply(body, m): c for m, c in part.items()}
+            product = product_form(part) if self.style.products is Products.KEPT and body else None
+            if product is not None and product.operations <= flat(part).operations:
+                products.append(grouped(whole, self.inertial, self._geometry_inside))
+            else:
+                rest.update(whole)
+        return products, rest
+
     def _geometry_inside(self, terms: Terms) -> Plan:
         """The coefficient of a mass: a product of sums where it is one, else its terms, gravity in front."""
-        if len(terms) <= MAX_CANDIDATE_TERMS and (product := product_form(terms)) is not None:
+        kept = self.style.products is Products.KEPT and len(terms) <= MAX_CANDIDATE_TERMS
+        if kept and (product := product_form(terms)) is not None:
             return cheapest([product, flat(terms)])
-        return factored(terms, flat, self._gravity)
+        in_front = {
+            CommonFactors.NONE: self._gravity,
+            CommonFactors.FUNCTIONS: self._gravity | self._sines,
+            CommonFactors.ALL: None,
+        }[self.style.factors]
+        return factored(terms, flat, in_front)
 
     def sympy(self, plan: Plan) -> Expr:
         """The plan as a SymPy expression.

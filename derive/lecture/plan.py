@@ -109,9 +109,17 @@ def grouped(terms: Terms, level: Level, inside: Writer) -> Plan:
         level: The factors.
         inside: Writes each coefficient.
     """
+    return joined(_times(outer, inside(rest)) for outer, rest in partition(terms, level).items())
+
+
+def joined(plans: Iterable[Plan]) -> Plan:
+    """The sum of some plans, without a bracket of its own.
+
+    Args:
+        plans: At least one.
+    """
     flattened: list[Plan] = []
-    for outer, rest in partition(terms, level).items():
-        part = _times(outer, inside(rest))
+    for part in plans:
         flattened.extend(part.parts if isinstance(part, Plus) else (part,))
     return flattened[0] if len(flattened) == 1 else Plus(tuple(flattened))
 

@@ -182,6 +182,19 @@ def common_factor(monomials: Iterable[Monomial]) -> Monomial:
     return tuple(sorted(common.items()))
 
 
+def multiply(a: Monomial, b: Monomial) -> Monomial:
+    """The product of two monomials.
+
+    Args:
+        a: A monomial.
+        b: Another.
+    """
+    exponents = dict(a)
+    for factor, exponent in b:
+        exponents[factor] = exponents.get(factor, 0) + exponent
+    return tuple(sorted(exponents.items()))
+
+
 def divide(monomial: Monomial, divisor: Monomial) -> Monomial:
     """The quotient of two monomials.
 

@@ -124,6 +124,7 @@ class _ByChristoffel:
     def __init__(self, model: DynamicModel) -> None:
         self.names = _Names(("h", "k", "b", "w", "u"), model)
         self._form, self._limit = model.dynamic_form, model.christoffel_limit
+        self._grouping = model.style.christoffel
         self._bases: dict[str, Polynomial] = {}
         n = range(model.n)
         for i, j, k in ((i, j, k) for i in n for j in n for k in n if j <= k):
@@ -161,7 +162,7 @@ class _ByChristoffel:
         """A rational factor and the name that it multiplies."""
         scale, key = p.normalised()
         base = self._bases.setdefault(key, p)
-        name = self.names.name(key, lambda: self._form.entry(base, self._limit))
+        name = self.names.name(key, lambda: self._form.entry(base, self._limit, self._grouping))
         return _rational(scale / base.normalised()[0]), name
 
 

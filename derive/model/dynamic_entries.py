@@ -173,9 +173,9 @@ class ModelEntries(KinematicEntries):
         model = self.model
         if not self._inertia_is_affordable:
             return _too_long((1, 1))
-        p = model.dynamics.derivative(i - 1, j - 1, k - 1)
-        size = model.dynamics.expanded_size(p)
-        return Entries((1, 1), lambda _, __: size, lambda _, __: model.dynamic_form.entry(p, model.christoffel_limit))
+        p, grouping = model.dynamics.derivative(i - 1, j - 1, k - 1), model.style.christoffel
+        size, write = model.dynamics.expanded_size(p), model.dynamic_form.entry
+        return Entries((1, 1), lambda _, __: size, lambda _, __: write(p, model.christoffel_limit, grouping))
 
     @property
     def _joints(self) -> range:

@@ -10,15 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from math import lcm
 
 import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
-from derive.lecture.plan import flat
+from derive.lecture.plan import Term, flat
 from derive.lecture.sympy_conversion import Expr
+from derive.lecture.terms import Monomial, divide, project
 from derive.model.dynamics import Dynamics
-from derive.robot.style import Style
+from derive.robot.style import Grouping, Rates
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,21 @@ class Budget:
     entry: int = 40
     long_entry: int = 400
     quantity: int = 1500
+
+
+@dataclass(frozen=True, slots=True)
+class RateWriting:
+    """How a sum of coefficients times rates is written.
+
+    Attributes:
+        rates: How the rates are collected.
+        grouping: What is grouped first in a coefficient.
+        limit: Coefficients with at most so many terms are expanded in the user's symbols.
+    """
+
+    rates: Rates
+    grouping: Grouping
+    limit: int
 
 
 class DynamicForm:
@@ -68,18 +86,20 @@ class DynamicForm:
         total = sum(self.dynamics.expanded_size(p) for p in entries)
         return self.budget.long_entry if total <= self.budget.quantity else self.budget.entry
 
-    def entry(self, p: Polynomial, limit: int) -> Expr:
+    def entry(self, p: Polynomial, limit: int, grouping: Grouping | None = None) -> Expr:
         """One entry as a SymPy expression.
 
         Args:
             p: In lumped parameters.
             limit: It is expanded where it has at most so many terms.
+            grouping: What is grouped first; by default what the style says of inertia.
         """
         if not p:
             return sympy.S.Zero
-        key = (p.key(), self.dynamics.expanded_size(p) <= limit)
+        short = self.dynamics.expanded_size(p) <= limit
+        key = (p.key(), short, grouping)
         if key not in self._cache:
-            self._cache[key] = self.form.dynamic(self.dynamics.expand(p)) if key[1] else self._grouped(p)
+            self._cache[key] = self.form.dynamic(self.dynamics.expand(p), grouping) if short else self._grouped(p)
         return self._cache[key]
 
     def _grouped(self, p: Polynomial) -> Expr:
@@ -104,46 +124,67 @@ class DynamicForm:
 
     # -- sums over rates
 
-    def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], limit: int) -> Expr:
-        """sum p * rate, with equal coefficients collected: ``h*(qd1 + qd2)``; multiplied out in the expanded style.
+    def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], writing: RateWriting) -> Expr:
+        """sum p * rate, collected as the style says: ``h*(qd1 + qd2)``, or ``h*qd1 + h*qd2``.
 
         Args:
             pairs: Coefficients in lumped parameters, and rates or products of rates.
-            limit: Coefficients with at most so many terms are expanded.
+            writing: How coefficients and rates are written.
         """
-        if self.form.style is Style.EXPANDED:
-            return sympy.Add(*(self.product(p, rate, limit) for p, rate in pairs))
+        known = [(p, rate) for p, rate in pairs if p]
+        if writing.rates is Rates.TERM and all(self.dynamics.expanded_size(p) <= writing.limit for p, _ in known):
+            return self._by_term(known)
+        if writing.rates in (Rates.PRODUCT, Rates.EXPANDED):
+            written = ((self.entry(p, writing.limit, writing.grouping), rate) for p, rate in known)
+            return sympy.Add(*(times_rate(value, rate, writing.rates) for value, rate in written))
         groups: dict[object, tuple[Polynomial, list[Expr]]] = {}
-        for p, rate in pairs:
-            if not p:
-                continue
+        for p, rate in known:
             key, opposite = p.key(), (-p).key()
             if opposite in groups:
                 groups[opposite][1].append(-rate)
             else:
                 groups.setdefault(key, (p, []))[1].append(rate)
-        terms = [sympy.Mul(self.entry(p, limit), sympy.Add(*rates)) for p, rates in groups.values()]
-        return sympy.Add(*terms)
+        values = ((self.entry(p, writing.limit, writing.grouping), rates) for p, rates in groups.values())
+        return sympy.Add(*(sympy.Mul(value, sympy.Add(*rates)) for value, rates in values))
 
-    def product(self, p: Polynomial, rate: Expr, limit: int) -> Expr:
-        """p * rate, multiplied out in the expanded style.
+    def _by_term(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
+        """Every product of lengths once, each mass or sum of masses with its combination of rates.
 
-        Args:
-            p: In lumped parameters.
-            rate: A rate or product of rates.
-            limit: p is expanded where it has at most so many terms.
+        ``m2*l2**2*(qdd1 + qdd2) + (m1 + m2)*l1**2*qdd1``
         """
-        return times_rate(self.entry(p, limit), rate, self.form.style)
+        table, form = self.form.table, self.form
+        geometry: dict[Monomial, dict[Monomial, dict[Expr, Fraction]]] = {}
+        for p, rate in pairs:
+            number, product = rate.as_coeff_Mul()
+            for monomial, coefficient in table.terms(self.dynamics.expand(p)).items():
+                body = project(monomial, form.inertial)
+                bodies = geometry.setdefault(divide(monomial, body), {})
+                rates = bodies.setdefault(body, {})
+                rates[product] = rates.get(product, Fraction(0)) + coefficient * Fraction(int(number.p), int(number.q))
+        parts = []
+        for outer, bodies in geometry.items():
+            # bodies with the same combination of rates, up to a number, are added first
+            alike: dict[tuple[tuple[Expr, Fraction], ...], list[tuple[Fraction, Monomial]]] = {}
+            for body, rates in bodies.items():
+                scale = next(iter(rates.values()))
+                combination = tuple((rate, value / scale) for rate, value in rates.items())
+                alike.setdefault(combination, []).append((scale, body))
+            for combination, masses in alike.items():
+                whole = lcm(*(value.denominator for _, value in combination))
+                mass = sympy.Add(*(form.sympy(Term(scale / whole, body)) for scale, body in masses))
+                rate = sympy.Add(*(int(value * whole) * rate for rate, value in combination))
+                parts.append(sympy.Mul(mass, form.monomial(outer), rate))
+        return sympy.Add(*parts)
 
 
-def times_rate(value: Expr, rate: Expr, style: Style) -> Expr:
-    """value * rate, multiplied out in the expanded style.
+def times_rate(value: Expr, rate: Expr, rates: Rates) -> Expr:
+    """value * rate, multiplied out where the style says so.
 
     Args:
         value: What is multiplied.
         rate: A velocity, an acceleration or a product of them.
-        style: How expressions are grouped.
+        rates: How rates are collected.
     """
-    if style is Style.EXPANDED and value.is_Add:
+    if rates is Rates.EXPANDED and value.is_Add:
         return sympy.Add(*(term * rate for term in value.args))
     return value * rate

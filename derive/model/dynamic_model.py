@@ -12,11 +12,10 @@ import sympy
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix
-from derive.model.dynamic_form import DynamicForm, times_rate
+from derive.model.dynamic_form import DynamicForm, RateWriting
 from derive.model.dynamics import Dynamics
 from derive.model.identification.closed_forms import IdentifiedModel
 from derive.model.matrices import aligned_latex, columns_matrix, only_body, symmetric_matrix
-from derive.robot.style import Style
 
 MAX_DYNAMIC_TERMS = 400_000
 """Budget of one entry of B; beyond it only the generated functions remain."""
@@ -58,6 +57,12 @@ class DynamicModel(IdentifiedModel):
     def dynamic_form(self) -> DynamicForm:
         """How dynamics is written."""
         return DynamicForm(self.dynamics, self.form)
+
+    @cached_property
+    def inertia_limit(self) -> int:
+        """Longest entry of B that is written in the user's symbols, see `DynamicForm`."""
+        n, b = range(self.n), self.dynamics.inertia_matrix
+        return self.dynamic_form.limit(b[i][j] for i in n for j in range(i, self.n))
 
     @cached_property
     def christoffel_limit(self) -> int:
@@ -221,7 +226,7 @@ class DynamicModel(IdentifiedModel):
         for index in (i, j, k):
             self._require_index(index, 1)
         p = self.dynamics.christoffel(i - 1, j - 1, k - 1)
-        return self.dynamic_form.entry(p, self.christoffel_limit)
+        return self.dynamic_form.entry(p, self.christoffel_limit, self.style.christoffel)
 
     def christoffel_table(self) -> Mapping[tuple[int, int, int], Expr]:
         """The Christoffel symbols that are not zero, for j <= k (c_ijk = c_ikj); indices from 1."""
@@ -256,9 +261,10 @@ class DynamicModel(IdentifiedModel):
     def _rate_matrix(self, quantity: str) -> Matrix:
         coefficient = self.rate_coefficient(quantity)
         assert coefficient is not None
-        n, limit, form = range(self.n), self.christoffel_limit, self.dynamic_form
+        n, form = range(self.n), self.dynamic_form
+        writing = RateWriting(self.style.coriolis, self.style.christoffel, self.christoffel_limit)
         return sympy.ImmutableMatrix(
-            [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], limit) for j in n] for i in n]
+            [[form.rate_sum([(coefficient(i, j, k), self.qd[k]) for k in n], writing) for j in n] for i in n]
         )
 
     @cached_property
@@ -284,8 +290,9 @@ class DynamicModel(IdentifiedModel):
     def tau(self) -> Matrix:
         """Joint torques, nx1 [N m or N]: B qdd + C qd + g + friction (Siciliano et al., Robotics, eq. 7.42)."""
         n = range(self.n)
-        inertial = [sympy.Add(*(times_rate(self.B[i, j], self.qdd[j], self.style) for j in n)) for i in n]
-        return sympy.ImmutableMatrix([inertial[i] + self._velocity_torque(i) + self.g[i] + self.friction[i] for i in n])
+        return sympy.ImmutableMatrix(
+            [self._acceleration_torque(i) + self._velocity_torque(i) + self.g[i] + self.friction[i] for i in n]
+        )
 
     def velocity_pairs(self, i: int) -> list[tuple[Polynomial, Expr]]:
         """What C qd consists of: sum_jk c_ijk qd_j qd_k, each pair of joints once.
@@ -302,8 +309,12 @@ class DynamicModel(IdentifiedModel):
         ]
 
     def _velocity_torque(self, i: int) -> Expr:
-        """An entry of C qd; the velocities of a symbol are collected where geometry leads."""
-        pairs, limit = self.velocity_pairs(i), self.christoffel_limit
-        if self.style is Style.BY_GEOMETRY:
-            return self.dynamic_form.rate_sum(pairs, limit)
-        return sympy.Add(*(self.dynamic_form.product(p, rates, limit) for p, rates in pairs))
+        """An entry of C qd."""
+        writing = RateWriting(self.style.velocities, self.style.christoffel, self.christoffel_limit)
+        return self.dynamic_form.rate_sum(self.velocity_pairs(i), writing)
+
+    def _acceleration_torque(self, i: int) -> Expr:
+        """An entry of B qdd."""
+        b = self.dynamics.inertia_matrix
+        writing = RateWriting(self.style.accelerations, self.style.inertia, self.inertia_limit)
+        return self.dynamic_form.rate_sum([(b[i][j], self.qdd[j]) for j in range(self.n)], writing)

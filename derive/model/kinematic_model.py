@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import sympy
@@ -33,22 +34,26 @@ class KinematicModel:
 
     Args:
         robot: The robot.
-        style: How expressions are grouped: ``compact``, ``by-geometry`` or ``expanded``; default as the file says.
+        style: How expressions are grouped: a `Style`, the name of a set of options (``compact``, ``by-geometry``,
+            ``expanded``) or options by name, see `Style.of`; default as the file says.
         contraction: Which sums of angles are contracted: ``aligned`` or ``opposed``; default as the file says.
 
     Attributes:
         robot: The robot.
         style: How expressions are grouped.
-        contraction: Which sums of angles are contracted.
         q: Joint variables [rad or m].
         qd: Their velocities.
         qdd: Their accelerations.
     """
 
-    def __init__(self, robot: Robot, style: str | None = None, contraction: str | None = None) -> None:
+    def __init__(
+        self, robot: Robot, style: Style | str | Mapping[str, str] | None = None, contraction: str | None = None
+    ) -> None:
         self.robot = robot
-        self.style = choice_named(Style, robot.style if style is None else style)
-        self.contraction = choice_named(Contraction, robot.contraction if contraction is None else contraction)
+        chosen = robot.style if style is None else Style.of(style)
+        if contraction is not None:
+            chosen = replace(chosen, contraction=choice_named(Contraction, contraction))
+        self.style = chosen
         variables = [joint.variable for joint in robot.joints]
         self.q = tuple(sympy.Symbol(v) for v in variables)
         self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
@@ -67,7 +72,7 @@ class KinematicModel:
     @cached_property
     def domain(self) -> PolynomialDomain:
         """The polynomial ring of kinematics, with the user's symbols."""
-        return PolynomialDomain(self.robot, contraction=self.contraction, rates=False)
+        return PolynomialDomain(self.robot, contraction=self.style.contraction, rates=False)
 
     @cached_property
     def kinematics(self) -> Kinematics:
@@ -324,4 +329,4 @@ class KinematicModel:
         With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., Robotics, section
         3.3).
         """
-        return find_singularities(self.robot, self.style, self.contraction)
+        return find_singularities(self.robot, self.style)

@@ -20,13 +20,13 @@ class Model(DynamicModel):
 
     Args:
         robot: The robot.
-        style: How expressions are grouped: ``compact``, ``by-geometry`` or ``expanded``; default as the file says.
+        style: How expressions are grouped: a `Style`, the name of a set of options (``compact``, ``by-geometry``,
+            ``expanded``) or options by name, see `Style.of`; default as the file says.
         contraction: Which sums of angles are contracted: ``aligned`` or ``opposed``; default as the file says.
 
     Attributes:
         robot: The robot.
         style: How expressions are grouped.
-        contraction: Which sums of angles are contracted.
         q: Joint variables [rad or m].
         qd: Their velocities.
         qdd: Their accelerations.

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from derive.robot.expression import ONE, ZERO, Expression, to_text
-from derive.robot.style import Contraction, FigureOptions, HandoutOptions, Style
+from derive.robot.style import FigureOptions, HandoutOptions, Style
 
 Vector = tuple[Expression, Expression, Expression]
 """Three cells: a point, or a vector in space."""
@@ -186,7 +186,6 @@ class Description:
         parameters: Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
         runtime: Names that stay free in generated code though they have a number.
         style: How expressions are grouped in print.
-        contraction: Which sums of angles are contracted in print.
         handout: What the handout shows and how.
         figure: Which configuration is drawn.
         units: Units of plain numbers in the file; needed only for numbers that a user types beside it.
@@ -204,8 +203,7 @@ class Description:
     links: tuple[Link, ...] = ()
     parameters: tuple[tuple[str, Expression], ...] = ()
     runtime: tuple[str, ...] = ()
-    style: Style = Style.COMPACT
-    contraction: Contraction = Contraction.ALIGNED
+    style: Style = field(default_factory=Style)
     handout: HandoutOptions = field(default_factory=HandoutOptions)
     figure: FigureOptions = field(default_factory=FigureOptions)
     units: FileUnits = FileUnits()

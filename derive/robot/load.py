@@ -17,10 +17,9 @@ from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.expression import Expression
-from derive.robot.presentation import read_figure, read_handout
+from derive.robot.presentation import read_figure, read_handout, read_style
 from derive.robot.schema import check_structure
 from derive.robot.size_limits import FILE_LIMITS
-from derive.robot.style import Contraction, Style
 from derive.robot.table import read_frame, read_gravity, read_joints, read_links
 from derive.robot.validate import validate
 
@@ -157,8 +156,7 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         links=links,
         parameters=parameters,
         runtime=_runtime(document),
-        style=Style(document.text("style") or Style.COMPACT),
-        contraction=Contraction(document.text("contraction") or Contraction.ALIGNED),
+        style=read_style(document),
         handout=read_handout(document),
         figure=read_figure(document, cells, joints, parameters),
         units=units,

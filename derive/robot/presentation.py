@@ -1,4 +1,4 @@
-"""Reads the blocks ``handout:`` and ``figure:`` of a robot file: what is shown, and which configuration is drawn."""
+"""Reads ``style:``, ``handout:`` and ``figure:`` of a robot file: how formulas are written, what is shown and drawn."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from derive.robot.document import Document, KeyPath, YamlMapping
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.style import (
+    DEFAULT_STYLE,
     PARTS,
     AngleLetter,
     FigureOptions,
@@ -23,6 +24,7 @@ from derive.robot.style import (
     InertiaLetter,
     NotationOptions,
     SliderLetter,
+    Style,
 )
 
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
@@ -31,6 +33,28 @@ LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 _NOTATION: KeyPath = ("handout", "notation")
 
 Choice = TypeVar("Choice", bound=StrEnum)
+
+
+def read_style(document: Document) -> Style:
+    """How expressions are grouped: a name, or a block of options with or without one.
+
+    Args:
+        document: The file, of checked structure.
+
+    Returns:
+        The style; ``contraction:`` beside it is one of its options too.
+
+    Raises:
+        RobotFileError: The contraction is given twice.
+    """
+    block, beside = document.find(("style",)), document.text("contraction")
+    options = {"name": document.text("style") or DEFAULT_STYLE}
+    if isinstance(block, YamlMapping):
+        options = {key: document.text("style", key) for key in block.entries}
+    if beside and "contraction" in options:
+        path: KeyPath = ("style", "contraction")
+        raise document.error(path, "given twice", "allowed: once, here or beside the style", "remove one")
+    return Style.of({**options, "contraction": beside} if beside else options)
 
 
 def read_handout(document: Document) -> HandoutOptions:

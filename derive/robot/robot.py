@@ -30,7 +30,6 @@ class Robot(Description):
         parameters: Symbols with their exact numbers.
         runtime: Names that stay arguments of generated functions though they have a number.
         style: How printed expressions are grouped.
-        contraction: Which sums of angles are contracted in print.
         handout: What the handout shows and how.
         figure: Which configuration is drawn.
         units: Units of plain numbers in the file.

@@ -8,12 +8,29 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, WithJsonSchema
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, WithJsonSchema
 
 from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
 from derive.robot.size_limits import FILE_LIMITS
-from derive.robot.style import PARTS, AngleLetter, Derivation, FrameIndices, Functions, InertiaLetter, SliderLetter
+from derive.robot.style import (
+    DEFAULT_STYLE,
+    PARTS,
+    AngleLetter,
+    CommonFactors,
+    Contraction,
+    Derivation,
+    FrameIndices,
+    Functions,
+    Grouping,
+    InertiaLetter,
+    Lengths,
+    Order,
+    Place,
+    Products,
+    Rates,
+    SliderLetter,
+)
 
 NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"
 ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
@@ -22,6 +39,7 @@ Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
 Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
 Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
+StyleName = Literal["compact", "by-geometry", "expanded"]
 Vector3 = tuple[Cell, Cell, Cell]
 Row4 = tuple[Cell, Cell, Cell, Cell]
 Matrix4 = tuple[Row4, Row4, Row4, Row4]
@@ -112,6 +130,32 @@ class HandoutRow(Strict):
     notation: NotationRow = Field(default=NotationRow(), description="How symbols are written.")
 
 
+_NAME, _BLOCK = "<name>", "<block>"
+"""The two forms of a style; they stand in the paths of violations, where no key can be called so."""
+
+
+def _form_of_style(value: Any) -> str:
+    return _BLOCK if isinstance(value, dict | BaseModel) else _NAME
+
+
+class StyleRow(Strict):
+    """How books differ: what is grouped first in each kind of quantity. What is left out is as in the set `name`."""
+
+    name: StyleName = Field(default=DEFAULT_STYLE, description="The set of options from which the others are taken.")
+    kinematics: Order | None = Field(default=None, description="Frames and Jacobians: from the base or the tool.")
+    lengths: Lengths | None = Field(default=None, description="Lengths inside the first joint's bracket, or in front.")
+    inertia: Grouping | None = Field(default=None, description="What is grouped first in the inertia matrix.")
+    christoffel: Grouping | None = Field(default=None, description="What is grouped first in Christoffel symbols.")
+    gravity: Grouping | None = Field(default=None, description="What is grouped first in torques of gravity.")
+    products: Products | None = Field(default=None, description="Whether products of sums stay products.")
+    factors: CommonFactors | None = Field(default=None, description="What is taken out of a body's bracket.")
+    g: Place | None = Field(default=None, description="Gravity in every term, or in front of the whole.")
+    coriolis: Rates | None = Field(default=None, description="How rates are collected in C, N and dB/dt.")
+    velocities: Rates | None = Field(default=None, description="How products of velocities are collected in torques.")
+    accelerations: Rates | None = Field(default=None, description="How accelerations are collected in torques.")
+    contraction: Contraction | None = Field(default=None, description="Which sums of joint angles are contracted.")
+
+
 class FigureRow(Strict):
     """Which configuration is drawn and computed in numbers."""
 
@@ -151,9 +195,9 @@ class RobotFile(Strict):
     links: list[LinkRow] | None = Field(default=None, description="One row per joint: dynamics.")
     parameters: dict[str, Cell] = Field(default={}, description="Numbers of symbols, in SI units and radians.")
     runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
-    style: Literal["compact", "by-geometry", "expanded"] = Field(
-        default="compact", description="How printed expressions are grouped."
-    )
+    style: Annotated[
+        Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], Discriminator(_form_of_style)
+    ] = Field(default=DEFAULT_STYLE, description="How printed expressions are grouped: a name, or a block of options.")
     contraction: Literal["aligned", "opposed"] = Field(
         default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
     )
@@ -230,6 +274,7 @@ _NESTED: dict[str, type[BaseModel]] = {
     "motor": MotorRow,
     "friction": FrictionRow,
     "inertia": InertiaRow,
+    "style": StyleRow,
     "handout": HandoutRow,
     "notation": NotationRow,
     "figure": FigureRow,
@@ -270,7 +315,7 @@ def _plain(node: Node) -> Any:
 
 def _refusal(document: Document, violation: Any) -> RobotFileError:
     """The message for one violation that pydantic found."""
-    path: KeyPath = tuple(violation["loc"])
+    path: KeyPath = tuple(part for part in violation["loc"] if part not in (_NAME, _BLOCK))
     key, kind = str(path[-1]) if path else "", violation["type"]
     node = document.find(path)
     match kind:

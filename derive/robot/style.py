@@ -1,35 +1,21 @@
 """How results are shown: how books group and write the same expression, and the parts of a handout.
 
-These are the keys ``style``, ``contraction``, ``handout`` and ``figure`` of a robot file.
+These are the keys ``style``, ``contraction``, ``handout`` and ``figure`` of a robot file. A `Style` is a few
+independent options, for the ways in which books differ are few and independent; `NAMED_STYLES` are the usual sets.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
-from typing import Any, TypeVar
+from types import MappingProxyType
+from typing import Any, Final, TypeVar, cast
 
 from derive.errors import QuantityError, listed, near_miss, quoted
 from derive.robot.expression import Expression
 
 Choice = TypeVar("Choice", bound=StrEnum)
-
-
-class Style(StrEnum):
-    """How printed expressions are grouped.
-
-    Attributes:
-        COMPACT: Kinematics nested from the base outwards, ``c1*(a2*c2 + a3*c23)``; dynamics grouped by mass and
-            inertia, ``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``.
-        BY_GEOMETRY: Kinematics with the lengths factored, ``d6*(...)``; dynamics grouped by geometry,
-            ``(m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2``.
-        EXPANDED: Sums of products, ``a2*c1*c2 + a3*c1*c23``.
-    """
-
-    COMPACT = "compact"
-    BY_GEOMETRY = "by-geometry"
-    EXPANDED = "expanded"
 
 
 class Contraction(StrEnum):
@@ -44,12 +30,13 @@ class Contraction(StrEnum):
     OPPOSED = "opposed"
 
 
-def choice_named(kind: type[Choice], name: str) -> Choice:
+def choice_named(kind: type[Choice], name: str, title: str = "") -> Choice:
     """The choice of that name.
 
     Args:
-        kind: `Style`, `Contraction` or `Derivation`.
-        name: For instance ``by-geometry``.
+        kind: `Contraction`, `Derivation` or the kind of an option of `Style`.
+        name: For instance ``opposed``.
+        title: What is chosen, for messages; by default the kind.
 
     Raises:
         QuantityError: No such choice.
@@ -58,7 +45,240 @@ def choice_named(kind: type[Choice], name: str) -> Choice:
         return kind(name)
     except ValueError:
         allowed = ", ".join(member.value for member in kind)
-        raise QuantityError(f"{kind.__name__.lower()} {name!r}", allowed=allowed) from None
+        raise QuantityError(f"{title or kind.__name__.lower()} {name!r}", allowed=allowed) from None
+
+
+class Order(StrEnum):
+    """What is grouped first in an entry of a frame or Jacobian.
+
+    Attributes:
+        BASE: The sines and cosines of the joints from the base outwards: ``c1*(c2*(c4*c5*c6 - s4*s6) - s2*s5*c6)``.
+        TOOL: Those of the joints from the tool inwards: ``c6*(c5*(...) - s5*(...)) - s6*(...)``.
+        EXPANDED: Nothing: a sum of products.
+    """
+
+    BASE = "base"
+    TOOL = "tool"
+    EXPANDED = "expanded"
+
+
+class Lengths(StrEnum):
+    """Where the lengths of an entry of a frame or Jacobian stand.
+
+    Attributes:
+        INSIDE: In the bracket of the first joint: ``c1*(a2*c2 + a3*c23)``.
+        OUTSIDE: Each in front of what it multiplies: ``d6*(c1*c2*s5 + s1*c5) + c1*s2*q3``.
+    """
+
+    INSIDE = "inside"
+    OUTSIDE = "outside"
+
+
+class Grouping(StrEnum):
+    """What is grouped first in dynamics.
+
+    Attributes:
+        BODY: Masses and moments of inertia: ``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``.
+        GEOMETRY: Each product of lengths and functions of q: ``(m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2``.
+        FUNCTION: Each function of q, its coefficient a sum of products: ``(m1*l1 + m2*a1)*g*c1``.
+        FUNCTION_BODY: Each function of q, its coefficient by masses and inertias.
+        FUNCTION_GEOMETRY: Each function of q, its coefficient by products of lengths: ``(m1*l1 + (m2 + m3)*a1)*g*c1``.
+        EXPANDED: Nothing: a sum of products.
+    """
+
+    BODY = "body"
+    GEOMETRY = "geometry"
+    FUNCTION = "function"
+    FUNCTION_BODY = "function-body"
+    FUNCTION_GEOMETRY = "function-geometry"
+    EXPANDED = "expanded"
+
+
+class Products(StrEnum):
+    """Whether a sum that is a product stays one.
+
+    Attributes:
+        KEPT: ``m3*(a2*c2 + l3*c23)**2``.
+        EXPANDED: ``m3*(a2**2*c2**2 + 2*a2*l3*c2*c23 + l3**2*c23**2)``.
+    """
+
+    KEPT = "kept"
+    EXPANDED = "expanded"
+
+
+class CommonFactors(StrEnum):
+    """Which common factors are taken out of the bracket of a body.
+
+    Attributes:
+        NONE: None: ``m3*(a2*l3*c2*s23 + l3**2*c23*s23)``.
+        FUNCTIONS: Functions of q: ``m3*s23*(a2*l3*c2 + l3**2*c23)``.
+        ALL: Lengths too: ``m3*l3*s23*(a2*c2 + l3*c23)``.
+    """
+
+    NONE = "none"
+    FUNCTIONS = "functions"
+    ALL = "all"
+
+
+class Place(StrEnum):
+    """Where the acceleration of gravity stands.
+
+    Attributes:
+        INSIDE: In every term: ``m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)``.
+        OUTSIDE: In front of the whole: ``g*(m1*l1*c1 + m2*(a1*c1 + l2*c12))``.
+    """
+
+    INSIDE = "inside"
+    OUTSIDE = "outside"
+
+
+class Rates(StrEnum):
+    """How velocities and accelerations are collected.
+
+    Attributes:
+        PRODUCT: Each product of rates with its coefficient: ``-2*h*qd1*qd2 - h*qd2**2``.
+        SYMBOL: Each coefficient (a Christoffel symbol, an entry of B) with its rates: ``-h*(2*qd1*qd2 + qd2**2)``.
+        TERM: Each term of the coefficients with its rates: ``m2*l2**2*(qdd1 + qdd2) + m2*a1*l2*c2*(2*qdd1 + qdd2)``.
+        EXPANDED: Multiplied out.
+    """
+
+    PRODUCT = "product"
+    SYMBOL = "symbol"
+    TERM = "term"
+    EXPANDED = "expanded"
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """How a book writes its expressions: what it groups first in every kind of quantity.
+
+    Each option is independent of the others; `NAMED_STYLES` are the usual sets of them. A value may be given by its
+    name, ``Style.of("gravity: body")``.
+
+    Attributes:
+        kinematics: What is grouped first in frames and Jacobians.
+        lengths: Where lengths stand there.
+        inertia: What is grouped first in B and in the energies.
+        christoffel: What is grouped first in a Christoffel symbol, hence in C.
+        gravity: What is grouped first in g.
+        products: Whether products of sums stay products within one body.
+        factors: Which common factors stand in front of a body's bracket.
+        g: Where the acceleration of gravity stands.
+        coriolis: How the rates are collected in C, N and dB/dt.
+        velocities: How the products of velocities are collected in torques.
+        accelerations: How the accelerations are collected in torques.
+        contraction: Which sums of joint angles are contracted.
+    """
+
+    kinematics: Order = Order.BASE
+    lengths: Lengths = Lengths.INSIDE
+    inertia: Grouping = Grouping.BODY
+    christoffel: Grouping = Grouping.BODY
+    gravity: Grouping = Grouping.FUNCTION
+    products: Products = Products.KEPT
+    factors: CommonFactors = CommonFactors.NONE
+    g: Place = Place.INSIDE
+    coriolis: Rates = Rates.SYMBOL
+    velocities: Rates = Rates.PRODUCT
+    accelerations: Rates = Rates.PRODUCT
+    contraction: Contraction = Contraction.ALIGNED
+
+    @classmethod
+    def of(cls, value: Style | str | Mapping[str, str]) -> Style:
+        """A style in any of the ways in which one can be given.
+
+        Args:
+            value: A style; a text such as ``by-geometry`` or ``compact, gravity: body``; or options by name, with the
+                set that they change under ``name``.
+
+        Returns:
+            The style.
+
+        Raises:
+            QuantityError: No such set, option or value.
+        """
+        if isinstance(value, Style):
+            return value
+        if isinstance(value, str):
+            value = _options_in(value)
+        changes = dict(value)
+        start = changes.pop("name", DEFAULT_STYLE)
+        if start not in NAMED_STYLES:
+            allowed = f"allowed: {listed(NAMED_STYLES)}, or options such as gravity: body"
+            raise QuantityError(f"style {quoted(start)}", allowed=allowed, remedy=near_miss(start, NAMED_STYLES))
+        chosen: dict[str, Any] = {}
+        for name, text in changes.items():
+            if name not in STYLE_OPTIONS:
+                allowed, remedy = f"allowed: {listed(STYLE_OPTIONS)}", near_miss(name, STYLE_OPTIONS)
+                raise QuantityError(f"style option {quoted(name)}", allowed=allowed, remedy=remedy)
+            chosen[name] = choice_named(STYLE_OPTIONS[name], text, f"{name} of a style")
+        return replace(NAMED_STYLES[start], **chosen)
+
+    def options(self) -> dict[str, str]:
+        """The fewest options that say the style: a set under ``name``, if not the default one, and what it changes.
+
+        Returns:
+            Name of the option and value, as they stand in a robot file; empty for the default.
+        """
+        ways = []
+        for name, start in NAMED_STYLES.items():
+            changes = {key: str(value) for key, value in self._values() if value != getattr(start, key)}
+            ways.append(changes if name == DEFAULT_STYLE else {"name": name, **changes})
+        return min(ways, key=len)
+
+    def _values(self) -> Iterator[tuple[str, StrEnum]]:
+        return ((option.name, getattr(self, option.name)) for option in fields(self))
+
+    def __str__(self) -> str:
+        """The style as `of` reads it: ``by-geometry, gravity: body``."""
+        options = self.options()
+        name = options.pop("name", "" if options else DEFAULT_STYLE)
+        return ", ".join([*([name] if name else []), *(f"{key}: {value}" for key, value in options.items())])
+
+
+DEFAULT_STYLE: Final = "compact"
+"""Name of the set that holds where a file says nothing."""
+
+NAMED_STYLES: Mapping[str, Style] = MappingProxyType(
+    {
+        DEFAULT_STYLE: Style(),
+        "by-geometry": Style(
+            lengths=Lengths.OUTSIDE,
+            inertia=Grouping.GEOMETRY,
+            christoffel=Grouping.GEOMETRY,
+            gravity=Grouping.GEOMETRY,
+            velocities=Rates.SYMBOL,
+        ),
+        "expanded": Style(
+            kinematics=Order.EXPANDED,
+            inertia=Grouping.EXPANDED,
+            christoffel=Grouping.EXPANDED,
+            gravity=Grouping.EXPANDED,
+            products=Products.EXPANDED,
+            coriolis=Rates.EXPANDED,
+            velocities=Rates.EXPANDED,
+            accelerations=Rates.EXPANDED,
+        ),
+    }
+)
+"""The usual sets of options by their names."""
+
+STYLE_OPTIONS: Mapping[str, type[StrEnum]] = MappingProxyType(
+    {option.name: cast(type[StrEnum], type(option.default)) for option in fields(Style)}
+)
+"""Every option of a style and its values."""
+
+
+def _options_in(text: str) -> dict[str, str]:
+    """The options of a text such as ``by-geometry, gravity: body``; a word without a colon is the name of a set."""
+    found: dict[str, str] = {}
+    for part in text.split(","):
+        key, colon, value = (word.strip() for word in part.replace("=", ":").partition(":"))
+        key, value = (key, value) if colon else ("name", key)
+        if key in found:
+            raise QuantityError(f"{quoted(key)} twice in style {quoted(text)}", remedy="remove one")
+        found[key] = value
+    return found
 
 
 PARTS = (

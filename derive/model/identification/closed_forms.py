@@ -132,10 +132,10 @@ class IdentifiedModel(KinematicModel):
             return self.domain.derivative(value, k) if value else zero
 
         for j in n:
-            yield times_rate(write(inertia.get((i, j), zero)), self.qdd[j], self.style)
+            yield times_rate(write(inertia.get((i, j), zero)), self.qdd[j], self.style.accelerations)
         for j in n:
             for k in range(j, self.n):
                 twice = _slope(i, j, k) + _slope(i, k, j) - _slope(j, k, i)
                 if twice:
                     value = twice * Fraction(1, 2) if j == k else twice
-                    yield times_rate(write(value), self.qd[j] * self.qd[k], self.style)
+                    yield times_rate(write(value), self.qd[j] * self.qd[k], self.style.velocities)

@@ -26,7 +26,7 @@ from derive.model.matrices import aligned_latex
 from derive.model.singularities.blocks import square_blocks
 from derive.robot.expression import Number
 from derive.robot.robot import Robot
-from derive.robot.style import Contraction, Style
+from derive.robot.style import Style
 
 Write = Callable[[Polynomial], Expr]
 
@@ -222,15 +222,12 @@ class Singularities:
         return aligned_latex(lines)
 
 
-def find_singularities(
-    robot: Robot, style: Style = Style.COMPACT, contraction: Contraction = Contraction.ALIGNED
-) -> Singularities:
+def find_singularities(robot: Robot, style: Style | None = None) -> Singularities:
     """Where the Jacobian of a robot loses rank.
 
     Args:
         robot: The robot.
-        style: How expressions are grouped.
-        contraction: Which sums of angles are contracted.
+        style: How expressions are grouped; by default as the robot file says.
 
     Returns:
         The determinant in factors, and where each of them is zero.
@@ -240,13 +237,13 @@ def find_singularities(
     if robot.n > MAX_JOINTS:
         return Singularities(Outcome.REDUNDANT)
     try:
-        return _singularities(robot, style, contraction)
+        return _singularities(robot, style or robot.style)
     except TooManyTerms:
         return Singularities(Outcome.TOO_LONG)
 
 
-def _singularities(robot: Robot, style: Style, contraction: Contraction) -> Singularities:
-    domain = PolynomialDomain(robot, contraction=contraction, rates=False, max_terms=MAX_TERMS)
+def _singularities(robot: Robot, style: Style) -> Singularities:
+    domain = PolynomialDomain(robot, contraction=style.contraction, rates=False, max_terms=MAX_TERMS)
     write = LectureForm(domain, style=style).kinematic
     blocks = square_blocks(Kinematics(robot, domain))
     determinants = [block.determinant() for block in blocks]
