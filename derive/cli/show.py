@@ -8,9 +8,12 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.terminal import print_columns, print_json
+from derive.cli.terminal import digit_count, print_columns, print_json
+from derive.errors import QuantityError
+from derive.robot.rounding import DIGITS
 
 if TYPE_CHECKING:
     from derive.robot.robot import Robot
@@ -25,6 +28,7 @@ Indices count from 1; further indices pick an entry: 'B[1,2]', 'T[][1,4]'. A mat
 fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed.
 """
 FORMATS = ("text", "latex", "python", "json")
+EXACT_FORMATS = ("python", "json")
 CONTRACTIONS = ("aligned", "opposed")
 ABBREVIATIONS = ("christoffel", "coefficients")
 
@@ -50,6 +54,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)")
     short = "short names for Christoffel symbols or for constants, with their definitions (B, C, N, Bdot, g, tau)"
     add("--abbreviate", choices=ABBREVIATIONS, help=short)
+    precision = parser.add_mutually_exclusive_group()
+    add = precision.add_argument
+    add("--digits", type=digit_count, metavar="N", help=f"significant digits of numbers in text and LaTeX ({DIGITS})")
+    add("--exact", action="store_true", help="all digits, as fractions; so are Python and JSON always")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -63,13 +71,17 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.robots import load
 
+    if arguments.digits and arguments.format in EXACT_FORMATS:
+        raise QuantityError(
+            f"--digits with --format {arguments.format}", allowed="text and latex; Python and JSON are exact"
+        )
     robot = load(arguments.robot)
     if not arguments.quantities:
         _list(robot, arguments.format)
         return 0
     from derive.handouts.notation.notation import Notation
     from derive.handouts.notation.printer import LatexPrinter
-    from derive.handouts.notation.text import PlainPrinter, TextPrinter
+    from derive.handouts.notation.text import PlainPrinter, TextPrinter, loses_digits
     from derive.model.model import Model
 
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
@@ -80,15 +92,20 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             value, definitions = model.abbreviated(name, by=arguments.abbreviate)
             shown += [(name, value), *((str(symbol), meaning) for symbol, meaning in definitions.items())]
+    digits = None if arguments.exact else arguments.digits or DIGITS
+    notation = replace(Notation.of(robot), digits=digits)
     if arguments.format == "latex":
-        printer: Printer = LatexPrinter(Notation.of(robot)).latex
+        printer: Printer = LatexPrinter(notation).latex
     else:
-        printer = TextPrinter(robot).doprint if arguments.format == "text" else PlainPrinter().doprint
+        printer = TextPrinter(robot, digits).doprint if arguments.format == "text" else PlainPrinter().doprint
     if arguments.format == "json":
         rows = {name: _entries(value, printer) for name, value in shown}
         quantities = {name: printer(value) if rows[name] is None else rows[name] for name, value in shown}
         print_json({"robot": robot.name, "quantities": quantities})
     else:
+        comment = {"text": "#", "latex": "%"}.get(arguments.format)
+        if comment and digits and loses_digits([v for _, v in shown], decimals=notation.decimals, digits=digits):
+            print(f"{comment} numbers are rounded to {digits} significant digits; --exact prints all of them")
         print("\n\n".join("\n".join(_lines(arguments.format, name, value, printer)) for name, value in shown))
     return 0
 

@@ -169,6 +169,21 @@ def sample_count(text: str) -> int:
     return _whole(text, 10, 1000000)
 
 
+def digit_count(text: str) -> int:
+    """A number of significant digits, from 1 to 30.
+
+    Args:
+        text: As typed.
+
+    Returns:
+        The number.
+
+    Raises:
+        argparse.ArgumentTypeError: Anything else.
+    """
+    return _whole(text, 1, 30)
+
+
 def _whole(text: str, least: int, most: int) -> int:
     plain = text.isascii() and text.isdecimal() and len(text) <= len(str(most))
     if not plain or not least <= int(text) <= most:

@@ -318,56 +318,55 @@ def expanded_terms(expression: Expression, stop: int) -> int:
     return min(count, stop + 1)
 
 
-def to_text(expression: Expression) -> str:
+def to_text(expression: Expression, write: Callable[[Fraction], str] = str) -> str:
     """The expression as a user would write it in a cell; parsing the text gives the tree back.
 
     Args:
         expression: Any tree.
+        write: Writes a number, for instance rounded, as an integer, decimal or quotient; multiples of pi stay exact.
 
     Returns:
         Text of the cell grammar such as ``a1 + 2*pi/3 - sqrt(b)/2``.
     """
     match expression:
         case Number(value):
-            return str(value)
+            return write(value)
         case Pi():
             return "pi"
         case Name(name):
             return name
         case Sum(terms):
-            first, *rest = map(to_text, terms)
+            first, *rest = (to_text(term, write) for term in terms)
             return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in rest)
         case Product(factors):
-            return _product_text(factors)
+            return _product_text(factors, write)
         case Power(base, exponent):
-            return f"{_base_text(base)}**{exponent}" if exponent > 0 else _product_text((expression,))
+            return f"{_base_text(base, write)}**{exponent}" if exponent > 0 else _product_text((expression,), write)
         case Call(function, arguments):
-            return f"{function}({', '.join(map(to_text, arguments))})"
+            return f"{function}({', '.join(to_text(argument, write) for argument in arguments)})"
     raise TypeError(expression)
 
 
-def _product_text(factors: tuple[Expression, ...]) -> str:
+def _product_text(factors: tuple[Expression, ...], write: Callable[[Fraction], str]) -> str:
     """A product with a fraction's denominator and negative powers behind slashes: ``-2*a1/(3*b)`` as ``-2*a1/b/3``."""
     coefficient = Fraction(1)
     if isinstance(factors[0], Number):
         coefficient, factors = factors[0].value, factors[1:]
-    sign = "-" if coefficient < 0 else ""
-    text = "" if abs(coefficient.numerator) == 1 else str(abs(coefficient.numerator))
+    text, _, denominator = (str if Pi() in factors else write)(abs(coefficient)).partition("/")
+    text = "" if text == "1" else text
     for factor in factors:
         if isinstance(factor, Power) and factor.exponent < 0:
             exponent = "" if factor.exponent == -1 else f"**{-factor.exponent}"
-            text = f"{text or '1'}/{_base_text(factor.base)}{exponent}"
+            text = f"{text or '1'}/{_base_text(factor.base, write)}{exponent}"
         else:
-            shown = f"({to_text(factor)})" if isinstance(factor, Sum) else to_text(factor)
+            shown = f"({to_text(factor, write)})" if isinstance(factor, Sum) else to_text(factor, write)
             text += ("*" if text else "") + shown
-    if coefficient.denominator != 1:
-        text = f"{text}/{coefficient.denominator}"
-    return sign + text
+    return ("-" if coefficient < 0 else "") + text + (f"/{denominator}" if denominator else "")
 
 
-def _base_text(expression: Expression) -> str:
+def _base_text(expression: Expression, write: Callable[[Fraction], str]) -> str:
     """The base of a power, in parentheses unless it binds by itself."""
     plain = isinstance(expression, Name | Pi | Call)
     if isinstance(expression, Number):
         plain = expression.value.denominator == 1 and expression.value >= 0
-    return to_text(expression) if plain else f"({to_text(expression)})"
+    return to_text(expression, write) if plain else f"({to_text(expression, write)})"

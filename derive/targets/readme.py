@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
+from derive.errors import Location
 from derive.programs.program import ARGUMENTS, cost_text, joint_lines
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
+from derive.robot.parser import parse_expression
+from derive.robot.robot import Robot
+from derive.robot.rounding import DIGITS, is_given_in_decimals, number_text
+from derive.robot.size_limits import FORMULA_LIMITS
 from derive.targets import templating
 from derive.targets.escape import markdown_text
 from derive.targets.target import Source, Target, package_name, shape_text
@@ -25,6 +33,9 @@ FILES = {
 }
 """What each file is; files that are not listed here appear without a word."""
 
+OWN_FORMULA = replace(FORMULA_LIMITS, digits=FORMULA_LIMITS.text_length, number_bits=4 * FORMULA_LIMITS.text_length)
+"""Limits that a formula of ours keeps: exact products of the user's numbers may have many digits."""
+
 
 def render(source: Source) -> dict[str, str]:
     """The page.
@@ -38,6 +49,7 @@ def render(source: Source) -> dict[str, str]:
     robot, program = source.robot, source.program
     free, numbers = free_symbols(robot), number_of(robot)
     base = program["base_parameters"].columns if "base_parameters" in program else ()
+    written = {column.name: _formulas(column.formula, robot) for column in base}
     functions = [
         {
             "call": f"{function.name}({', '.join(function.arguments)})",
@@ -64,14 +76,27 @@ def render(source: Source) -> dict[str, str]:
         "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
         # symbols whose number is part of the code
         "numbers": [
-            (name, to_text(numbers[name])) for name in robot_symbols(robot) if name in numbers and name not in free
+            (name, to_text(numbers[name], partial(number_text, decimals=True, digits=None)))
+            for name in robot_symbols(robot)
+            if name in numbers and name not in free
         ],
-        "base": [(column.name, column.formula) for column in base],  # the cell grammar keeps formulas free of markup
+        # the cell grammar keeps formulas free of markup
+        "base": [(name, rounded) for name, (rounded, _) in written.items()],
+        "digits": DIGITS if any(rounded != exact for rounded, exact in written.values()) else None,
         "free": free,
         "example": ", ".join(["0.1"] * robot.n),
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }
     return {"README.md": templating.render("readme/README.md.jinja", **context)}
+
+
+def _formulas(formula: str, robot: Robot) -> tuple[str, str]:
+    """A formula with its numbers in few digits, and with all of them."""
+    if not formula:
+        return "", ""
+    tree = parse_expression(formula, Location("formula"), limits=OWN_FORMULA)
+    write = partial(number_text, decimals=is_given_in_decimals(robot))
+    return to_text(tree, write), to_text(tree, partial(write, digits=None))
 
 
 TARGET = Target(

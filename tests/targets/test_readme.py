@@ -60,3 +60,24 @@ def test_titles_are_text() -> None:
 def test_no_tag_is_left() -> None:
     """Everything was filled in."""
     assert not re.search(r"\{\{|\{%|%\}|\}\}", page(Robot.load("puma560-corke")))
+
+
+ROD = """\
+name: rod
+convention: standard
+joints:
+  - {type: revolute, a: a1}
+links:
+  - {mass: 1.23456, com: [-0.2159, 0, 0], inertia: {zz: 0.019}}
+gravity: [0, -g, 0]
+parameters: {a1: 0.4318123456789, g: 9.80665}
+"""
+
+
+def test_numbers_are_shown_in_decimals_of_six_digits_and_the_page_says_so() -> None:
+    """Those that the user gave with all of their digits."""
+    text = page(Robot.from_text(ROD))
+    assert "| `a1` | `0.4318123456789` |" in text
+    assert "- `Izz1`: `1.23456*a1**2 - 0.533083*a1 + 0.0765463`" in text
+    assert "rounded to 6 significant digits" in text
+    assert "rounded" not in page(Robot.from_text(ROD.replace("1.23456", "1.2").replace("0.2159", "0.2")))

@@ -20,11 +20,12 @@ from typing import Any
 
 from sympy import pi
 
-from derive.handouts.notation.pieces import DIGITS, Box, italic, script
+from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.subscripts import Glyph, distinct, natural, variable_glyphs
-from derive.robot.expression import Number, Sum, names
-from derive.robot.names import acceleration_name, expressions, joint_label, limit_symbols, robot_symbols, velocity_name
+from derive.robot.expression import names
+from derive.robot.names import acceleration_name, joint_label, limit_symbols, robot_symbols, velocity_name
 from derive.robot.robot import Robot
+from derive.robot.rounding import DIGITS, is_given_in_decimals
 from derive.robot.style import Functions, NotationOptions
 
 
@@ -38,7 +39,7 @@ class Notation:
         labels: Joint variable of a revolute joint -> its label; a joint without a unique label is missing.
         inertial: Masses, inertias and ratios, in the order of the links.
         decimals: Whether rationals are printed as decimals.
-        digits: Significant digits of a number in print.
+        digits: Significant digits of a number in print; None for all of them.
         options: What the robot file or the reader chose.
     """
 
@@ -47,7 +48,7 @@ class Notation:
     labels: Mapping[str, str]
     inertial: Mapping[str, int]
     decimals: bool
-    digits: int = DIGITS
+    digits: int | None = DIGITS
     options: NotationOptions = field(default_factory=NotationOptions)
 
     @classmethod
@@ -66,13 +67,12 @@ class Notation:
             positions[joint.variable] = (1, index)
             positions[velocity_name(joint.variable)] = (2, index)
             positions[acceleration_name(joint.variable)] = (3, index)
-        terms = (term for cell in expressions(robot) for term in (cell.terms if isinstance(cell, Sum) else (cell,)))
         return cls(
             glyphs=dict(_glyphs(robot, options)),
             positions=positions,
             labels={variable: label for variable, label in labels.items() if label and uses[label] == 1},
             inertial=_inertial(robot),
-            decimals=any(isinstance(term, Number) and term.value.denominator != 1 for term in terms),
+            decimals=is_given_in_decimals(robot),
             options=options,
         )
 

@@ -5,17 +5,18 @@ cmr10, Knuth). Widths are rounded up and hold a little slack for italic correcti
 paper.
 
 Numbers are boxes too. A robot given by decimals is printed in decimals, any other in fractions. A number with more
-than `DIGITS` significant digits is rounded in print; the sheet states the rule.
+than six significant digits is rounded in print (`derive.robot.rounding`); the sheet states the rule.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from decimal import Context, Decimal, localcontext
 from enum import IntEnum
 from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
+
+from derive.robot.rounding import DIGITS, shown
 
 SCRIPT = 0.85
 """Width at script size (7 pt) over width at 10 pt; the largest ratio of any letter."""
@@ -220,42 +221,30 @@ def joined(pieces: Iterable[Piece]) -> Box:
 
 # -- numbers
 
-DIGITS = 6
-"""Significant digits printed of a number that has more: a handout is read, the generated code is exact."""
-
-LONGEST_FRACTION = 4
-"""Digits of a numerator or denominator that still read as a fraction."""
-
 _DIGIT_WIDTH = 5.0
 _TEN_WIDTH = 10.5
 
 
-def magnitude(value: Fraction, decimals: bool, *, digits: int = DIGITS, small: bool = True) -> Box:
+def magnitude(value: Fraction, decimals: bool, *, digits: int | None = DIGITS, small: bool = True) -> Box:
     """The absolute value of a rational number in print.
 
     Args:
         value: The number.
         decimals: Whether to prefer 0.5 to one half.
-        digits: Significant digits to print.
+        digits: Significant digits to print; None for all of them.
         small: Whether a fraction is set at script size, as in a coefficient.
     """
-    value = abs(value)
-    numerator, denominator = str(value.numerator), str(value.denominator)
-    if value.denominator == 1 and len(numerator) <= digits:
-        return italic(numerator)
-    is_finite = 10**13 % value.denominator == 0  # no factors but 2 and 5 in a denominator that is short
-    short = len(numerator) <= LONGEST_FRACTION and len(denominator) <= LONGEST_FRACTION
-    if short and value.denominator != 1 and not (decimals and is_finite):
-        return fraction(italic(numerator), italic(denominator), small)
-    with localcontext(Context(prec=digits)):
-        rounded = (Decimal(value.numerator) / Decimal(value.denominator)).normalize()
-    exponent = rounded.adjusted()
-    if -4 <= exponent <= digits:
-        plain = f"{rounded:f}"
+    found = shown(abs(value), decimals=decimals, digits=digits)
+    if isinstance(found, Fraction):
+        numerator, denominator = italic(str(found.numerator)), italic(str(found.denominator))
+        return numerator if found.denominator == 1 else fraction(numerator, denominator, small)
+    exponent = found.adjusted()
+    if -4 <= exponent <= (digits or DIGITS):
+        plain = f"{found:f}"
         return Box(plain, _DIGIT_WIDTH * len(plain))
     power = f"10^{{{exponent}}}"
     power_width = _TEN_WIDTH + italic(str(exponent)).width * SCRIPT
-    mantissa = f"{rounded.scaleb(-exponent).normalize():f}"
+    mantissa = f"{found:e}".partition("e")[0]
     if mantissa == "1":
         return Box(power, power_width)
     return Box(f"{mantissa} \\cdot {power}", _DIGIT_WIDTH * len(mantissa) + DOT_WIDTH + power_width)

@@ -8,15 +8,18 @@ token. Otherwise cosines and sines are spelled out.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from fractions import Fraction
 from typing import Any
 
-from sympy import Basic
+from sympy import Basic, pi
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.robot.names import joint_label, robot_symbols
 from derive.robot.robot import Robot
+from derive.robot.rounding import number_text, shown
 
 _TOKEN = re.compile(r"[cs][0-9]+")
 
@@ -42,12 +45,22 @@ class TextPrinter(PlainPrinter):
 
     Args:
         robot: Its joints give the labels, its parameters the order of factors.
+        digits: Significant digits of a number; by default every number is printed as the fraction that it is.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, digits: int | None = None) -> None:
         super().__init__()
         self._labels = _labels(robot)
-        self._order = Order(Notation.of(robot))
+        notation = Notation.of(robot)
+        self._order = Order(notation)
+        self._decimals, self._digits = notation.decimals, digits
+
+    def _print_Rational(self, value: Any) -> str:
+        number = Fraction(int(value.p), int(value.q))
+        exact = self._digits is None
+        return str(number) if exact else number_text(number, decimals=self._decimals, digits=self._digits)
+
+    _print_Integer = _print_Rational
 
     def _print_Add(self, expression: Any, order: Any = None) -> str:
         terms = [str(self._print(term)) for term in sorted(expression.args, key=self._order.term)]
@@ -60,14 +73,17 @@ class TextPrinter(PlainPrinter):
             return str(super()._print_Mul(expression))
         above: list[str] = []
         below: list[str] = []
-        for factor in sorted(rest.args if rest.is_Mul else (rest,), key=self._order.factor):
+        factors = rest.args if rest.is_Mul else (rest,)
+        for factor in sorted(factors, key=self._order.factor):
             divides = is_below(factor.as_base_exp()[1])
             text = str(self.parenthesize(1 / factor if divides else factor, PRECEDENCE["Mul"]))
             (below if divides else above).append(text)
-        if abs(coefficient.p) != 1 or not above:
-            above.insert(0, str(abs(coefficient.p)))
-        if coefficient.q != 1:
-            below.insert(0, str(coefficient.q))
+        size = abs(coefficient)
+        numerator, _, denominator = (str(size) if pi in factors else self._print_Rational(size)).partition("/")
+        if numerator != "1" or not above:
+            above.insert(0, numerator)
+        if denominator:
+            below.insert(0, denominator)
         return ("-" if coefficient < 0 else "") + "*".join(above) + "".join(f"/{factor}" for factor in below)
 
     def _print_cos(self, expression: Any) -> str:
@@ -79,6 +95,28 @@ class TextPrinter(PlainPrinter):
         return f"{function}({self._print(angle)})"
 
     _print_sin = _print_cos
+
+
+def loses_digits(expressions: Iterable[Any], *, decimals: bool, digits: int) -> bool:
+    """Whether a number is not what is printed of it.
+
+    Args:
+        expressions: SymPy expressions.
+        decimals: Whether the robot is given by decimals.
+        digits: Significant digits that are printed.
+    """
+    stack, seen = list(expressions), set()
+    while stack:
+        expression = stack.pop()
+        if expression in seen:
+            continue
+        seen.add(expression)
+        if expression.is_Rational:
+            number = Fraction(int(expression.p), int(expression.q))
+            if shown(number, decimals=decimals, digits=digits) != number:
+                return True
+        stack.extend(expression.args)
+    return False
 
 
 def _labels(robot: Robot) -> dict[str, str]:

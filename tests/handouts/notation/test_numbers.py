@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.handouts.notation.pieces import DIGITS, magnitude
+from derive.handouts.notation.pieces import magnitude
+from derive.robot.rounding import DIGITS
 
 
 @pytest.mark.parametrize(

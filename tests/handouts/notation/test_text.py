@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Rational, cos, sin, sqrt, symbols
+from sympy import Integer, Rational, cos, pi, sin, sqrt, symbols
 
-from derive.handouts.notation.text import TextPrinter
+from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.robot.robot import Robot
 
 ROBOT = Robot.load("scara-perugia")
@@ -97,3 +97,31 @@ def robot_with(row: str, count: int) -> Robot:
 def test_ambiguous_shorthand_is_spelled_out(robot: Robot) -> None:
     variable = symbols(robot.joints[0].variable)
     assert TextPrinter(robot).doprint(cos(variable)) == f"cos({variable})"
+
+
+PUMA = Robot.load("puma560-corke")
+
+
+@pytest.mark.parametrize(
+    ("expression", "printed"),
+    [
+        (Rational(1129213793321, 500000000000) + Rational(243, 12500) * A[0], "2.25843 + 0.01944*a1"),
+        (-A[0] * cos(Q[0]) / 2 + Rational(7, 3) * A[1], "7*a2/3 - a1*c1/2"),
+        (cos(Q[0] + Rational(3, 20) * pi) * Rational(5, 4) / A[0], "1.25*cos(q1 + 3*pi/20)/a1"),
+        (Rational(1, 3 * 10**9) * A[0] ** 2, "3.33333e-10*a1**2"),
+        (A[0] + Integer(10) ** 7, "1e7 + a1"),
+    ],
+)
+def test_digits_round_what_is_long_and_leave_what_is_short(expression: Any, printed: str) -> None:
+    assert TextPrinter(PUMA, 6).doprint(expression) == printed
+    values = {symbol: VALUES[str(symbol)] for symbol in (*Q, *A)}
+    names = {**NAMES, "c1": math.cos(VALUES["q1"])}
+    value = eval(TextPrinter(PUMA, 6).doprint(expression), {"__builtins__": {}}, names)
+    assert value == pytest.approx(float(expression.subs(values)), rel=1e-5)
+
+
+def test_loss_of_digits_is_noticed() -> None:
+    short, long = Rational(4318, 10000) * A[0], Rational(1234567, 10**6) * A[0]
+    assert not loses_digits([short], decimals=True, digits=6)
+    assert loses_digits([short, A[1] + cos(long)], decimals=True, digits=6)
+    assert loses_digits([short], decimals=True, digits=3)

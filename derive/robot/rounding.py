@@ -1,0 +1,80 @@
+"""How a rational number is shown: exactly where it is short, else rounded to significant digits, and never to zero.
+
+Closed forms, generated code and verdicts hold exact numbers; what is rounded is their print alone, and it says so.
+"""
+
+from __future__ import annotations
+
+from decimal import ROUND_HALF_UP, Context, Decimal
+from fractions import Fraction
+
+from derive.robot.description import Description
+from derive.robot.expression import Number, Sum
+from derive.robot.names import expressions
+
+DIGITS = 6
+"""Significant digits shown of a number that has more."""
+
+LONGEST_FRACTION = 4
+"""Digits of a numerator or denominator that still read as a fraction."""
+
+_QUARTERS = (Fraction(1, 4), Fraction(1, 2), Fraction(3, 4))
+
+
+def is_given_in_decimals(robot: Description) -> bool:
+    """Whether a robot is given by decimals: a cell of its file, or a term of one, is a number that is not whole.
+
+    Args:
+        robot: The robot.
+    """
+    terms = (term for cell in expressions(robot) for term in (cell.terms if isinstance(cell, Sum) else (cell,)))
+    return any(isinstance(term, Number) and term.value.denominator != 1 for term in terms)
+
+
+def shown(value: Fraction, *, decimals: bool, digits: int | None = DIGITS) -> Fraction | Decimal:
+    """A number as it is shown.
+
+    Args:
+        value: The number.
+        decimals: Whether 0.125 is preferred to one eighth, for a robot that is given by decimals.
+        digits: Significant digits; None for all of them.
+
+    Returns:
+        A fraction where it is shown as an integer or a quotient, else a decimal, which may be rounded.
+    """
+    longest = max(len(str(abs(value.numerator))), len(str(value.denominator)))
+    if value.denominator == 1 and (digits is None or longest <= digits):
+        return value
+    is_finite = _odd_part(value.denominator) == 1
+    short = digits is None or longest <= LONGEST_FRACTION
+    if short and value.denominator != 1 and not (decimals and is_finite):
+        return value
+    places = digits if digits is not None else longest + value.denominator.bit_length()
+    context = Context(prec=places, rounding=ROUND_HALF_UP)
+    return context.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(context)
+
+
+def _odd_part(denominator: int) -> int:
+    """What is left of a denominator without its factors 2 and 5: 1 where the number has a last decimal."""
+    for prime in (2, 5):
+        while denominator % prime == 0:
+            denominator //= prime
+    return denominator
+
+
+def number_text(value: Fraction, *, decimals: bool, digits: int | None = DIGITS) -> str:
+    """A number as text of the cell grammar: ``3/4``, ``0.4318``, ``2.25843``, ``1.5e-7``.
+
+    Args:
+        value: The number.
+        decimals: Whether 0.125 is preferred to one eighth; a half and quarters, which laws of physics hold, stay.
+        digits: Significant digits; None for all of them.
+
+    Returns:
+        The text; it has a slash where it is a fraction.
+    """
+    found = shown(value, decimals=decimals and abs(value) not in _QUARTERS, digits=digits)
+    if isinstance(found, Fraction):
+        return str(found)
+    exponent = found.adjusted()
+    return f"{found:f}" if -4 <= exponent < (digits or DIGITS) else f"{found:e}".replace("e+", "e")
