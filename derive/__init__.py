@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from derive.api.handout import fragment, handout
     from derive.api.plot import plot
     from derive.api.robots import catalogue, load
-    from derive.errors import DeriveError
+    from derive.errors import DeriveError, RobotFileWarning
     from derive.notebook import Model
     from derive.robot.robot import Robot
 
@@ -33,6 +33,7 @@ __all__ = [
     "DeriveError",
     "Model",
     "Robot",
+    "RobotFileWarning",
     "__version__",
     "build",
     "build_all",
@@ -51,6 +52,7 @@ _HOMES = {
     "DeriveError": "derive.errors",
     "Model": "derive.notebook",
     "Robot": "derive.robot.robot",
+    "RobotFileWarning": "derive.errors",
     "build": "derive.api.build",
     "build_all": "derive.api.build",
     "catalogue": "derive.api.robots",

@@ -1,4 +1,4 @@
-"""Every error that derive raises on purpose: one tree, one base class; and the pieces that messages are made of.
+"""Every error that derive raises on purpose: one tree, one base class; its warning; and what messages are made of.
 
 A message says what was found, what is allowed, and what to do, on one line; users' text is quoted in it safely.
 """
@@ -111,6 +111,10 @@ class VerificationError(DeriveError):
     """Generated code disagrees with the independent recursion."""
 
     exit_status = 1
+
+
+class RobotFileWarning(UserWarning):
+    """A remark on a robot file that is accepted, such as degrees in a file whose angles are in radians."""
 
 
 _LISTS_OF_ROWS = ("joints", "links", "base", "tool")

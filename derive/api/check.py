@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from derive.api.robots import RobotLike, load
+from derive.api.robots import RobotLike, load, with_remarks
 from derive.checking.comparison import check_expression
 from derive.checking.files import check_path
 from derive.checking.findings import FileReport, Finding, judge
@@ -126,7 +126,8 @@ def checked_file(file: str | Path) -> Printout:
         CheckError: A formula cannot be read.
     """
     report, robot = check_path(str(file))
-    return Printout(report, TextPrinter(robot).doprint)
+    with_remarks(robot)
+    return Printout(report, TextPrinter(robot).doprint, robot.remarks)
 
 
 def formula_finding(robot: Robot, quantity: str, formula: str, *, latex: bool = False) -> Finding:

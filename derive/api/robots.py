@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from derive.errors import RobotFileWarning
 from derive.robot.cells import joint_values
 from derive.robot.expression import Expression
 from derive.robot.load import catalogue_names
@@ -30,13 +32,27 @@ def load(robot: RobotLike) -> Robot:
         robot: Path of a robot file, a name of the catalogue, or a robot, which stays as it is.
 
     Returns:
-        The validated robot.
+        The validated robot; its ``remarks`` are issued as `RobotFileWarning`, too.
 
     Raises:
         RobotFileError: The file cannot be read or does not describe a robot.
         UnknownRobotError: Neither a file nor a catalogue name.
     """
-    return robot if isinstance(robot, Robot) else Robot.load(robot)
+    return robot if isinstance(robot, Robot) else with_remarks(Robot.load(robot))
+
+
+def with_remarks(robot: Robot) -> Robot:
+    """Issue the remarks on a robot's file as warnings.
+
+    Args:
+        robot: A robot that has just been read.
+
+    Returns:
+        The same robot.
+    """
+    for remark in robot.remarks:
+        warnings.warn(str(remark), RobotFileWarning, stacklevel=3)
+    return robot
 
 
 def load_all(robots: Iterable[RobotLike] | None) -> list[Robot]:

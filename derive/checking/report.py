@@ -11,6 +11,7 @@ from derive.checking.findings import FileReport, Finding, Judgement, Outcome, Ro
 from derive.checking.printed import Citation
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample
+from derive.robot.description import Remark
 
 Printer = Callable[[Any], str]
 """Writes a derived formula in the notation of the file's robot."""
@@ -263,10 +264,12 @@ class Printout:
     Attributes:
         report: Its comparisons.
         printer: Writes derived formulas in the notation of its robot.
+        remarks: What its robot says and hardly means.
     """
 
     report: FileReport
     printer: Printer
+    remarks: tuple[Remark, ...] = ()
 
 
 @dataclass(frozen=True)

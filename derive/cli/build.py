@@ -65,7 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             results = build_all(robots, arguments.out, force=arguments.force, **how)
     if arguments.json:
-        print_json([result.as_dict() for result in results])
+        reports = zip(robots, results, strict=True)
+        print_json([result.as_dict() | {"remarks": robot.remarks_as_dicts} for robot, result in reports])
     elif not arguments.quiet:
         _print_report(results)
     status = 0

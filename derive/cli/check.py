@@ -83,7 +83,9 @@ def _files(arguments: argparse.Namespace) -> int:
     checked = [checked_file(path) for path in arguments.files]
     _write_report(arguments.report, checked)
     if arguments.json:
-        print_json([as_dict(printout.report, printout.printer) for printout in checked])
+        remarks = ([remark.as_dict() for remark in printout.remarks] for printout in checked)
+        reports = (as_dict(printout.report, printout.printer) for printout in checked)
+        print_json([report | {"remarks": found} for report, found in zip(reports, remarks, strict=True)])
     elif sys.stdout.isatty():
         for printout in checked:
             _print_table(printout)

@@ -83,6 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
         OutputError: A fragment and a handout at once.
     """
     from derive.api.handout import fragment, handout
+    from derive.api.robots import load
     from derive.publish.atomic_folder import write_files
 
     formats = [form for form in ("tex", "pdf", "html") if getattr(arguments, form)]
@@ -99,8 +100,9 @@ def run(arguments: argparse.Namespace) -> int:
         "notation": {name: value for chosen in arguments.notation or () for name, value in chosen.items()},
         "q": None if arguments.q is None else arguments.q.split(","),
     }
+    robot = load(arguments.robot)
     if arguments.fragment is not None:
-        text = fragment(arguments.robot, arguments.fragment, **options)
+        text = fragment(robot, arguments.fragment, **options)
         target: Path | None = arguments.fragment_file
         if target is None:
             sys.stdout.write(text)
@@ -108,9 +110,9 @@ def run(arguments: argparse.Namespace) -> int:
             write_files({target.name: text.encode()}, target.parent, force=arguments.force)
         return 0
     flags = {"exercise": arguments.exercise, "force": arguments.force}
-    result = handout(arguments.robot, arguments.out, formats=formats, **options, **flags)
+    result = handout(robot, arguments.out, formats=formats, **options, **flags)
     if arguments.json:
-        print_json(result.as_dict())
+        print_json(result.as_dict() | {"remarks": robot.remarks_as_dicts})
     elif not arguments.quiet:
         for file in result.files:
             print(f"{file.path}: {file.pages} page{'' if file.pages == 1 else 's'}" if file.pages else file.path)

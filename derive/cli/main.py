@@ -9,10 +9,13 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
-from derive.cli.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error
+from derive.cli.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error, remarks_told
 from derive.version import __version__
 
 COMMANDS = ("list", "show", "plot", "build", "handout", "check", "verify", "new", "schema")
+
+OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "new")
+"""Commands that read robot files."""
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
@@ -52,7 +55,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.environ.setdefault(name, "1")
     arguments = _parser().parse_args(argv)
     try:
-        status = int(arguments.run(arguments))
+        with remarks_told(strict=getattr(arguments, "strict", False)):
+            status = int(arguments.run(arguments))
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # the reader has gone; keep the interpreter's last flush from complaining
@@ -66,6 +70,29 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 class _Parser(argparse.ArgumentParser):
     """Usage errors are one line too: what a user typed may hold anything, and a usage block buries the reason."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse; a formula or an angle that begins with a minus sign is the value of the option before it.
+
+        Args:
+            args: Arguments as typed.
+            namespace: Where values are put.
+
+        Returns:
+            The namespace and what was not understood.
+        """
+        typed = list(sys.argv[1:] if args is None else args)
+        known = self._option_string_actions
+        joined: list[str] = []
+        while typed:
+            text = typed.pop(0)
+            if text == "--":
+                return super().parse_known_args([*joined, text, *typed], namespace)
+            takes_one = text in known and known[text].nargs is None
+            if takes_one and typed and typed[0].startswith("-") and typed[0] not in {*known, "--"}:
+                text = f"{text}={typed.pop(0)}"
+            joined.append(text)
+        return super().parse_known_args(joined, namespace)
 
     def error(self, message: str) -> NoReturn:
         """Refuse the arguments.
@@ -89,5 +116,7 @@ def _parser() -> argparse.ArgumentParser:
         module = import_module(f"derive.cli.{name}")
         command = commands.add_parser(name, help=module.SUMMARY, description=module.DESCRIPTION, **form)
         module.configure(command)
+        if name in OF_A_ROBOT:
+            command.add_argument("--strict", action="store_true", help="remarks on the robot file are errors")
         command.set_defaults(run=module.run)
     return parser

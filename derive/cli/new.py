@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
+from textwrap import dedent
 
 from derive.cli.terminal import positive
 from derive.errors import OutputError, RobotFileError, quoted
 from derive.robot.size_limits import FILE_LIMITS
 
 SUMMARY = "write a commented robot file to start from"
-DESCRIPTION = "Write NAME.yaml, a commented robot file that builds as it is. An existing file is never overwritten."
+DESCRIPTION = """\
+Write NAME.yaml, a commented robot file that builds as it is: an arm of N revolute joints with parallel axes, or a copy
+of another robot, its comments and units kept, under the new name.
+
+  derive new my-arm --joints 3
+  derive new my-puma --from puma560-corke
+
+An existing file is never overwritten.
+"""
 
 _HEAD = """\
 # Robot file. Check it:  derive show {name}.yaml T      Build it:  derive build {name}.yaml
@@ -67,7 +77,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     parser.add_argument("name", metavar="NAME", help="name of the robot, [a-z0-9-]+; the file is NAME.yaml")
-    parser.add_argument("--joints", type=positive, default=2, metavar="N", help="number of joints (default 2)")
+    parser.add_argument("--joints", type=positive, metavar="N", help="number of joints (default 2)")
+    parser.add_argument("--from", dest="model", metavar="ROBOT", help="copy this robot file or built-in robot")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -80,9 +91,14 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
 
     Raises:
-        OutputError: There is such a file already.
+        OutputError: There is such a file already, or a copy is wanted with another number of joints.
     """
-    text = new_robot_text(arguments.name, joints=arguments.joints)
+    if arguments.model is not None and arguments.joints is not None:
+        raise OutputError("--joints with --from", allowed="a copy has the joints of its model", remedy="leave one out")
+    if arguments.model is not None:
+        text = copied_robot_text(arguments.name, arguments.model)
+    else:
+        text = new_robot_text(arguments.name, joints=arguments.joints or 2)
     path = Path(f"{arguments.name}.yaml")
     try:
         with path.open("x", encoding="utf-8", newline="\n") as file:
@@ -107,14 +123,7 @@ def new_robot_text(name: str, joints: int = 2) -> str:
     Raises:
         RobotFileError: A name or number of joints that no robot may have.
     """
-    from derive.robot.load import is_robot_name
-
-    if not is_robot_name(name):
-        raise RobotFileError(
-            f"{quoted(name)} is not a robot name",
-            allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
-            remedy="no Python keyword and no name of an imported package",
-        )
+    _check_name(name)
     if not 1 <= joints <= FILE_LIMITS.joints:
         raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
     rows = [f"  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}" for i in range(1, joints + 1)]
@@ -123,3 +132,52 @@ def new_robot_text(name: str, joints: int = 2) -> str:
     links[0] += _MOTOR
     table = "".join(f"{row}\n" for row in rows)
     return _HEAD.format(name=name) + table + _TAIL + "".join(links) + _PARAMETERS.format(last=joints)
+
+
+def copied_robot_text(name: str, model: str) -> str:
+    """The file of another robot under a new name, comments and units kept.
+
+    Args:
+        name: Name of the new robot.
+        model: Path of a robot file, or a name of the catalogue; of a corpus file only the robot is copied.
+
+    Returns:
+        The YAML text.
+
+    Raises:
+        RobotFileError: A name that no robot may have, or a file that describes no robot.
+        UnknownRobotError: Neither a file nor a catalogue name.
+    """
+    from derive.api.robots import load
+    from derive.robot.load import robot_file_bytes
+
+    _check_name(name)
+    robot = load(model)
+    text = _robot_block(robot_file_bytes(model).decode("utf-8-sig").replace("\r\n", "\n"))
+    named = re.compile(rf"(?m)^(\{{?\s*(?:\"name\"|'name'|name)\s*:\s*)(['\"]?){re.escape(robot.name)}\2(?=[\s,}}]|$)")
+    text = named.sub(rf"\g<1>{name}", text, count=1)
+    copied = type(robot).from_text(text, f"{name}.yaml")
+    if copied.name != name:
+        found = f"the name '{robot.name}' in {quoted(model)} cannot be exchanged"
+        raise RobotFileError(found, remedy="copy the file and write the new name into it")
+    head = f"# A copy of {robot.name}. Check it:  derive show {name}.yaml T      Build it:  derive build {name}.yaml"
+    return f"{head}\n{text}"
+
+
+def _check_name(name: str) -> None:
+    from derive.robot.load import is_robot_name
+
+    if not is_robot_name(name):
+        raise RobotFileError(
+            f"{quoted(name)} is not a robot name",
+            allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
+            remedy="no Python keyword and no name of an imported package",
+        )
+
+
+def _robot_block(text: str) -> str:
+    """The robot of a corpus file without what is printed about it; any other file as it is."""
+    block = re.search(
+        r"(?m)^robot:[ \t]*(?:#.*)?\n((?:[ \t].*\n|[ \t]*\n|#.*\n)*)", text if text.endswith("\n") else f"{text}\n"
+    )
+    return dedent(block[1]) if block else text

@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json":
         rows = {name: _entries(value, printer) for name, value in shown}
         quantities = {name: printer(value) if rows[name] is None else rows[name] for name, value in shown}
-        print_json({"robot": robot.name, "quantities": quantities})
+        print_json({"robot": robot.name, "quantities": quantities, "remarks": robot.remarks_as_dicts})
     else:
         comment = {"text": "#", "latex": "%"}.get(arguments.format)
         if comment and digits and loses_digits([v for _, v in shown], decimals=notation.decimals, digits=digits):
@@ -120,7 +120,7 @@ def _list(robot: Robot, form: str) -> None:
             indices = ",".join("ijk"[: min(row.indices)])
             rows.append((f"{row.name}[{indices}]" if indices else row.name, row.summary))
     if form == "json":
-        print_json({"robot": robot.name, "quantities": dict(rows)})
+        print_json({"robot": robot.name, "quantities": dict(rows), "remarks": robot.remarks_as_dicts})
     else:
         print_columns(rows)
 

@@ -11,11 +11,12 @@ import json
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from derive.errors import DeriveError
+from derive.errors import DeriveError, RobotFileWarning
 
 DONE = 0
 FAILED = 1
@@ -73,6 +74,8 @@ def explain(error: BaseException) -> tuple[str, int]:
     """
     if isinstance(error, DeriveError):
         return str(error), error.exit_status
+    if isinstance(error, RobotFileWarning):
+        return f"{error} (an error because of --strict)", WRONG_INPUT
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", INTERRUPTED
     if isinstance(error, OSError):
@@ -91,6 +94,32 @@ def print_error(reason: object) -> None:
         reason: The message.
     """
     print(f"derive: error: {one_line(str(reason))}", file=sys.stderr)
+
+
+@contextmanager
+def remarks_told(*, strict: bool) -> Iterator[None]:
+    """Print remarks on robot files on standard error, each once, while a command runs.
+
+    Args:
+        strict: Whether a remark ends the command instead.
+
+    Yields:
+        Nothing.
+    """
+    told: set[str] = set()
+    usual = warnings.showwarning
+
+    def _tell(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        if not issubclass(category, RobotFileWarning):
+            usual(message, category, *place, **more)
+        elif str(message) not in told:
+            told.add(str(message))
+            print(f"derive: remark: {one_line(str(message))}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error" if strict else "always", RobotFileWarning)
+        warnings.showwarning = _tell
+        yield
 
 
 Tell = Callable[[str, str], None]

@@ -38,10 +38,12 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
     """
     from derive.api.build import verify
+    from derive.api.robots import load
 
-    report = verify(arguments.robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
+    robot = load(arguments.robot)
+    report = verify(robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
     if arguments.json:
-        print_json(report.as_dict())
+        print_json(report.as_dict() | {"remarks": robot.remarks_as_dicts})
         return 0
     rows = [(row.target, row.function, str(row.samples), f"{row.worst:.1e}") for row in report.rows]
     print_columns(rows, ("target", "function", "samples", "worst error"))

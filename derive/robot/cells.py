@@ -29,6 +29,7 @@ from derive.robot.expression import (
     number,
     rebuilt,
 )
+from derive.robot.hints import cell_hint
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
 from derive.robot.size_limits import FILE_LIMITS
 
@@ -131,7 +132,7 @@ def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, 
             convert = angle_in_radians if joint.is_revolute else length_in_metres
             values.append(convert(expression, robot.units))
         except ExpressionError as error:
-            raise DeriveError(f"{value}: {error.found}", allowed=allowed) from None
+            raise DeriveError(f"{value}: {error.found}", allowed=allowed, remedy=cell_hint(typed)) from None
         except MixedUnitsError:
             raise DeriveError(
                 f"pi in the {value}, but angles of this robot file are in degrees", remedy="write 90 for pi/2"
@@ -264,7 +265,7 @@ class Cells:
             raise ExpressionError(
                 f"{path_text(path)}: {error.found}",
                 allowed=error.allowed,
-                remedy=error.remedy,
+                remedy=cell_hint(scalar.text) or error.remedy,
                 location=error.location if scalar.verbatim else scalar.location,
             ) from None
         for name in names(expression):

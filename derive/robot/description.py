@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from derive.errors import Location
 from derive.robot.expression import ONE, ZERO, Expression, to_text
 from derive.robot.style import FigureOptions, HandoutOptions, Style
 
@@ -171,6 +172,33 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
+class Remark:
+    """Something in a robot file that is allowed, and hardly meant.
+
+    Attributes:
+        location: File, line and column of the cell.
+        found: The cell and what it says, as read.
+        remedy: What to write if something else was meant.
+    """
+
+    location: Location
+    found: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.location}: {self.found}; {self.remedy}"
+
+    def as_dict(self) -> dict[str, str | int]:
+        """The remark as plain data.
+
+        Returns:
+            The keys ``file``, ``line``, ``column``, ``found`` and ``remedy``.
+        """
+        file, line, column = self.location.source, self.location.line, self.location.column
+        return {"file": file, "line": line, "column": column, "found": self.found, "remedy": self.remedy}
+
+
+@dataclass(frozen=True, slots=True)
 class Description:
     """A serial arm as its file describes it: the DH table, the frames around it and, if given, its dynamics.
 
@@ -191,6 +219,7 @@ class Description:
         units: Units of plain numbers in the file; needed only for numbers that a user types beside it.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages only; never written to an output.
+        remarks: What the file says and hardly means, such as 90 rad.
     """
 
     name: str
@@ -209,6 +238,7 @@ class Description:
     units: FileUnits = FileUnits()
     digest: str = ""
     source: str = ""
+    remarks: tuple[Remark, ...] = field(default=(), compare=False)
 
     @property
     def n(self) -> int:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import yaml
 
 from derive.errors import Location, RobotFileError, path_text, quoted
+from derive.robot.hints import file_hint
 from derive.robot.size_limits import FILE_LIMITS
 
 KeyPath = tuple[str | int, ...]
@@ -180,6 +181,9 @@ def read_document(data: bytes, source: str) -> Document:
     Raises:
         RobotFileError: Not UTF-8, too large, not YAML, or YAML outside the plain subset that robot files use.
     """
+    what, advice = file_hint(data[:4000].decode("utf-8", "replace"))
+    if what:
+        raise RobotFileError(f"this is {what}, not a robot file", remedy=advice, location=Location(source))
     root = read_tree(data, source)
     remedy = "see derive new NAME"
     if root is None:

@@ -347,6 +347,20 @@ def to_text(expression: Expression, write: Callable[[Fraction], str] = str) -> s
     raise TypeError(expression)
 
 
+def multiple_of_pi(factor: Fraction) -> str:
+    """A multiple of pi as a cell.
+
+    Args:
+        factor: For instance -3/4.
+
+    Returns:
+        The text, ``-3*pi/4``.
+    """
+    sign, top = "-" if factor < 0 else "", abs(factor.numerator)
+    times = "" if top == 1 else f"{top}*"
+    return f"{sign}{times}pi" + (f"/{factor.denominator}" if factor.denominator != 1 else "")
+
+
 def _product_text(factors: tuple[Expression, ...], write: Callable[[Fraction], str]) -> str:
     """A product with a fraction's denominator and negative powers behind slashes: ``-2*a1/(3*b)`` as ``-2*a1/b/3``."""
     coefficient = Fraction(1)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import keyword
 import re
 import unicodedata
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -18,6 +19,7 @@ from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.expression import Expression
 from derive.robot.presentation import read_figure, read_handout, read_style
+from derive.robot.remarks import remarks_on
 from derive.robot.schema import check_structure
 from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.table import read_frame, read_gravity, read_joints, read_links
@@ -79,9 +81,25 @@ def load_description(path_or_name: str | Path) -> Description:
         ExpressionError: A cell is outside the grammar.
         UnknownRobotError: Neither a file nor a catalogue name.
     """
+    return description_from_bytes(robot_file_bytes(path_or_name), str(path_or_name))
+
+
+def robot_file_bytes(path_or_name: str | Path) -> bytes:
+    """Contents of a robot file, or of the file of a robot of the catalogue.
+
+    Args:
+        path_or_name: Path of a YAML file, or a name that ``derive list`` shows.
+
+    Returns:
+        Its bytes, at most one more than a robot file may have.
+
+    Raises:
+        RobotFileError: The file cannot be read.
+        UnknownRobotError: Neither a file nor a catalogue name.
+    """
     text = str(path_or_name)
     if text in catalogue_names():
-        return description_from_bytes(catalogue_text(text).encode(), text)
+        return catalogue_text(text).encode()
     path = Path(text)
     try:
         exists = "\0" not in text and path.exists()
@@ -93,7 +111,7 @@ def load_description(path_or_name: str | Path) -> Description:
             allowed="allowed: a path to a robot file, or a name from derive list",
             remedy=near_miss(path.stem, catalogue_names()),
         )
-    return description_from_bytes(file_bytes(path), text)
+    return file_bytes(path)
 
 
 def file_bytes(path: Path) -> bytes:
@@ -164,7 +182,7 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         source=document.source,
     )
     validate(document, cells, robot)
-    return robot
+    return replace(robot, remarks=remarks_on(document, robot))
 
 
 def _parameters(document: Document) -> tuple[tuple[str, Expression], ...]:

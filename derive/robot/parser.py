@@ -354,7 +354,9 @@ class _Parser:
         named = (TokenKind.NUMBER, TokenKind.NAME)
         begins = token.kind in named or token.text == "("
         if before is not None and begins and (before.kind in named or before.text == ")"):
-            remedy = f"write the product as {before.text[-20:]}*{token.text[:20]}"
+            whole = f"{self._text[: token.offset].rstrip()}*{self._text[token.offset :]}".strip()
+            shown = whole if len(whole) <= 40 else f"{before.text[-20:]}*{token.text[:20]}"
+            remedy = f"write the product as {shown}"
             return self._error(f"no operator before {quoted(token.text)}", token, remedy)
         remedy = "write 0.5, with a decimal point" if token.text == "," else "check the operators and parentheses"
         return self._error(f"unexpected {quoted(token.text)}", token, remedy)

@@ -35,7 +35,13 @@ class Robot(Description):
         units: Units of plain numbers in the file.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages.
+        remarks: What the file says and hardly means, such as 90 rad, each with its place.
     """
+
+    @property
+    def remarks_as_dicts(self) -> list[dict[str, str | int]]:
+        """The remarks as plain data, for reports that programs read."""
+        return [remark.as_dict() for remark in self.remarks]
 
     def __repr__(self) -> str:
         standard = self.convention is Convention.STANDARD

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 
 from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
+from derive.robot.hints import choice_hint, key_hint, shape_hint
 from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.style import (
     DEFAULT_STYLE,
@@ -240,25 +241,6 @@ def _without_null(schema: Any) -> Any:
     return plain
 
 
-_HABITS = {
-    "offset": "write it into the cell, for instance theta: q1 + pi/2",
-    "theta0": "write it into the cell, for instance theta: q1 + pi/2",
-    "sigma": "write type: revolute or type: prismatic",
-    "m": "write mass",
-    "r": "write com",
-    "I": "write inertia: {xx: ..., yy: ..., zz: ...}",
-    "Jm": "write motor: {inertia: ..., ratio: ...} or armature",
-    "G": "write motor: {inertia: ..., ratio: ...} or armature",
-    "B": "write friction: {viscous: ...}",
-    "Tc": "write friction: {coulomb: ...}",
-    "qlim": "write limits: [lower, upper]",
-    "yx": "write xy",
-    "zx": "write xz",
-    "zy": "write yz",
-    "<<": "merge keys are not supported; write the values out",
-}
-"""Keys that people bring from other tools, and what to write instead."""
-
 _MISSING = {
     "convention": "write convention: standard (distal) or convention: modified (Craig); they give different robots",
     "type": "write type: revolute or type: prismatic",
@@ -324,7 +306,7 @@ def _refusal(document: Document, violation: Any) -> RobotFileError:
             return RobotFileError(
                 f"{path_text(path[:-1])}: unknown key {quoted(key)}",
                 allowed=f"allowed: {listed(allowed)}",
-                remedy=_HABITS.get(key) or near_miss(key, allowed) or "remove it",
+                remedy=key_hint(key, str(path[0]), allowed) or near_miss(key, allowed) or "remove it",
                 location=document.key_location(path),
             )
         case "missing" if not (path and isinstance(path[-1], int)):
@@ -332,20 +314,23 @@ def _refusal(document: Document, violation: Any) -> RobotFileError:
         case "missing" | "too_long" | "too_short":
             where = path[:-1] if kind == "missing" else path
             expected = {"limits": 2, "com": 3, "gravity": 3}.get(str(where[-1]), 4) if where else 0
-            count = document.length(where)
-            remedy = "write [lower, upper]" if where[-1:] == ("limits",) else "write zeros where nothing else is"
+            count, block = document.length(where), document.find(where)
+            remedy = shape_hint(str(where[-1]), _plain(block)) if where and block is not None else ""
             found = f"{count} entry" if count == 1 else f"{count} entries"
+            remedy = remedy or "write zeros where nothing else is"
             return document.error(where, found, f"allowed: exactly {expected}", remedy)
         case "literal_error" | "enum":
             text = node.text if isinstance(node, YamlScalar) else ""
             allowed = violation["ctx"]["expected"]
             choices = [word.strip(" '") for word in allowed.replace(" or ", ",").split(",")]
             found = f"found {quoted(text)}" if isinstance(node, YamlScalar) else _found(node)
-            return document.error(path, found, f"allowed: {allowed}", near_miss(text, choices))
+            remedy = choice_hint(key, text) or near_miss(text, choices)
+            return document.error(path, found, f"allowed: {allowed}", remedy)
     remedy = "check the indentation and the dashes"
     if isinstance(node, YamlMapping):
         remedy = "check the indentation; texts with ': ' or '{' need quotation marks"
-    return document.error(path, _found(node), _expected(path, kind), remedy)
+    hint = "" if node is None else shape_hint("row" if isinstance(path[-1], int) else key, _plain(node))
+    return document.error(path, _found(node), _expected(path, kind), hint or remedy)
 
 
 def _found(node: Node | None) -> str:

@@ -61,9 +61,10 @@ def package_name(robot: Robot) -> str:
         robot: The robot.
 
     Returns:
-        Its name, with underscores for hyphens.
+        Its name, with underscores for hyphens; ``robot_`` stands before a digit, ``3arm`` becomes ``robot_3arm``.
     """
-    return robot.name.replace("-", "_")
+    name = robot.name.replace("-", "_")
+    return name if name.isidentifier() else f"robot_{name}"
 
 
 def shape_text(shape: tuple[int, ...]) -> str:

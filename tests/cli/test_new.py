@@ -1,0 +1,70 @@
+"""``derive new``: files that load, from nothing or from what exists."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.cli.new import copied_robot_text, new_robot_text
+from derive.errors import RobotFileError
+from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.robot import Robot
+from tests.cli.command import PENDULUM, derive
+
+
+@pytest.mark.parametrize("joints", [1, 2, 7, 64])
+def test_a_new_file_loads_without_a_remark(joints: int) -> None:
+    robot = Robot.from_text(new_robot_text("my-arm", joints=joints))
+    assert (robot.n, robot.remarks) == (joints, ())
+
+
+@pytest.mark.parametrize("model", catalogue_names())
+def test_a_copy_differs_in_its_name_alone(model: str) -> None:
+    text = copied_robot_text("mine", model)
+    copy, original = Robot.from_text(text), Robot.load(model)
+    assert copy.name == "mine"
+    assert (copy.joints, copy.links, copy.parameters, copy.units) == (
+        original.joints,
+        original.links,
+        original.parameters,
+        original.units,
+    )
+    comments = [line for line in catalogue_text(model).splitlines() if line.startswith("#")]
+    assert all(line in text for line in comments)
+
+
+def test_of_a_corpus_file_only_the_robot_is_copied(tmp_path: Path) -> None:
+    block = "".join(f"  {line}\n" for line in PENDULUM.splitlines())
+    notes = tmp_path / "notes.yaml"
+    notes.write_text(f"source: {{document: d}}\nrobot:\n{block}expected: []\n")
+    text = copied_robot_text("mine", str(notes))
+    assert "expected" not in text
+    assert Robot.from_text(text).joints == Robot.from_text(PENDULUM).joints
+
+
+def test_a_quoted_name_and_json_are_exchanged_too(tmp_path: Path) -> None:
+    for number, text in enumerate(
+        (
+            PENDULUM.replace("name: pendulum", "'name': \"pendulum\"  # mine"),
+            '{"name": "p", "convention": "standard", "joints": [{"type": "revolute"}]}',
+        )
+    ):
+        path = tmp_path / f"{number}.yaml"
+        path.write_text(text)
+        assert Robot.from_text(copied_robot_text("other", str(path))).name == "other"
+
+
+def test_the_command_copies_and_refuses_what_does_not_belong_together(tmp_path: Path) -> None:
+    done = derive("new", "my-puma", "--from", "puma560-corke", folder=tmp_path)
+    assert (done.status, done.stdout) == (0, "my-puma.yaml\n")
+    assert Robot.load(tmp_path / "my-puma.yaml").units.degrees
+    assert derive("new", "b", "--from", "scara-perugia", "--joints", "3", folder=tmp_path).status == 2
+    assert derive("new", "b", "--from", "no-such-robot", folder=tmp_path).status == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["my-puma.yaml"]
+
+
+def test_names_that_no_robot_may_have_are_refused() -> None:
+    for name in ("My Arm", "class", "numpy", "", "-x"):
+        with pytest.raises(RobotFileError):
+            copied_robot_text(name, "scara-perugia")

@@ -1,0 +1,79 @@
+"""Remarks reach whoever runs a command: on standard error, in JSON, as errors with ``--strict``, as warnings."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import derive as package
+from tests.cli.command import derive
+
+SLIP = "name: slip\nconvention: standard\njoints:\n  - {type: revolute, a: 1, alpha: 90}\n"
+WORDS = "slip.yaml:4:35: joints row 1, alpha: 90 rad is more than a turn"
+COMMANDS = [
+    ("show", "slip.yaml", "T"),
+    ("show", "slip.yaml"),
+    ("plot", "slip.yaml", "-o", "slip.svg"),
+    ("handout", "slip.yaml", "--tex"),
+    ("handout", "slip.yaml", "--fragment", "T"),
+    ("build", "slip.yaml", "--target", "numpy", "--effort", "quick"),
+    ("check", "slip.yaml", "--quantity", "p[1]", "--expression", "c1"),
+    ("new", "copy", "--from", "slip.yaml"),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a robot file in which degrees stand among radians."""
+    (tmp_path / "slip.yaml").write_text(SLIP)
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_a_remark_is_told_once_and_the_work_is_done(command: tuple[str, ...], folder: Path) -> None:
+    done = derive(*command, folder=folder)
+    assert done.status == 0
+    assert done.stderr.count(f"derive: remark: {WORDS}") == 1
+    assert "remark" not in done.stdout
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_strict_makes_it_an_error_and_writes_nothing(command: tuple[str, ...], folder: Path) -> None:
+    done = derive(*command, "--strict", folder=folder)
+    assert (done.status, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"derive: error: {WORDS}")
+    assert [path.name for path in folder.iterdir()] == ["slip.yaml"]
+
+
+def test_json_carries_it(folder: Path) -> None:
+    (folder / "notes.yaml").write_text(
+        "robot:\n" + "".join(f"  {line}\n" for line in SLIP.splitlines()) + "expected: []\n"
+    )
+    shown = json.loads(derive("show", "slip.yaml", "T", "--format", "json", folder=folder).stdout)
+    (built,) = json.loads(derive("build", "slip.yaml", "--target", "numpy", "--json", folder=folder).stdout)
+    verified = json.loads(derive("verify", "slip.yaml", "--json", folder=folder).stdout)
+    sheet = json.loads(derive("handout", "slip.yaml", "--json", folder=folder).stdout)
+    (checked,) = json.loads(derive("check", "notes.yaml", "--json", folder=folder).stdout)
+    for report in (shown, built, verified, sheet, checked):
+        (remark,) = report["remarks"]
+        assert remark["found"] == "joints row 1, alpha: 90 rad is more than a turn"
+    assert json.loads(derive("show", "thumb", "T", "--format", "json", folder=folder).stdout)["remarks"] == []
+
+
+def test_python_warns_and_keeps_it(folder: Path) -> None:
+    with pytest.warns(package.RobotFileWarning, match="90 rad is more than a turn"):
+        robot = package.load(folder / "slip.yaml")
+    assert len(robot.remarks) == 1
+
+
+def test_values_of_options_may_begin_with_a_minus_sign(tmp_path: Path) -> None:
+    scara = ("check", "scara-perugia", "--quantity", "T[1,2]")
+    assert derive(*scara, "--expression", "-c12*s4 + s12*c4", folder=tmp_path).status == 0
+    assert derive(*scara, "--latex", r"-c_{12} s_4 + s_{12} c_4", folder=tmp_path).status == 0
+    assert derive(*scara, "--expression", "-c12*s4 - s12*c4", folder=tmp_path).status == 1
+    done = derive("plot", "scara-perugia", "-q", "-0.5,pi/6,0,0", "-o", "a.svg", folder=tmp_path)
+    assert (done.status, "q1 = -0.5 rad" in done.stdout) == (0, True)
+    missing = derive(*scara, "--expression", "--json", folder=tmp_path)
+    assert (missing.status, "expected one argument" in missing.stderr) == (2, True)
