@@ -9,6 +9,7 @@ file, made from ``locale/derive.pot``; ``make messages`` keeps all of them compl
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -23,10 +24,12 @@ class Text:
     Attributes:
         language: Code of the language.
         messages: English text -> translation.
+        comma: Whether decimals stand behind a comma, and lists of numbers between semicolons.
     """
 
     language: str = "en"
     messages: Mapping[str, str] = field(default_factory=dict)
+    comma: bool = False
 
     def __call__(self, message: str, **values: object) -> str:
         """The message in the language; English where there is no translation.
@@ -39,6 +42,17 @@ class Text:
             The text.
         """
         return (self.messages.get(message) or message) % values
+
+    def number(self, decimal: str) -> str:
+        """A number for running text.
+
+        Args:
+            decimal: The number with a decimal point.
+
+        Returns:
+            The same as the language writes it.
+        """
+        return decimal.replace(".", ",") if self.comma else decimal
 
 
 ENGLISH = "en"
@@ -95,7 +109,9 @@ def _locale_folder() -> Traversable:
 def _read(folder: Traversable, code: str, language: str) -> Text:
     """The catalogue without messages that nobody has confirmed yet."""
     try:
+        from babel.core import Locale, UnknownLocaleError
         from babel.messages.pofile import PoFileError, read_po
+        from babel.numbers import get_decimal_symbol
     except ImportError:
         raise TargetError(
             f"the language {quoted(language)} needs Babel", remedy="pip install 'derive-robot[handout]'"
@@ -107,4 +123,8 @@ def _read(folder: Traversable, code: str, language: str) -> Text:
         found = f"the catalogue {code}{_SUFFIX} cannot be read: {error}"
         raise TargetError(found, remedy="compare it with derive.pot") from None
     pairs = ((message.id, message.string) for message in messages if message.id and not message.fuzzy)
-    return Text(language, {str(source): str(target) for source, target in pairs if target})
+    comma = False
+    for name in (code, language):  # the country's own habit, where it is known
+        with suppress(UnknownLocaleError, ValueError):
+            comma = get_decimal_symbol(Locale.parse(name)) == ","
+    return Text(language, {str(source): str(target) for source, target in pairs if target}, comma)

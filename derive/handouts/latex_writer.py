@@ -32,7 +32,7 @@ from derive.targets.templating import environment
 _LONGEST_WORD = 16
 """Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty."""
 
-_DISPLAY = "\\begin{align*}"
+_DISPLAY, _DISPLAY_END = "\\begin{align*}", "\\end{align*}"
 _OPEN = "%"
 """Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph."""
 
@@ -130,7 +130,8 @@ def _words(text: str) -> str:
         if kind is Kind.MATHEMATICS:
             written.append(f"${part}$")
         elif kind is Kind.CODE:
-            written.append("\\texttt{" + latex_text(part).replace("\\_", "\\_\\allowbreak{}") + "}")
+            code = latex_text(part).replace("\\_", "\\_\\allowbreak{}").replace(" ", "\\ ")
+            written.append(f"\\texttt{{{code}}}")
         else:
             before, after = (" " if edge.isspace() else "" for edge in (part[:1], part[-1:]))
             body = latex_text(part)
@@ -147,8 +148,9 @@ def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[
     for block in blocks:
         source = _written(block, text)
         is_display = source.startswith(_DISPLAY)
-        if is_display and not is_open:
-            source = f"\\begingroup\\abovedisplayskip=0pt\n{source}\n\\endgroup"
+        if is_display and not is_open:  # the group ends with the display: a note behind it leaves the paragraph open
+            first, rest = source.split(_DISPLAY_END, 1)
+            source = f"\\begingroup\\abovedisplayskip=0pt\n{first}{_DISPLAY_END}\n\\endgroup{rest}"
         elif is_open and not is_display:
             source = f"\\par\n{source}"
         written.append(source)

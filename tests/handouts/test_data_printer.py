@@ -52,3 +52,13 @@ def test_limits_have_their_unit(kind: str, limits: str, end: str) -> None:
 def test_a_joint_without_limits_has_a_dash() -> None:
     data, robot = printer("a: 1")
     assert joined(data.limits(robot.joints[0])).tex == "\\text{--}"
+
+
+@pytest.mark.parametrize(
+    ("limits", "expected"),
+    [("[-2.5, 2]", "[-2{,}5;\\, 2]"), ("[-pi, pi/3]", "[-180^{\\circ},\\, 60^{\\circ}]"), ("[-3, 2]", "[-3,\\, 2]")],
+)
+def test_a_list_with_a_decimal_comma_has_semicolons(limits: str, expected: str) -> None:
+    _, robot = printer(f"limits: {limits}")
+    data = DataPrinter(robot, Notation.of(robot, comma=True))
+    assert joined(data.limits(robot.joints[0])).tex.startswith(expected)

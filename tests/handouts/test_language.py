@@ -104,6 +104,13 @@ def test_english_needs_no_file() -> None:
     assert text_for("en_GB")("Link %(index)s:", index=3) == "Link 3:"
 
 
+@pytest.mark.parametrize(
+    ("language", "number"), [("en", "0.5"), ("en_GB", "0.5"), ("it", "0,5"), ("it_CH", "0.5"), ("pt_BR", "0,5")]
+)
+def test_decimals_are_written_as_the_language_does(language: str, number: str) -> None:
+    assert text_for(language).number("0.5") == number
+
+
 def test_a_country_has_the_catalogue_of_its_language() -> None:
     assert text_for("pt_BR").messages == text_for("pt").messages
     assert text_for("pt_BR").language == "pt_BR"

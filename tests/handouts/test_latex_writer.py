@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.latex_writer import latex
+from derive.handouts.document import Block, Formula, Paragraph, Rows, Section, Steps
+from derive.handouts.language import Text
+from derive.handouts.latex_writer import fragment, latex
 from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
@@ -19,6 +21,7 @@ from tests.handouts.latex_runner import run_latex
 WORST_OVERFULL = 1.0
 MOST_PAGES = 40
 
+DISPLAY = Rows(("a = b",))
 TITLES = [
     r"\input{/etc/passwd} \write18{touch x} \end{document}",
     r"$ & % # _ { } ~ ^ \ \\ \par \csname x\endcsname ^^41",
@@ -118,3 +121,32 @@ def test_the_whole_matrix_is_printed_where_it_fits() -> None:
     """And entries share brackets by name where it does not."""
     assert r"\mathbf{T} = \begin{bmatrix} c_{12}c_{4} + s_{12}s_{4} & " in sheet(Robot.load("scara-perugia"))
     assert "With the abbreviations" in sheet(Robot.load("puma560-laschi"))
+
+
+NOTED = Formula((DISPLAY,), note="They end.")
+
+
+@pytest.mark.parametrize(
+    "blocks",
+    [
+        (Paragraph("They end."), Paragraph("Others begin.")),
+        (NOTED, Paragraph("Others begin.")),
+        (Paragraph("Before."), NOTED, Paragraph("Others begin.")),
+        (DISPLAY, NOTED, Paragraph("Others begin.")),
+        (NOTED, Formula((DISPLAY,), named=("c = d",), note="Others begin.")),
+        (Steps("Steps", (NOTED,)), Paragraph("Others begin.")),
+        (Steps("Steps", (Paragraph("They end."), NOTED)), Paragraph("Others begin.")),
+    ],
+)
+def test_what_follows_a_sentence_is_a_paragraph_of_its_own(blocks: tuple[Block, ...]) -> None:
+    """Wherever the sentence stands: an unfinished line would run into the next one."""
+    text = fragment(Section("", "", blocks), Text())
+    *_, behind = text.split("They end.")
+    assert re.match(r"%?\n(\\endgroup\n)?\\par\n", behind), text
+    assert text.count("\\begingroup") == text.count("\\endgroup")
+
+
+def test_code_has_spaces_of_one_width() -> None:
+    """TeX would stretch the one behind a colon."""
+    text = fragment(Section("", "", (Paragraph("Under `figure: values:`."),)), Text())
+    assert "\\texttt{figure:\\ values:}" in text

@@ -199,7 +199,7 @@ class Layouter:
         return LaidOut(
             tuple(equation_lines(equations[k] for k in upright)),
             tuple(equation_lines(named)),
-            tuple(pack(omitted(item, self.terms_word) for item in left)),
+            tuple(pack(omitted(item, self.terms_word, comma=self.printer.notation.comma) for item in left)),
             by_entry=True,
             has_zeros=not all(item.terms for item in items),
             symmetric=symmetric,
@@ -230,14 +230,15 @@ class Layouter:
         return named, entries
 
 
-def omitted(item: Item, word: str) -> Box:
+def omitted(item: Item, word: str, *, comma: bool = False) -> Box:
     """An entry that is left to the code: its name and its number of terms.
 
     Args:
         item: The entry.
         word: What terms are called in the language of the page.
+        comma: Whether decimals stand behind a comma.
     """
-    count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2)
+    count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2, comma=comma)
     unit = Box(f"\\text{{ {word}}}", 6.0 + 5.0 * len(word))
     return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, unit)
 

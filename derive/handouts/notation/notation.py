@@ -40,6 +40,7 @@ class Notation:
         inertial: Masses, inertias and ratios, in the order of the links.
         decimals: Whether rationals are printed as decimals.
         digits: Significant digits of a number in print; None for all of them.
+        comma: Whether decimals stand behind a comma.
         options: What the robot file or the reader chose.
     """
 
@@ -49,15 +50,17 @@ class Notation:
     inertial: Mapping[str, int]
     decimals: bool
     digits: int | None = DIGITS
+    comma: bool = False
     options: NotationOptions = field(default_factory=NotationOptions)
 
     @classmethod
-    def of(cls, robot: Robot, options: NotationOptions | None = None) -> Notation:
+    def of(cls, robot: Robot, options: NotationOptions | None = None, *, comma: bool = False) -> Notation:
         """The notation of a robot.
 
         Args:
             robot: The robot.
             options: How variables are written; None for as in the robot file.
+            comma: Whether decimals stand behind a comma, as the reader's language has it.
         """
         options = options or NotationOptions()
         labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
@@ -73,6 +76,7 @@ class Notation:
             labels={variable: label for variable, label in labels.items() if label and uses[label] == 1},
             inertial=_inertial(robot),
             decimals=is_given_in_decimals(robot),
+            comma=comma,
             options=options,
         )
 

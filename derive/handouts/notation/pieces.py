@@ -221,11 +221,26 @@ def joined(pieces: Iterable[Piece]) -> Box:
 
 # -- numbers
 
+DECIMAL_COMMA = "{,}"
+"""In braces, so that no space follows it."""
+
+
+def list_separator(pieces: Iterable[Piece]) -> Box:
+    """What stands between the members of a list: a comma, or a semicolon where a number has one inside.
+
+    Args:
+        pieces: All members.
+    """
+    return Box(";\\, " if any(DECIMAL_COMMA in piece.box.tex for piece in pieces) else ",\\, ", 6.0)
+
+
 _DIGIT_WIDTH = 5.0
 _TEN_WIDTH = 10.5
 
 
-def magnitude(value: Fraction, decimals: bool, *, digits: int | None = DIGITS, small: bool = True) -> Box:
+def magnitude(
+    value: Fraction, decimals: bool, *, digits: int | None = DIGITS, small: bool = True, comma: bool = False
+) -> Box:
     """The absolute value of a rational number in print.
 
     Args:
@@ -233,18 +248,20 @@ def magnitude(value: Fraction, decimals: bool, *, digits: int | None = DIGITS, s
         decimals: Whether to prefer 0.5 to one half.
         digits: Significant digits to print; None for all of them.
         small: Whether a fraction is set at script size, as in a coefficient.
+        comma: Whether decimals stand behind a comma.
     """
-    found = shown(abs(value), decimals=decimals, digits=digits)
+    found, mark = shown(abs(value), decimals=decimals, digits=digits), DECIMAL_COMMA if comma else "."
     if isinstance(found, Fraction):
         numerator, denominator = italic(str(found.numerator)), italic(str(found.denominator))
         return numerator if found.denominator == 1 else fraction(numerator, denominator, small)
     exponent = found.adjusted()
     if -4 <= exponent <= (digits or DIGITS):
         plain = f"{found:f}"
-        return Box(plain, _DIGIT_WIDTH * len(plain))
+        return Box(plain.replace(".", mark), _DIGIT_WIDTH * len(plain))
     power = f"10^{{{exponent}}}"
     power_width = _TEN_WIDTH + italic(str(exponent)).width * SCRIPT
     mantissa = f"{found:e}".partition("e")[0]
     if mantissa == "1":
         return Box(power, power_width)
-    return Box(f"{mantissa} \\cdot {power}", _DIGIT_WIDTH * len(mantissa) + DOT_WIDTH + power_width)
+    width = _DIGIT_WIDTH * len(mantissa) + DOT_WIDTH + power_width
+    return Box(f"{mantissa.replace('.', mark)} \\cdot {power}", width)

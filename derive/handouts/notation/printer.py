@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 import sympy
@@ -28,6 +29,7 @@ from derive.handouts.notation.pieces import (
     greek,
     italic,
     joined,
+    list_separator,
     magnitude,
     operator,
     script,
@@ -170,7 +172,7 @@ class LatexPrinter:
         return concatenate(*boxes, *map(joined, self._factors(powers, 0)))
 
     def _magnitude(self, value: Fraction) -> Box:
-        return magnitude(value, self.notation.decimals, digits=self.notation.digits)
+        return magnitude(value, self.notation.decimals, digits=self.notation.digits, comma=self.notation.comma)
 
     def _power(self, base: Any, exponent: Any, depth: int, closed: bool = False) -> Pieces:
         if exponent is _HALF:
@@ -208,9 +210,10 @@ class LatexPrinter:
         head = Box(head.tex + (" " if head.tex[-1].isalpha() else ""), head.width)
         if len(call.args) == 1 and (argument.is_Symbol or argument.is_NumberSymbol) and not closed:
             return [Piece(concatenate(head, joined(self._power(argument, Integer(1), 0))), depth=depth)]
-        inner = self._sum(argument, depth + 1)
-        for other in call.args[1:]:
-            inner += [Piece(Box(",\\, ", 5.0), depth=depth + 1), *self._sum(other, depth + 1)]
+        inner, others = self._sum(argument, depth + 1), [self._sum(other, depth + 1) for other in call.args[1:]]
+        separator = list_separator(chain(inner, *others))
+        for other in others:
+            inner += [Piece(separator, depth=depth + 1), *other]
         row = [Piece(head, depth=depth), *_bracket(inner, EMPTY, depth)]
         box = joined(row)
         if self.notation.abbreviates or box.width > WIDEST_FRACTION:
@@ -301,7 +304,7 @@ class DataPrinter:
         unit = "m" if not joint.is_revolute else "" if circles else "rad"
         end = [Piece(Box(f"\\;\\mathrm{{{unit}}}", 22.0))] if unit else []
         opening, closing = (Piece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
-        return (opening, *lower, Piece(Box(",\\, ", 6.0)), *upper, closing, *end)
+        return (opening, *lower, Piece(list_separator((*lower, *upper))), *upper, closing, *end)
 
     def _degrees(self, value: Expr, turn: Expr) -> Cell:
         """An angle whose constant part, ``turn`` times pi, is written in degrees."""

@@ -107,14 +107,17 @@ def viewer(
     script = render(
         "page/viewer.js.jinja",
         model=javascript_body(robot, needed),
-        configuration=_configuration(robot, program.parameters, numbers, ways),
+        configuration=_configuration(robot, program.parameters, numbers, ways, comma=text.comma),
     )
     notation = notation or Notation.of(robot, robot.handout.notation)
     assumed = ""  # what is drawn for symbols without a number
     if values:
-        pairs = (f"{html_symbol(notation.glyph(name).box.tex)} = {value:.4g}" for name, value in values.items())
+        pairs = (
+            f"{html_symbol(notation.glyph(name).box.tex)} = {text.number(f'{value:.4g}')}"
+            for name, value in values.items()
+        )
         message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
-        assumed = html_text(message).replace("@values@", ", ".join(pairs))
+        assumed = html_text(message).replace("@values@", ("; " if text.comma else ", ").join(pairs))
     html = render(
         "page/viewer/viewer.html.jinja",
         rows=_rows(robot, notation, ways),
@@ -188,7 +191,7 @@ def html_symbol(latex: str) -> str:
 
 
 def _configuration(
-    robot: Robot, parameters: Sequence[str], numbers: Mapping[str, float], ways: Sequence[Travel]
+    robot: Robot, parameters: Sequence[str], numbers: Mapping[str, float], ways: Sequence[Travel], *, comma: bool
 ) -> str:
     """What the script knows of the robot, as JSON that is inert in a script element."""
     value = {
@@ -206,6 +209,7 @@ def _configuration(
         "params": {name: numbers[name] for name in parameters},
         "base": [[evaluate(entry, numbers) for entry in row] for row in robot.base],
         "up": upwards(robot, numbers),
+        "comma": comma,
     }
     return json.dumps(value, allow_nan=False).replace("<", "\\u003c")
 

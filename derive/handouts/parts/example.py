@@ -154,24 +154,24 @@ def _cleaned(rows: Values) -> list[list[float]]:
     return [[value if abs(value) > threshold else 0.0 for value in row] for row in rows]
 
 
-def _number(value: float) -> Box:
+def _number(context: Context, value: float) -> Box:
     """A number with a few significant digits."""
     rounded = Fraction(f"{value:.{_DIGITS}g}")
-    size = magnitude(rounded, decimals=True, digits=_DIGITS)
+    size = magnitude(rounded, decimals=True, digits=_DIGITS, comma=context.notation.comma)
     return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
 
 
 def _matrix(context: Context, symbol: Box, rows: Values, function: str) -> Formula:
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
-    cells = matrix([[_number(value) for value in row] for row in rows])
+    cells = matrix([[_number(context, value) for value in row] for row in rows])
     box = concatenate(symbol, EQUALS, cells)
     python = "[" + ", ".join("[" + ", ".join(map(_copied, row)) + "]" for row in rows) + "]"
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
         columns = enumerate(zip(*rows, strict=True), 1)
         lines = pack(
-            concatenate(script(symbol, italic(str(k))), EQUALS, matrix([[_number(value)] for value in column]))
+            concatenate(script(symbol, italic(str(k))), EQUALS, matrix([[_number(context, value)] for value in column]))
             for k, column in columns
         )
         note = context.text("Column by column.")
@@ -185,10 +185,11 @@ def _gravity(context: Context, q: Sequence[float]) -> Formula:
     names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
     units = [_NEWTON_METRE if joint.is_revolute else _NEWTON for joint in context.robot.joints]
     lines = pack(
-        concatenate(name, EQUALS, _number(value), unit) for name, value, unit in zip(names, values, units, strict=True)
+        concatenate(name, EQUALS, _number(context, value), unit)
+        for name, value, unit in zip(names, values, units, strict=True)
     )
     entries = tuple(
-        Entry(name.tex, _number(value).tex, _copied(value)) for name, value in zip(names, values, strict=True)
+        Entry(name.tex, _number(context, value).tex, _copied(value)) for name, value in zip(names, values, strict=True)
     )
     blanks = tuple(name.tex for name in names)
     return Formula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, blanks=blanks)

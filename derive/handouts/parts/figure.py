@@ -63,9 +63,9 @@ def _values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
     written = []
     for name, value, unit in values:
         number = f"{value:.{_DIGITS}f}".rstrip("0").rstrip(".")
-        number = "0" if number in ("-0", "") else number
+        number = "0" if number in ("-0", "") else number.replace(".", "{,}" if context.text.comma else ".")
         written.append(f"${context.notation.glyph(name).box.tex.strip()} = {number}\\,\\mathrm{{{unit}}}$")
-    return ", ".join(written)
+    return ("; " if context.text.comma else ", ").join(written)
 
 
 def convention(context: Context) -> Iterator[Block]:

@@ -183,7 +183,11 @@ class _SingularFormulas:
         lines = break_lines(concatenate(left, EQUALS), self._printer.pieces(product))
         word = self.context.layouter.terms_word
         long = (
-            omitted(Item(self._names[symbol], expanded_terms(f.expression), lambda: None), word)
+            omitted(
+                Item(self._names[symbol], expanded_terms(f.expression), lambda: None),
+                word,
+                comma=self.context.text.comma,
+            )
             for symbol, f in self._long.items()
         )
         return Formula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)), blanks=(left.tex,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields
+from itertools import chain
 
 import sympy
 
@@ -11,7 +12,7 @@ from derive.handouts.context import Context
 from derive.handouts.document import Block, Paragraph, Rows, Table
 from derive.handouts.formula import entry_namer, matrix_lines
 from derive.handouts.layout.lines import Equation, equation_lines, pack
-from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, italic, joined, script
+from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, Piece, italic, joined, list_separator, script
 from derive.handouts.notation.printer import Cell
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot.description import IDENTITY, Link
@@ -149,9 +150,11 @@ def _link(context: Context, link: Link) -> Iterator[Equation]:
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
     com: list[Piece] = [Piece(Box("(", BRACKET_WIDTH))]
-    for index, part in enumerate(map(context.data.value, link.com)):
+    parts = [context.data.value(cell) for cell in link.com]
+    separator = Piece(list_separator(chain(*parts)))
+    for index, part in enumerate(parts):
         if index:  # behind a comma a line may be broken
-            com.append(Piece(Box(",\\, ", 6.0)))
+            com.append(separator)
             part = (part[0]._replace(before=Break.COMMA), *part[1:])
         com += part
     yield Equation(_word(_("centre of mass")), (*com, Piece(Box(")", BRACKET_WIDTH))))

@@ -39,3 +39,12 @@ def test_the_printed_number_is_the_number(value: Fraction, decimals: bool) -> No
         number *= Fraction(10) ** int(exponent.rstrip("}"))
     assert abs(number - abs(value)) <= abs(value) / 10 ** (DIGITS - 1)
     assert box.width > 0
+
+
+@given(st.fractions(max_denominator=10**12), st.booleans())
+def test_a_decimal_comma_is_in_braces_and_changes_nothing_else(value: Fraction, decimals: bool) -> None:
+    """TeX would put a space behind a bare one."""
+    point, comma = magnitude(value, decimals), magnitude(value, decimals, comma=True)
+    assert "." not in comma.tex
+    assert comma.tex.replace("{,}", ".") == point.tex
+    assert comma.width == point.width
