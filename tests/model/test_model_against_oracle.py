@@ -117,7 +117,9 @@ def test_closed_forms_of_random_robots_agree_with_the_oracle(seed: int, n: int) 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 4, 5, 7])
+@pytest.mark.parametrize(
+    "seed", [pytest.param(1, marks=pytest.mark.sweep), 4, 5, pytest.param(7, marks=pytest.mark.sweep)]
+)
 def test_closed_forms_of_long_random_robots_agree_with_the_oracle(seed: int) -> None:
     robot = Robot.from_text(robot_text(random.Random(1000 + seed), 5 + seed % 2))
     numbers = Numbers(robot, seed)

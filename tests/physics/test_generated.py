@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 
 from derive.model.identification.base_parameters import base_set
 from derive.programs.functions import build_program
@@ -29,8 +29,6 @@ from tests.random_robots import RandomRobot, configurations, random_robot, robot
 from tests.verification.oracle.pinocchio_reference import Array, reference
 
 SEEDS = 28
-FIXTURE_IS_A_FACTORY = [HealthCheck.function_scoped_fixture]
-"""Every example writes over the files of the one before."""
 
 
 def generate(robot: Robot, folder: Path, effort: Effort = Effort.FULL) -> tuple[GeneratedModel, ...]:
@@ -67,10 +65,20 @@ def check_with_the_oracle(robot: RandomRobot, loaded: Robot, folder: Path, seed:
     }
 
 
-@given(robots(max_joints=5))
-@settings(max_examples=15, deadline=None, suppress_health_check=FIXTURE_IS_A_FACTORY)
-def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, robot: RandomRobot) -> None:
-    """Other robots in every run."""
+@pytest.mark.parametrize("examples", [5, pytest.param(30, marks=pytest.mark.sweep)])
+def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, examples: int) -> None:
+    """Other robots in every run; every one writes over the files of the one before."""
+
+    @given(robots(max_joints=5))
+    @settings(max_examples=examples, deadline=None)
+    def check(robot: RandomRobot) -> None:
+        check_generated(tmp_path, robot)
+
+    check()
+
+
+def check_generated(tmp_path: Path, robot: RandomRobot) -> None:
+    """All targets of a build against Pinocchio and against the oracle."""
     loaded = Robot.from_text(robot.text)
     models = generate(loaded, tmp_path)
     assert [model.target for model in models] == ["numpy", "casadi"]
@@ -79,7 +87,7 @@ def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, rob
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", seeds(SEEDS, usual=10))
+@pytest.mark.parametrize("seed", seeds(SEEDS, usual=7))
 def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, seed: int) -> None:
     """The same robots in every run: one to seven joints of all kinds, every fifth without links."""
     robot = random_robot(random.Random(seed), 1 + seed % 7, dynamics=seed % 5 > 0)
@@ -91,7 +99,12 @@ def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("joints", "standard", "effort"),
-    [(18, True, Effort.QUICK), (18, False, Effort.QUICK), (32, True, Effort.FULL), (64, False, Effort.FULL)],
+    [
+        (18, True, Effort.QUICK),
+        (18, False, Effort.QUICK),
+        (32, True, Effort.FULL),
+        pytest.param(64, False, Effort.FULL, marks=pytest.mark.sweep),
+    ],
 )
 def test_generated_code_of_a_long_chain_agrees_with_pinocchio(
     tmp_path: Path, joints: int, standard: bool, effort: Effort

@@ -19,7 +19,7 @@ from derive.targets.c import render_c
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.escape import c_prefix
 from derive.verification.generated import CModel
-from tests.random_robots import random_robot
+from tests.random_robots import random_robot, seeds
 from tests.targets.c_models import c_model, needs_compiler, write_c_model
 from tests.targets.generated_models import PARAMETERS, numpy_model, planar, small_program, source_of
 from tests.targets.test_numpy import TITLES
@@ -46,7 +46,7 @@ def test_no_compiler_warns(tmp_path: Path, options: tuple[str, ...]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", seeds(4, usual=2))
 def test_no_compiler_warns_about_random_robots(tmp_path: Path, seed: int) -> None:
     write_c_model(tmp_path, Robot.from_text(random_robot(random.Random(seed), 2 + seed).text))
     compiled(tmp_path, *STRICT)
@@ -87,7 +87,7 @@ def test_the_header_can_be_read_by_cpp(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", seeds(4, usual=2))
 def test_random_robots_give_what_the_numpy_model_gives(seed: int) -> None:
     robot = random_robot(random.Random(seed), 2 + seed)
     loaded = Robot.from_text(robot.text)

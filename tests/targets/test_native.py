@@ -21,7 +21,7 @@ from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.native import CODE, LIBRARY, MODULE, TARGET
 from derive.verification.generated import load_models
-from tests.random_robots import random_robot
+from tests.random_robots import random_robot, seeds
 from tests.targets.c_models import needs_compiler
 from tests.targets.generated_models import FUNCTIONS, PARAMETERS, planar
 
@@ -223,7 +223,7 @@ def test_threads_do_not_disturb_each_other(models: Models) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", seeds(2, usual=1))
 def test_random_robots_give_what_the_numpy_model_gives(tmp_path: Path, seed: int) -> None:
     robot = random_robot(random.Random(seed), 3 + seed)
     models = built(Robot.from_text(robot.text), tmp_path)
