@@ -114,15 +114,16 @@ def _list(robot: Robot, form: str) -> None:
     """The quantities that a robot has, each with its indices and what it is."""
     from derive.model.quantities import REGISTRY
 
-    rows = []
-    for row in REGISTRY.values():
-        if robot.has_dynamics or not row.dynamic:
-            indices = ",".join("ijk"[: min(row.indices)])
-            rows.append((f"{row.name}[{indices}]" if indices else row.name, row.summary))
+    rows = [(row, row.shape_of(robot)) for row in REGISTRY.values() if row.is_of(robot)]
     if form == "json":
-        print_json({"robot": robot.name, "quantities": dict(rows), "remarks": robot.remarks_as_dicts})
+        found = {
+            row.call: {"symbol": row.symbol, "shape": shape, "unit": row.unit, "summary": row.summary}
+            for row, shape in rows
+        }
+        print_json({"robot": robot.name, "quantities": found})
     else:
-        print_columns(rows)
+        header = ("quantity", "shape", "unit", "what it is")
+        print_columns([(row.call, shape or "scalar", row.unit, row.summary) for row, shape in rows], header)
 
 
 def _entries(value: Any, printer: Printer) -> list[list[str]] | None:

@@ -244,9 +244,21 @@ class DynamicModel(IdentifiedModel):
         return self._rate_matrix("C")
 
     @cached_property
+    def B_qdd(self) -> Matrix:
+        """B qdd, nx1: the part of the torques that accelerations ask for [N m or N]."""
+        b, n = self.dynamics.inertia_matrix, range(self.n)
+        writing = RateWriting(self.style.accelerations, self.style.inertia, self.inertia_limit)
+        return sympy.ImmutableMatrix(
+            [self.dynamic_form.rate_sum([(b[i][j], self.qdd[j]) for j in n], writing) for i in n]
+        )
+
+    @cached_property
     def coriolis_vector(self) -> Matrix:
         """C qd, nx1: Coriolis and centrifugal torques [N m or N]."""
-        return sympy.ImmutableMatrix([self._velocity_torque(i) for i in range(self.n)])
+        writing = RateWriting(self.style.velocities, self.style.christoffel, self.christoffel_limit)
+        return sympy.ImmutableMatrix(
+            [self.dynamic_form.rate_sum(self.velocity_pairs(i), writing) for i in range(self.n)]
+        )
 
     @cached_property
     def N(self) -> Matrix:
@@ -289,10 +301,7 @@ class DynamicModel(IdentifiedModel):
     @cached_property
     def tau(self) -> Matrix:
         """Joint torques, nx1 [N m or N]: B qdd + C qd + g + friction (Siciliano et al., Robotics, eq. 7.42)."""
-        n = range(self.n)
-        return sympy.ImmutableMatrix(
-            [self._acceleration_torque(i) + self._velocity_torque(i) + self.g[i] + self.friction[i] for i in n]
-        )
+        return self.B_qdd + self.coriolis_vector + self.g + self.friction
 
     def velocity_pairs(self, i: int) -> list[tuple[Polynomial, Expr]]:
         """What C qd consists of: sum_jk c_ijk qd_j qd_k, each pair of joints once.
@@ -307,14 +316,3 @@ class DynamicModel(IdentifiedModel):
         return [
             (self.dynamics.christoffel(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k
         ]
-
-    def _velocity_torque(self, i: int) -> Expr:
-        """An entry of C qd."""
-        writing = RateWriting(self.style.velocities, self.style.christoffel, self.christoffel_limit)
-        return self.dynamic_form.rate_sum(self.velocity_pairs(i), writing)
-
-    def _acceleration_torque(self, i: int) -> Expr:
-        """An entry of B qdd."""
-        b = self.dynamics.inertia_matrix
-        writing = RateWriting(self.style.accelerations, self.style.inertia, self.inertia_limit)
-        return self.dynamic_form.rate_sum([(b[i][j], self.qdd[j]) for j in range(self.n)], writing)

@@ -1,4 +1,8 @@
-"""The registry of quantities, and how they are asked for: ``T[1,4]``, ``A[2]``, ``christoffel[1,1,2]``."""
+"""The registry of quantities, and how they are asked for: ``T[1,4]``, ``A[2]``, ``christoffel[1,1,2]``.
+
+Books have other names for them: ``M`` or ``mass matrix``, ``V``, ``T06`` or ``^0T_6``, ``det(J)``, ``b_11``. Those that
+mean one thing are understood, the others are answered with what may be meant.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +11,16 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from derive.errors import QuantityError
+from derive.errors import QuantityError, listed, quoted
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
 from derive.model.matrices import columns_matrix
+from derive.robot.robot import Robot
+from derive.robot.size_limits import FILE_LIMITS
 
-_NAME = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
+ANY = range(1, FILE_LIMITS.joints + 1)
+"""Any number of joints."""
 
 
 @dataclass(frozen=True)
@@ -23,11 +30,14 @@ class Quantity:
     Attributes:
         name: As the user writes it.
         symbol: As notes write it, in LaTeX; i, j, k stand for its indices.
-        shape: Rows and columns, ``6xn``; n joints, m = n - 3, p standard, b base parameters; empty for a scalar.
+        shape: Rows and columns, ``6xn``: n joints, m = n - 3, k indices, p standard and b base parameters; empty for a
+            scalar.
         unit: SI unit of its entries; empty where these differ or have none.
         summary: What it is, for lists.
         indices: How many indices it takes (alternatives allowed); further ones pick an entry.
         formula: The function of the model and the indices; by default the model's attribute or method of that name.
+        words: What books and people call it besides; case counts where it is one letter, spaces and signs never do.
+        joints: For how many joints it is defined.
     """
 
     name: str
@@ -37,11 +47,35 @@ class Quantity:
     summary: str
     indices: tuple[int, ...] = (0,)
     formula: Callable[..., Expr] | None = None
+    words: tuple[str, ...] = ()
+    joints: range = ANY
 
     @property
     def dynamic(self) -> bool:
         """Whether it needs links."""
         return self in _DYNAMIC
+
+    @property
+    def call(self) -> str:
+        """Its name with its indices: ``christoffel[i,j,k]``."""
+        letters = "i,..." if len(self.indices) > len("ijk") else ",".join("ijk"[: min(self.indices)])
+        return f"{self.name}[{letters}]" if letters else self.name
+
+    def shape_of(self, robot: Robot) -> str:
+        """Its shape for a robot: ``6x2``; empty for a scalar.
+
+        Args:
+            robot: The robot.
+        """
+        return self.shape.replace("n", str(robot.n)).replace("m", str(robot.n - 3))
+
+    def is_of(self, robot: Robot) -> bool:
+        """Whether a robot has it.
+
+        Args:
+            robot: The robot.
+        """
+        return robot.n in self.joints and (robot.has_dynamics or not self.dynamic)
 
     def value(self, model: DynamicModel, *indices: int) -> Expr:
         """The quantity of a model.
@@ -72,6 +106,13 @@ def _frame(model: DynamicModel, *indices: int) -> Matrix:
             return model.transform(*indices)
 
 
+def _rows(model: DynamicModel, *rows: int) -> Matrix:
+    """Some rows of J, in the given order."""
+    if len(set(rows)) < len(rows) or not all(1 <= row <= 6 for row in rows):
+        raise QuantityError(f"rows {listed(map(str, rows))} of J", allowed="different rows, from 1 to 6")
+    return model.J.extract([row - 1 for row in rows], list(range(model.n)))
+
+
 def _reduced_block(model: DynamicModel) -> Matrix:
     """J_11 with its second column subtracted from the first: the same determinant, shorter entries."""
     if model.n < 2:
@@ -80,64 +121,152 @@ def _reduced_block(model: DynamicModel) -> Matrix:
     return columns_matrix([subtract(first, second), second, *others], write=model.form.kinematic)
 
 
-_ANY = "end effector in the world; T[i] frame i there; T[i,j] frame j in frame i"
+def _rank(model: DynamicModel) -> Expr:
+    found = model.singularities
+    if found.determinant is None:
+        raise QuantityError(f"singularities of {model.robot.name}: {found.outcome.value}", allowed="two to six joints")
+    return found.determinant
+
+
+_END = "end effector in the world; T[i] frame i there; T[i,j] frame j in frame i"
 _DETERMINANT = "determinant of J, or of its first three rows for three joints"
+_DECIDES = "determinant that decides the rank of J, in factors"
+_ROWS = "determinant of as many rows of J as joints, such as detJ_rows[1,2,6]"
+_J_11, _J_12 = "rows 1-3, columns 1-3 of J", "rows 1-3, the other columns of J"
+_J_21, _J_22 = "rows 4-6, columns 1-3 of J", "rows 4-6, the other columns of J"
 _REDUCED = "J_11, its second column subtracted from the first"
+_VELOCITY = "velocity part of tau, C qd: Coriolis and centrifugal"
+_FORCE = "N m or N"
+_SIX = tuple(range(1, 7))
+_BLOCK, _WRIST = range(3, ANY.stop), range(4, ANY.stop)
 
 _KINEMATIC = (
     Quantity("A", r"\mathbf{A}_i^{i-1}", "4x4", "", "DH transform of row i", (1,)),
-    Quantity("T", r"\mathbf{T}_j^i", "4x4", "", _ANY, (0, 1, 2), _frame),
-    Quantity("p", r"\mathbf{p}", "3x1", "m", "position of the end effector"),
-    Quantity("R", r"\mathbf{R}", "3x3", "", "orientation of the end effector"),
-    Quantity("rpy", r"\boldsymbol{\phi}", "3x1", "rad", "roll, pitch, yaw"),
-    Quantity("euler_zyz", r"\boldsymbol{\phi}", "3x1", "rad", "Euler angles ZYZ"),
-    Quantity("J", r"\mathbf{J}", "6xn", "", "geometric Jacobian, world frame"),
-    Quantity("J_end", r"\mathbf{J}^n", "6xn", "", "geometric Jacobian, end-effector frame"),
-    Quantity("J_dot", r"\dot{\mathbf{J}}", "6xn", "", "rate of change of J, world frame"),
     Quantity(
-        "J_rpy",
-        r"\mathbf{J}_A",
-        "6xn",
-        "",
-        "analytic Jacobian for roll, pitch, yaw",
-        (0,),
-        lambda m: m.J_analytic("rpy"),
+        "T", r"\mathbf{T}", "4x4", "", _END, (0, 1, 2), _frame,
+        ("fkine", "fk", "forward kinematics", "direct kinematics", "pose", "transform", "H"),
+    ),
+    Quantity("p", r"\mathbf{p}", "3x1", "m", "position of the end effector", words=("position", "P")),
+    Quantity("R", r"\mathbf{R}", "3x3", "", "orientation of the end effector", words=("rotation", "orientation")),
+    Quantity("rpy", r"\boldsymbol{\phi}", "3x1", "rad", "roll, pitch, yaw", words=("roll pitch yaw", "euler angles")),
+    Quantity("euler_zyz", r"\boldsymbol{\phi}", "3x1", "rad", "Euler angles ZYZ", words=("zyz", "euler angles")),
+    Quantity("J", r"\mathbf{J}", "6xn", "", "geometric Jacobian, world frame", words=("jacobian", "jacob0")),
+    Quantity(
+        "J_end", r"\mathbf{J}^n", "6xn", "", "geometric Jacobian, end-effector frame",
+        words=("jacobe", "jacobian end", "end jacobian"),
     ),
     Quantity(
-        "J_zyz", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for Euler ZYZ", (0,), lambda m: m.J_analytic("zyz")
+        "J_dot", r"\dot{\mathbf{J}}", "6xn", "", "rate of change of J, world frame",
+        words=("dJ/dt", "dot J", "jacobian dot"),
     ),
-    Quantity("J_11", r"\mathbf{J}_{11}", "3x3", "", "rows 1-3, columns 1-3 of J", (0,), lambda m: m.J[:3, :3]),
-    Quantity("J_11_reduced", r"\mathbf{J}_{11}", "3x3", "", _REDUCED, (0,), _reduced_block),
-    Quantity("J_12", r"\mathbf{J}_{12}", "3xm", "", "rows 1-3, the other columns of J", (0,), lambda m: m.J[:3, 3:]),
-    Quantity("J_21", r"\mathbf{J}_{21}", "3x3", "", "rows 4-6, columns 1-3 of J", (0,), lambda m: m.J[3:, :3]),
-    Quantity("J_22", r"\mathbf{J}_{22}", "3xm", "", "rows 4-6, the other columns of J", (0,), lambda m: m.J[3:, 3:]),
-    Quantity("detJ", r"\det \mathbf{J}", "", "", _DETERMINANT, (0,), lambda m: m.det_J()),
-)
+    Quantity(
+        "J_rpy", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for roll, pitch, yaw", (0,),
+        lambda m: m.J_analytic("rpy"), ("analytic jacobian", "J_A"),
+    ),
+    Quantity(
+        "J_zyz", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for Euler ZYZ", (0,),
+        lambda m: m.J_analytic("zyz"), ("analytic jacobian", "J_A"),
+    ),
+    Quantity(
+        "Jv", r"\mathbf{J}_v", "3xn", "", "rows 1-3 of J: velocity", (0,), lambda m: m.J[:3, :],
+        ("linear jacobian", "J_P"),
+    ),
+    Quantity(
+        "Jw", r"\mathbf{J}_\omega", "3xn", "", "rows 4-6 of J: angular velocity", (0,), lambda m: m.J[3:, :],
+        ("angular jacobian", "J_O", "Jomega"),
+    ),
+    Quantity("Jxy", r"\mathbf{J}_{xy}", "2xn", "", "rows 1 and 2 of J", (0,), lambda m: m.J[:2, :]),
+    Quantity("J_rows", r"\mathbf{J}_{i,\ldots}", "kxn", "", "rows i, ... of J, such as J_rows[1,2,6]", _SIX, _rows),
+    Quantity("J_11", r"\mathbf{J}_{11}", "3x3", "", _J_11, (0,), lambda m: m.J[:3, :3], (), _BLOCK),
+    Quantity("J_11_reduced", r"\mathbf{J}_{11}", "3x3", "", _REDUCED, (0,), _reduced_block, (), _BLOCK),
+    Quantity("J_12", r"\mathbf{J}_{12}", "3xm", "", _J_12, (0,), lambda m: m.J[:3, 3:], (), _WRIST),
+    Quantity("J_21", r"\mathbf{J}_{21}", "3x3", "", _J_21, (0,), lambda m: m.J[3:, :3], (), _BLOCK),
+    Quantity("J_22", r"\mathbf{J}_{22}", "3xm", "", _J_22, (0,), lambda m: m.J[3:, 3:], (), _WRIST),
+    Quantity(
+        "detJ", r"\det \mathbf{J}", "", "", _DETERMINANT, (0,), lambda m: m.det_J(),
+        ("determinant", "determinant of J", "jacobian determinant"), range(1, 7),
+    ),
+    Quantity(
+        "detJv", r"\det \mathbf{J}_v", "", "", "determinant of Jv of three joints", (0,), lambda m: m.det_J((1, 2, 3)),
+        ("detJ_P",), range(3, 4),
+    ),
+    Quantity(
+        "detJxy", r"\det \mathbf{J}_{xy}", "", "", "determinant of Jxy of two joints", (0,), lambda m: m.det_J((1, 2)),
+        (), range(2, 3),
+    ),
+    Quantity(
+        "detJ_11", r"\det \mathbf{J}_{11}", "", "", "determinant of J_11", (0,),
+        lambda m: m.det_J((1, 2, 3), (1, 2, 3)), (), _BLOCK,
+    ),
+    Quantity(
+        "detJ_22", r"\det \mathbf{J}_{22}", "", "", "determinant of J_22 of six joints", (0,),
+        lambda m: m.det_J((4, 5, 6), (4, 5, 6)), (), range(6, 7),
+    ),
+    Quantity(
+        "detJ_rows", r"\det \mathbf{J}_{i,\ldots}", "", "", _ROWS, _SIX, lambda m, *rows: m.det_J(rows), (),
+        range(1, 7),
+    ),
+    Quantity(
+        "singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank,
+        ("singularity", "singular configurations"), range(2, 7),
+    ),
+)  # fmt: skip
 
 _DYNAMIC = (
     Quantity("Jv_com", r"\mathbf{J}_v^{l_i}", "3xn", "", "velocity of the centre of mass of link i", (1,)),
     Quantity("Jw_com", r"\mathbf{J}_w^{l_i}", "3xn", "", "angular velocity of link i", (1,)),
     Quantity("Jv_motor", r"\mathbf{J}_v^{m_i}", "3xn", "", "velocity of rotor i", (1,)),
     Quantity("Jw_motor", r"\mathbf{J}_w^{m_i}", "3xn", "", "angular velocity of rotor i", (1,)),
-    Quantity("kinetic", r"\mathcal{T}", "", "J", "kinetic energy", (0,), lambda m: m.energy.kinetic),
-    Quantity("potential", r"\mathcal{U}", "", "J", "potential energy", (0,), lambda m: m.energy.potential),
-    Quantity("B", r"\mathbf{B}", "nxn", "", "inertia matrix"),
-    Quantity("B_link", r"\mathbf{B}^{l_i}", "nxn", "", "part of B that link i contributes", (1,)),
-    Quantity("Bdot", r"\dot{\mathbf{B}}", "nxn", "", "time derivative of B"),
-    Quantity("christoffel", "c_{ijk}", "", "", "Christoffel symbol c_ijk", (3,)),
-    Quantity("C", r"\mathbf{C}", "nxn", "", "Coriolis matrix"),
     Quantity(
-        "coriolis_vector", r"\mathbf{C}\dot{\mathbf{q}}", "nx1", "N m or N", "Coriolis and centrifugal torques C qd"
+        "kinetic", r"\mathcal{T}", "", "J", "kinetic energy", (0,), lambda m: m.energy.kinetic, ("kinetic energy", "K"),
     ),
-    Quantity("N", r"\mathbf{N}", "nxn", "", "Bdot - 2C"),
-    Quantity("g", r"\mathbf{g}", "nx1", "N m or N", "gravity vector"),
-    Quantity("friction", r"\boldsymbol{\tau}_f", "nx1", "N m or N", "joint friction"),
-    Quantity("tau", r"\boldsymbol{\tau}", "nx1", "N m or N", "equations of motion"),
-    Quantity("regressor", r"\mathbf{Y}", "nxp", "", "Y with tau = Y pi, standard parameters pi"),
-    Quantity("standard_parameters", r"\boldsymbol{\pi}", "px1", "", "the standard parameters pi"),
-    Quantity("regressor_base", r"\mathbf{Y}", "nxb", "", "Y with tau = Y beta"),
-    Quantity("base_parameters", r"\boldsymbol{\beta}", "bx1", "", "the base parameters beta"),
-)
+    Quantity(
+        "potential", r"\mathcal{U}", "", "J", "potential energy", (0,), lambda m: m.energy.potential,
+        ("potential energy", "U", "P", "V"),
+    ),
+    Quantity(
+        "B", r"\mathbf{B}", "nxn", "", "inertia matrix",
+        words=("inertia", "inertia matrix", "mass matrix", "mass", "M", "D", "H", "b", "crba"),
+    ),
+    Quantity("B_link", r"\mathbf{B}^{l_i}", "nxn", "", "part of B that link i contributes", (1,)),
+    Quantity("Bdot", r"\dot{\mathbf{B}}", "nxn", "", "time derivative of B", words=("dB/dt", "Mdot", "dM/dt")),
+    Quantity(
+        "christoffel", "c_{ijk}", "", "", "Christoffel symbol c_ijk", (3,),
+        words=("christoffel symbols", "c_ijk", "c", "h"),
+    ),
+    Quantity(
+        "C", r"\mathbf{C}", "nxn", "", "Coriolis matrix", words=("coriolis", "coriolis matrix", "centrifugal matrix"),
+    ),
+    Quantity("N", r"\mathbf{N}", "nxn", "", "Bdot - 2C", words=("Bdot - 2C", "Mdot - 2C", "skew")),
+    Quantity(
+        "tau", r"\boldsymbol{\tau}", "nx1", _FORCE, "equations of motion: B_qdd + Cqd + g + friction",
+        words=("torque", "torques", "inverse dynamics", "rne", "dynamics", "equations of motion", "newton-euler"),
+    ),
+    Quantity(
+        "B_qdd", r"\mathbf{B}\ddot{\mathbf{q}}", "nx1", _FORCE, "inertial part of tau, B qdd",
+        words=("M*qdd", "tau_inertia", "inertia torque", "inertial torques", "inertia vector"),
+    ),
+    Quantity(
+        "Cqd", r"\mathbf{C}\dot{\mathbf{q}}", "nx1", _FORCE, _VELOCITY, (0,),
+        lambda m: m.coriolis_vector,
+        ("coriolis vector", "tau_velocity", "velocity torques", "coriolis torques", "centrifugal torques", "V", "h"),
+    ),
+    Quantity(
+        "g", r"\mathbf{g}", "nx1", _FORCE, "gravity part of tau",
+        words=("gravity", "gravity vector", "tau_gravity", "gravity torques", "gravload", "G"),
+    ),
+    Quantity(
+        "friction", r"\boldsymbol{\tau}_f", "nx1", _FORCE, "friction part of tau",
+        words=("tau_friction", "friction torques", "tau_f", "F"),
+    ),
+    Quantity("regressor", r"\mathbf{Y}", "nxp", "", "Y with tau = Y pi, standard parameters pi", words=("Y",)),
+    Quantity("standard_parameters", r"\boldsymbol{\pi}", "px1", "", "the standard parameters pi", words=("pi",)),
+    Quantity("regressor_base", r"\mathbf{Y}", "nxb", "", "Y with tau = Y beta", words=("base regressor", "Y")),
+    Quantity(
+        "base_parameters", r"\boldsymbol{\beta}", "bx1", "", "the base parameters beta",
+        words=("beta", "minimal parameters", "dynamic parameters"),
+    ),
+)  # fmt: skip
 
 REGISTRY = {quantity.name: quantity for quantity in (*_KINEMATIC, *_DYNAMIC)}
 """Every quantity that can be asked for by name, in the order of lists."""
@@ -177,28 +306,89 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
     Raises:
         QuantityError: Unknown name or wrong number of indices.
     """
-    match = _NAME.fullmatch(text)
-    if match is None:
+    written = re.sub(r"\(([\d,\s]+)\)", r"[\1]", re.sub(r"^\s*T\((\d+\s*,\s*\d+)\)", r"T[][\1]", text))
+    match = _ASKED.fullmatch(written)
+    if match is None or not match[1]:
         raise QuantityError(
-            f"quantity {text!r}", allowed="a name with indices, such as T, A[2], B[1,2], christoffel[1,1,2]"
+            f"quantity {quoted(text)}", allowed="a name with indices, such as T, A[2], B[1,2], christoffel[1,1,2]"
         )
-    name = match[1]
-    if name not in REGISTRY:
-        near = difflib.get_close_matches(name, REGISTRY, n=3, cutoff=0.5)
-        hint = f"did you mean {', '.join(near)}?" if near else ""
-        raise QuantityError(f"quantity {name!r}", allowed=", ".join(REGISTRY), remedy=hint)
-    quantity, first = REGISTRY[name], _integers(match[2], text)
-    if match[3] is not None:
-        return quantity, first, _integers(match[3], text)
+    quantity, named = (REGISTRY[match[1]], ()) if match[1] in REGISTRY else _spoken(model, match[1])
+    brackets = [_integers(indices, text) for indices in match.groups()[1:] if indices is not None]
+    if named:  # indices that stand in the name
+        brackets.insert(0, named)
+    first = brackets[0] if brackets else ()
+    if len(brackets) > 1 and len(first) in quantity.indices:
+        return quantity, first, tuple(index for bracket in brackets[1:] for index in bracket)
     # two indices of T can only be a row and a column where the arm has no such frame
-    is_entry = name == "T" and len(first) == 2 and max(first) > model.n
+    is_entry = quantity.name == "T" and len(first) == 2 and max(first) > model.n and not named
     if len(first) in quantity.indices and not is_entry:
         return quantity, first, None
-    for count in sorted(quantity.indices):
+    for count in sorted(quantity.indices if len(brackets) < 2 else ()):
         if len(first) - count in (1, 2):
             return quantity, first[:count], first[count:]
     counts = " or ".join(map(str, quantity.indices))
-    raise QuantityError(f"{len(first)} indices in {text!r}", allowed=f"{counts} for {name}, and an entry behind them")
+    raise QuantityError(
+        f"{len(first)} indices in {text!r}", allowed=f"{counts} for {quantity.name}, and an entry behind them"
+    )
+
+
+_ASKED = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
+
+
+def _key(word: str) -> str:
+    """What counts of a word: letters and digits, in either case where they are several."""
+    letters = "".join(character for character in word[:80] if character.isalnum())
+    return letters if len(letters) == 1 else letters.casefold()
+
+
+_NAMES = {_key(name): (quantity,) for name, quantity in REGISTRY.items() if len(name) > 1}
+_WORDS: dict[str, tuple[Quantity, ...]] = {}
+for _quantity in REGISTRY.values():
+    for _word in _quantity.words:
+        _WORDS[_key(_word)] = (*_WORDS.get(_key(_word), ()), _quantity)
+_WORDS |= _NAMES
+
+
+def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
+    """The quantity that is called otherwise in books, and indices that stand in its name: ``M``, ``T06``, ``b_11``."""
+    known = _known(model, _key(word), word)
+    if known is not None:
+        return known, ()
+    bare = re.sub(r"[{}\s]", "", word)
+    letters, numbers = re.sub(r"[\W\d_]", "", bare), re.findall(r"\d+", bare)
+    if len(numbers) == 1 and model.n < 10:  # b_12
+        numbers = list(numbers[0])
+    indices = tuple(map(int, numbers[:6]))
+    if letters in ("T", "A") and len(indices) == 2:
+        i, j = indices
+        if above := re.search(r"\^(\d+)", bare):
+            i, j = int(above[1]), next((k for k in indices if k != int(above[1])), int(above[1]))
+        if above and i > j:
+            meanings = f"T[{j},{i}], frame {i} in frame {j}, or T[{i},{j}], its inverse"
+            raise QuantityError(f"{quoted(word)} is read in two ways", allowed=meanings)
+        return (REGISTRY["A"], (j,)) if letters == "A" and j == i + 1 else (REGISTRY["T"], (i, j))
+    row = REGISTRY.get(letters) or _known(model, _key(letters), letters)
+    if row is not None and indices and re.fullmatch(r"[A-Za-z]+[\d\W_]+", bare):
+        return row, indices
+    if axis := re.fullmatch(r"p_?([xyz])", bare):
+        return REGISTRY["p"], ("xyz".index(axis[1]) + 1,)
+    keys = difflib.get_close_matches(_key(word), _WORDS, n=3, cutoff=0.72)
+    close = [REGISTRY.get(word.swapcase()), *(row for key in keys for row in _WORDS[key])]
+    near = dict.fromkeys(row.name for row in close if row is not None and row.is_of(model.robot))
+    if near:
+        raise QuantityError(f"quantity {quoted(word)}", remedy=f"did you mean {' or '.join(near)}?")
+    names = (row.name for row in REGISTRY.values() if row.is_of(model.robot))
+    raise QuantityError(f"quantity {quoted(word)}", allowed=listed(names))
+
+
+def _known(model: DynamicModel, key: str, word: str) -> Quantity | None:
+    """The one quantity of this robot, or of any, that a word means."""
+    rows = _WORDS.get(key, ())
+    rows = tuple(row for row in rows if row.is_of(model.robot)) or rows
+    if len(rows) > 1:
+        meanings = " or ".join(f"{row.name} ({row.summary.partition(';')[0]})" for row in rows)
+        raise QuantityError(f"{quoted(word)} has several meanings", remedy=f"did you mean {meanings}?")
+    return rows[0] if rows else None
 
 
 def _integers(text: str | None, whole: str) -> tuple[int, ...]:

@@ -72,9 +72,14 @@ def test_make_targets_that_a_page_names_exist(page: Path) -> None:
     assert named <= set(phony[1].split())
 
 
-def test_page_of_quantities_names_every_quantity() -> None:
+def test_page_of_quantities_has_a_row_for_every_quantity_in_their_order() -> None:
+    """With its symbol, shape and unit as in the registry; it may say more."""
     text = (ROOT / "docs" / "quantities.md").read_text(encoding="utf-8")
-    assert not [name for name in REGISTRY if f"`{name}`" not in text and f"`{name}[" not in text]
+    rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines() if line.startswith("| `")]
+    shown = {row[1].strip("`"): row[3:6] for row in rows if len(row) == 8}
+    registry = {row.call: [f"${row.symbol}$", row.shape or "scalar", row.unit] for row in REGISTRY.values()}
+    assert {call: shown.get(call) for call in registry} == registry
+    assert [call for call in shown if call in registry] == list(registry)
 
 
 def test_every_page_can_be_reached_from_another() -> None:

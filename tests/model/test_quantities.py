@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+import sympy
 
 from derive.errors import QuantityError
 from derive.model.model import Model
@@ -30,23 +31,135 @@ def model() -> Model:
 
 @pytest.mark.parametrize("quantity", REGISTRY.values(), ids=REGISTRY.keys())
 def test_a_quantity_has_the_shape_of_its_row(quantity: Quantity, model: Model) -> None:
-    value = quantity.value(model, *[1] * min(quantity.indices))
-    sizes = {"n": model.n, "m": model.n - 3}
-    sizes |= {"p": len(model.standard_parameter_names), "b": len(model.base_parameter_names)}
-    if not quantity.shape:
-        assert not hasattr(value, "shape")
-    else:
-        assert value.shape == tuple(sizes[size] if size in sizes else int(size) for size in quantity.shape.split("x"))
+    if quantity.is_of(model.robot) and quantity.name != "detJ_rows":  # a block of four columns has four rows
+        value = quantity.value(model, *[1] * min(quantity.indices))
+        sizes = {"k": 1, "p": len(model.standard_parameter_names), "b": len(model.base_parameter_names)}
+        shape = quantity.shape_of(model.robot)
+        assert getattr(value, "shape", ()) == tuple(sizes.get(size) or int(size) for size in shape.split("x") if shape)
 
 
 def test_two_indices_of_T_are_frames_where_the_arm_has_them_and_else_an_entry(model: Model) -> None:
     assert evaluate(model, "T[1,4]") == model.transform(1, 4)
     assert evaluate(model, "T[1,4][2,3]") == model.transform(1, 4)[1, 2]
-    assert evaluate(model, "T[][1,4]") == model.T[0, 3]
+    assert evaluate(model, "T[][1,4]") == evaluate(model, "T(1,4)") == model.T[0, 3]
     assert parse(Model(Robot.load("planar-2r-perugia")), "T[1,4]")[2] == (1, 4)
 
 
-@pytest.mark.parametrize("text", ["M", "T[1,2,3,4,5]", "A[x]", "A", "B[9,1]", "kinetic[1,1]"])
-def test_what_is_not_there_is_refused(text: str, model: Model) -> None:
-    with pytest.raises(QuantityError):
+BOOKS = {
+    "B": ["M", "D", "mass matrix", "mass_matrix", "inertia", "Inertia Matrix"],
+    "B[1,2]": ["M_12", "b_12", "B12", "b_{12}", "M(1,2)", "mass matrix[1,2]"],
+    "C": ["coriolis", "Coriolis matrix"],
+    "Cqd": ["C qd", "C*qd", "coriolis_vector", "tau_velocity"],
+    "B_qdd": ["B qdd", "M*qdd", "tau_inertia"],
+    "g": ["gravity", "G", "tau_gravity", "gravload"],
+    "friction": ["F", "tau_friction"],
+    "tau": ["torque", "torques", "inverse dynamics", "rne"],
+    "tau[2]": ["tau_2", "tau2", "torque 2"],
+    "T": ["fkine", "forward kinematics", "pose"],
+    "T[0,4]": ["T04", "T_04", "T0_4", "T_4^0", "T^0_4", "{}^0T_4", "^0_4T", "T_{4}^{0}"],
+    "T[3]": ["T3", "T_3"],
+    "T[0,2]": ["A_2^0", "A02"],
+    "A[2]": ["A2", "A_2", "A_2^1", "A12"],
+    "p[1]": ["p_x", "px", "p1"],
+    "J": ["jacobian", "Jacobian", "jacob0"],
+    "J_dot": ["Jdot", "dJ/dt", "\\dot{J}"],
+    "J_11": ["J11", "J_{11}"],
+    "J[6,4]": ["J(6,4)", "J64"],
+    "detJ_11": ["det(J_11)", "det J11"],
+    "christoffel[1,2,3]": ["c_123", "c123", "c_{123}"],
+    "N": ["Bdot - 2C", "Mdot-2C"],
+    "kinetic": ["kinetic energy", "K"],
+    "potential": ["U", "potential energy"],
+    "base_parameters": ["beta", "base parameters"],
+}
+
+
+@pytest.mark.parametrize(("ours", "theirs"), [(ours, theirs) for ours, list_ in BOOKS.items() for theirs in list_])
+def test_names_of_books_are_understood(ours: str, theirs: str, model: Model) -> None:
+    assert parse(model, theirs) == parse(model, ours)
+
+
+@pytest.mark.parametrize(
+    ("text", "meanings"),
+    [
+        ("V", ["potential", "Cqd"]),
+        ("H", ["T", "B"]),
+        ("P", ["p", "potential"]),
+        ("T_0^4", ["T[0,4]", "T[4,0]"]),
+        ("J_A", ["J_rpy", "J_zyz"]),
+        ("Jacobean", ["J"]),
+        ("torqe", ["tau"]),
+        ("t", ["T"]),
+        ("T09", []),
+        ("foo", ["christoffel"]),
+        ("T[1,2,3,4,5]", []),
+        ("A[x]", []),
+        ("A", []),
+        ("A[1,2][1,1]", []),
+        ("B[9,1]", []),
+        ("kinetic[1,1]", []),
+        ("J_rows[1,7]", []),
+        ("J_rows[2,2]", []),
+        ("detJv", []),
+        ("", []),
+        ("[1]", []),
+    ],
+)
+def test_what_is_not_there_or_unclear_is_refused_with_what_may_be_meant(
+    text: str, meanings: list[str], model: Model
+) -> None:
+    with pytest.raises(QuantityError) as refused:
         evaluate(model, text)
+    assert all(meaning in str(refused.value) for meaning in meanings)
+
+
+def test_a_letter_with_two_meanings_has_one_where_the_robot_has_one() -> None:
+    thumb = Model(Robot.load("thumb"))
+    assert parse(thumb, "H") == parse(thumb, "T")
+    assert parse(thumb, "P") == parse(thumb, "p")
+
+
+def test_the_torque_is_the_sum_of_its_parts() -> None:
+    """With friction and rotors; and C qd is C times qd, B qdd is B times qdd."""
+    found = Model(Robot.load("scara-matlab"))
+    parts = [found.quantity(name) for name in ("B_qdd", "Cqd", "g", "friction")]
+    assert all(any(part) for part in parts)
+    assert sympy.expand(found.tau - sum(parts[1:], parts[0])) == sympy.zeros(4, 1)
+    assert sympy.expand(found.B * sympy.Matrix(found.qdd) - parts[0]) == sympy.zeros(4, 1)
+    assert sympy.expand(found.C * sympy.Matrix(found.qd) - parts[1]) == sympy.zeros(4, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "rows", "columns"),
+    [
+        ("planar-2r-perugia", "detJxy", (0, 1), (0, 1)),
+        ("anthropomorphic-arm", "detJv", (0, 1, 2), (0, 1, 2)),
+        ("planar-3r", "detJ_rows[1,2,6]", (0, 1, 5), (0, 1, 2)),
+        ("kuka-kr5", "detJ_11", (0, 1, 2), (0, 1, 2)),
+        ("kuka-kr5", "detJ_22", (3, 4, 5), (3, 4, 5)),
+    ],
+)
+def test_determinants_of_blocks_are_those_of_J_in_numbers(
+    name: str, quantity: str, rows: tuple[int, ...], columns: tuple[int, ...]
+) -> None:
+    found = Model(Robot.load(name))
+    symbols = found.J.free_symbols
+    values = {symbol: 0.3 + 0.37 * k for k, symbol in enumerate(sorted(symbols, key=str))}
+    block = sympy.Matrix(found.J.extract(list(rows), list(columns)).subs(values))
+    assert float(found.quantity(quantity).subs(values)) == pytest.approx(float(block.det()), rel=1e-9, abs=1e-12)
+
+
+def test_singularities_are_the_determinant_in_factors() -> None:
+    found = Model(Robot.load("puma560-corke"))
+    assert found.quantity("singularities") == found.singularities.determinant
+    with pytest.raises(QuantityError, match="redundant"):
+        Model(Robot.load("kuka-lwr4")).quantity("singularities")
+
+
+def test_a_list_holds_what_the_robot_has() -> None:
+    planar, thumb = Robot.load("planar-2r-perugia"), Robot.load("thumb")
+    assert REGISTRY["detJxy"].is_of(planar)
+    assert not REGISTRY["J_12"].is_of(planar)
+    assert not REGISTRY["B"].is_of(thumb)
+    assert REGISTRY["J_rows"].call == "J_rows[i,...]"
+    assert REGISTRY["J_12"].shape_of(thumb) == "3x2"
