@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from derive.handouts.dynamics import DynamicsLayout
 from derive.handouts.figure.poses import RobotPoses
@@ -62,7 +62,8 @@ class Context:
         self.is_standard = robot.convention is Convention.STANDARD
         self.has_closed_dynamics = robot.has_dynamics and robot.n <= self.policy.closed_form_joints
         self.steps = self.options.derivation is Derivation.STEPS
-        self.notation = Notation.of(robot, self.options.notation, comma=self.text.comma)
+        notation = Notation.of(robot, self.options.notation, comma=self.text.comma)
+        self.notation = replace(notation, degrees=robot.units.degrees)
         self.symbols = Symbols(self.notation, robot.n)
         self.printer = LatexPrinter(self.notation)
         self.layouter = Layouter(self.printer, self.policy, self.symbols.term, self.text("terms"))

@@ -223,7 +223,7 @@ def body_formulas(context: Context, items: Iterable[BodyItem]) -> Iterator[Block
         if laid_out.lines or not laid_out.omitted:
             yield replace(formula(context, laid_out), omitted=())
         if laid_out.omitted:
-            yield Paragraph(_("Too long to print; multiplied out the numbers of terms are as follows."))
+            yield Paragraph(_("These entries are too long to print; multiplied out they have so many terms:"))
             yield Rows(laid_out.omitted)
     if row:
         yield formula(context, side_by_side(row))

@@ -169,13 +169,7 @@ def _written(block: Block, _: Text) -> str:
             sentences = {
                 "named": _words(_("With the abbreviations")),
                 "entries": _words(_("the entries are as follows.")),
-                "omitted": _words(
-                    _(
-                        "Too long to print; multiplied out the numbers of terms are as follows, and `model_numpy.py` "
-                        "computes them in `%(function)s`:",
-                        function=block.function,
-                    )
-                ),
+                "omitted": _words(omitted_words(block, _)),
             }
             return _macro(
                 "formula",
@@ -196,6 +190,25 @@ def _written(block: Block, _: Text) -> str:
             return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
         case Steps(title, blocks):
             return _macro("steps", title=_words(title), blocks=_joined(blocks, _, is_open=True))
+
+
+def omitted_words(block: Formula, _: Text) -> str:
+    """What stands before the numbers of terms of entries that are left out.
+
+    Args:
+        block: The formula.
+        _: Translates it.
+
+    Returns:
+        A sentence with marks.
+    """
+    if block.function:
+        return _(
+            "These entries are too long to print; `%(function)s` in `model_numpy.py` computes them. "
+            "Multiplied out they have so many terms:",
+            function=block.function,
+        )
+    return _("These entries are too long to print; multiplied out they have so many terms:")
 
 
 def _macro(name: str, **values: object) -> str:

@@ -18,16 +18,22 @@ def printer(cells: str, kind: str = "revolute", unit: str = "rad") -> tuple[Data
 
 
 @pytest.mark.parametrize(
-    ("alpha", "expected"),
+    ("unit", "alpha", "expected"),
     [
-        ("pi/2", "\\tfrac{\\pi}{2}"),
-        ("-pi/6", "-\\tfrac{\\pi}{6}"),
-        ("pi/8", "22.5^{\\circ}"),
-        ("-pi/5", "-36^{\\circ}"),
+        ("rad", "pi/2", "\\tfrac{\\pi}{2}"),
+        ("rad", "-pi/6", "-\\tfrac{\\pi}{6}"),
+        ("rad", "pi/8", "\\tfrac{\\pi}{8}"),
+        ("rad", "0.5", "0.5"),
+        ("deg", "90", "90^{\\circ}"),
+        ("deg", "-30", "-30^{\\circ}"),
+        ("deg", "22.5", "22.5^{\\circ}"),
+        ("deg", "beta - 10", "\\beta  - 10^{\\circ}"),
+        ("deg", "beta", "\\beta "),
     ],
 )
-def test_usual_angles_are_multiples_of_pi_and_others_in_degrees(alpha: str, expected: str) -> None:
-    data, robot = printer(f"alpha: {alpha}")
+def test_angles_are_in_the_unit_of_the_file(unit: str, alpha: str, expected: str) -> None:
+    """A file with pi has no degrees on its sheet, one with degrees no pi."""
+    data, robot = printer(f"alpha: {alpha}", unit=unit)
     assert joined(data.angle(robot.joints[0].alpha)).tex == expected
 
 
@@ -37,16 +43,19 @@ def test_lengths_have_every_digit() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "limits", "end"),
+    ("unit", "kind", "limits", "expected"),
     [
-        ("revolute", "[-pi, pi/3]", "60^{\\circ}]"),
-        ("revolute", "[-3, 2]", "2]\\;\\mathrm{rad}"),
-        ("prismatic", "[0, 0.5]", "0.5]\\;\\mathrm{m}"),
+        ("rad", "revolute", "[-pi, pi/3]", "[-\\pi ,\\, \\tfrac{\\pi}{3}]\\,\\mathrm{rad}"),
+        ("rad", "revolute", "[-3, 2]", "[-3,\\, 2]\\,\\mathrm{rad}"),
+        ("rad", "prismatic", "[0, 0.5]", "[0,\\, 0.5]\\,\\mathrm{m}"),
+        ("deg", "revolute", "[-180, 60]", "[-180^{\\circ},\\, 60^{\\circ}]"),
+        ("deg", "revolute", "[0, 60]", "[0^{\\circ},\\, 60^{\\circ}]"),
+        ("deg", "prismatic", "[0, 0.5]", "[0,\\, 0.5]\\,\\mathrm{m}"),
     ],
 )
-def test_limits_have_their_unit(kind: str, limits: str, end: str) -> None:
-    data, robot = printer(f"limits: {limits}", kind)
-    assert joined(data.limits(robot.joints[0])).tex.endswith(end)
+def test_limits_have_their_unit(unit: str, kind: str, limits: str, expected: str) -> None:
+    data, robot = printer(f"limits: {limits}", kind, unit)
+    assert joined(data.limits(robot.joints[0])).tex == expected
 
 
 def test_a_joint_without_limits_has_a_dash() -> None:
@@ -56,7 +65,7 @@ def test_a_joint_without_limits_has_a_dash() -> None:
 
 @pytest.mark.parametrize(
     ("limits", "expected"),
-    [("[-2.5, 2]", "[-2{,}5;\\, 2]"), ("[-pi, pi/3]", "[-180^{\\circ},\\, 60^{\\circ}]"), ("[-3, 2]", "[-3,\\, 2]")],
+    [("[-2.5, 2]", "[-2{,}5;\\, 2]"), ("[-pi, 2]", "[-\\pi ,\\, 2]"), ("[-3, 2]", "[-3,\\, 2]")],
 )
 def test_a_list_with_a_decimal_comma_has_semicolons(limits: str, expected: str) -> None:
     _, robot = printer(f"limits: {limits}")

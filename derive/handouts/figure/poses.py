@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import cycle
 from typing import Any
 
@@ -19,8 +20,9 @@ from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.joint_motion import advance
 from derive.mechanics.vectors import Frame
+from derive.robot.description import Joint
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import Call, Expression, children, names
+from derive.robot.expression import Call, Expression, Number, Product, Sum, children, names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
@@ -77,8 +79,19 @@ class RobotPoses:
 
     @property
     def zero(self) -> tuple[float, ...]:
-        """The zero configuration [rad or m]."""
-        return (0.0,) * self.robot.n
+        """The zero configuration, which is within the limits [rad or m], see `zero_cells`."""
+        return self.numbers(self.zero_cells)
+
+    @cached_property
+    def zero_cells(self) -> tuple[Expression, ...]:
+        """Zero for each joint; where its limits exclude that, the middle of the limits."""
+        found: list[Expression] = []
+        for joint, bounds in zip(self.robot.joints, self.limits, strict=True):
+            limits = joint.limits
+            has_numbers = limits and all(name in self._values for cell in limits for name in names(cell))
+            is_outside = bounds is not None and has_numbers and not min(bounds) <= 0.0 <= max(bounds)
+            found.append(middle(joint) if is_outside else Number(Fraction(0)))
+        return tuple(found)
 
     @property
     def configuration(self) -> tuple[float, ...] | None:
@@ -161,6 +174,15 @@ class RobotPoses:
             frame = advance(frame, moved)
             yield frame @ end
         yield frame @ chain.tool
+
+
+def middle(joint: Joint) -> Expression:
+    """The value half way between the limits of a joint.
+
+    Args:
+        joint: A joint that has limits.
+    """
+    return Product((Number(Fraction(1, 2)), Sum(joint.limits or ())))
 
 
 def _longest(robot: Robot, known: Numbers) -> float:

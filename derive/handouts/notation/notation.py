@@ -41,6 +41,7 @@ class Notation:
         decimals: Whether rationals are printed as decimals.
         digits: Significant digits of a number in print; None for all of them.
         comma: Whether decimals stand behind a comma.
+        degrees: Whether multiples of pi in angles are written in degrees.
         options: What the robot file or the reader chose.
     """
 
@@ -51,6 +52,7 @@ class Notation:
     decimals: bool
     digits: int | None = DIGITS
     comma: bool = False
+    degrees: bool = False
     options: NotationOptions = field(default_factory=NotationOptions)
 
     @classmethod

@@ -34,7 +34,6 @@ from derive.handouts.notation.pieces import (
     operator,
     script,
 )
-from derive.handouts.notation.subscripts import Glyph
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
@@ -89,6 +88,27 @@ class LatexPrinter:
             TargetError: It holds something that the grammar of robot files has no word for.
         """
         return self._sum(expression, 0)
+
+    def angle(self, expression: Any, depth: int = 0) -> Pieces:
+        """An angle as pieces; where the robot file has degrees, a multiple of pi that is added is written in degrees.
+
+        Args:
+            expression: A SymPy expression in the robot's symbols.
+            depth: How many brackets it stands in.
+
+        Raises:
+            TargetError: It holds something that the grammar of robot files has no word for.
+        """
+        turn = expression.coeff(pi)
+        rest = expression - turn * pi
+        if not (self.notation.degrees and turn.is_Rational and turn) or rest.has(pi):
+            return self._sum(expression, depth)
+        size = Fraction(180 * abs(turn).p, turn.q)
+        number = magnitude(size, decimals=True, digits=self.notation.digits, comma=self.notation.comma)
+        degrees = Piece(Box(f"{number.tex}{_CIRCLE}", number.width + 5.0), depth=depth)
+        if rest == 0:
+            return [degrees] if turn > 0 else [MINUS, degrees]
+        return [*self._sum(rest, depth), binary("+" if turn > 0 else "-", depth), degrees]
 
     def _sum(self, expression: Any, depth: int) -> Pieces:
         """Written once: a root inside a root is measured before it is placed, which doubles the work at each level."""
@@ -210,7 +230,8 @@ class LatexPrinter:
         head = Box(head.tex + (" " if head.tex[-1].isalpha() else ""), head.width)
         if len(call.args) == 1 and (argument.is_Symbol or argument.is_NumberSymbol) and not closed:
             return [Piece(concatenate(head, joined(self._power(argument, Integer(1), 0))), depth=depth)]
-        inner, others = self._sum(argument, depth + 1), [self._sum(other, depth + 1) for other in call.args[1:]]
+        write = self.angle if name in _CIRCULAR else self._sum
+        inner, others = write(argument, depth + 1), [self._sum(other, depth + 1) for other in call.args[1:]]
         separator = list_separator(chain(inner, *others))
         for other in others:
             inner += [Piece(separator, depth=depth + 1), *other]
@@ -239,9 +260,7 @@ def _nested(pieces: Pieces) -> int:
 DATA_DIGITS = 15
 """Significant digits of the numbers in tables, which are the user's."""
 
-_PLAIN_DENOMINATORS = frozenset({1, 2, 3, 4, 6})
-"""Denominators of multiples of pi that are written with pi; other constant angles are in degrees."""
-
+_CIRCLE = "^{\\circ}"
 Cell = tuple[Piece, ...]
 """A cell in print."""
 
@@ -256,7 +275,7 @@ class DataPrinter:
 
     def __init__(self, robot: Robot, notation: Notation) -> None:
         self.robot = robot
-        self.notation = replace(notation, decimals=True, digits=DATA_DIGITS)
+        self.notation = replace(notation, decimals=True, digits=DATA_DIGITS, degrees=robot.units.degrees)
 
     def value(self, cell: Expression | Expr) -> Cell:
         """A length, mass or other number.
@@ -270,7 +289,7 @@ class DataPrinter:
         return tuple(LatexPrinter(self.notation).pieces(_sympy(cell)))
 
     def angle(self, cell: Expression | Expr) -> Cell:
-        """An angle; its constant part in multiples of pi or, where the denominator is unusual, in degrees.
+        """An angle, its multiples of pi as the robot file has them: with pi, or in degrees.
 
         Args:
             cell: The cell, or a SymPy expression of cells.
@@ -278,13 +297,25 @@ class DataPrinter:
         Returns:
             Its pieces.
         """
-        value = _sympy(cell)
-        turn = value.coeff(sympy.pi)
-        is_multiple = turn.is_Rational and turn and not (value - turn * sympy.pi).has(sympy.pi)
-        return self._degrees(value, turn) if is_multiple and turn.q not in _PLAIN_DENOMINATORS else self.value(value)
+        return tuple(LatexPrinter(self.notation).angle(_sympy(cell)))
+
+    def position(self, joint: Joint, cell: Expression | Expr) -> Cell:
+        """A value of a joint variable with its unit.
+
+        Args:
+            joint: The joint.
+            cell: The value.
+
+        Returns:
+            Its pieces.
+        """
+        pieces, unit = self._position(joint, cell)
+        if unit.tex and any(piece.before is Break.BINARY and not piece.depth for piece in pieces):
+            pieces = tuple(_bracket(list(pieces), EMPTY, 0))  # the unit is that of all terms
+        return (*pieces, Piece(unit)) if unit.tex else pieces
 
     def limits(self, joint: Joint) -> Cell:
-        """Both limits of a joint with their unit, in degrees where they are rational multiples of pi.
+        """Both limits of a joint with their unit.
 
         Args:
             joint: The joint.
@@ -294,25 +325,20 @@ class DataPrinter:
         """
         if joint.limits is None:
             return (Piece(Box("\\text{--}", 6.0)),)
-        bounds = []
-        for value in map(_sympy, joint.limits):
-            turn = value.coeff(sympy.pi)
-            is_multiple = turn.is_Rational and turn and value == turn * sympy.pi
-            bounds.append(self._degrees(value, turn) if joint.is_revolute and is_multiple else self.value(value))
-        lower, upper = bounds
-        circles = joint.is_revolute and "\\circ" in joined((*lower, *upper)).tex
-        unit = "m" if not joint.is_revolute else "" if circles else "rad"
-        end = [Piece(Box(f"\\;\\mathrm{{{unit}}}", 22.0))] if unit else []
+        (lower, _), (upper, unit) = (self._position(joint, limit) for limit in joint.limits)
         opening, closing = (Piece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
+        end = [Piece(unit)] if unit.tex and _CIRCLE not in joined(lower).tex else []
         return (opening, *lower, Piece(list_separator((*lower, *upper))), *upper, closing, *end)
 
-    def _degrees(self, value: Expr, turn: Expr) -> Cell:
-        """An angle whose constant part, ``turn`` times pi, is written in degrees."""
-        symbol = sympy.Symbol("_degrees")
-        number = joined(LatexPrinter(self.notation).pieces(abs(turn) * 180))
-        glyph = Glyph(Box(f"{number.tex}^{{\\circ}}", number.width + 5.0))
-        replaced = value - turn * sympy.pi + (symbol if turn > 0 else -symbol)
-        return tuple(LatexPrinter(self.notation.with_terms({"_degrees": glyph})).pieces(replaced))
+    def _position(self, joint: Joint, cell: Expression | Expr) -> tuple[Cell, Box]:
+        """A value, and the unit behind it; degrees have their circle instead."""
+        value = _sympy(cell)
+        if not joint.is_revolute:
+            return self.value(value), Box("\\,\\mathrm{m}", 11.0)
+        if value == 0 and self.notation.degrees:
+            return (Piece(Box(f"0{_CIRCLE}", 10.0)),), EMPTY
+        pieces = self.angle(value)
+        return pieces, EMPTY if _CIRCLE in joined(pieces).tex else Box("\\,\\mathrm{rad}", 18.0)
 
 
 def _sympy(cell: Expression | Expr) -> Expr:

@@ -162,7 +162,7 @@ def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] |
         with suppress(ArithmeticError):  # limits that are no numbers do not count
             lower, upper = (evaluate(limit, numbers) for limit in joint.limits) if joint.limits else (low, high)
             low, high = (lower, upper) if lower < upper else (low, high)
-        wanted = 0.0 if joint.is_revolute else (low + high) / 2
+        wanted = 0.0 if joint.is_revolute and low <= 0.0 <= high else (low + high) / 2
         if start is not None:
             wanted = start[index]
         ways.append(Travel(joint.is_revolute, low, high, min(max(wanted, low), high)))

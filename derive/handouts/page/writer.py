@@ -31,6 +31,7 @@ from derive.handouts.document import (
 from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.writers import svg_drawing
 from derive.handouts.language import Text
+from derive.handouts.latex_writer import omitted_words
 from derive.handouts.page.viewer import Viewer
 from derive.targets import templating
 from derive.targets.escape import html_text
@@ -245,12 +246,7 @@ class BlockWriter:
             parts.append(f"<p>{self.words(_('the entries are as follows.'))}</p>")
         parts += [self._displays(rows.lines) for rows in block.rows if rows.lines]
         if block.omitted:
-            message = _(
-                "Too long to print; multiplied out the numbers of terms are as follows, and `model_numpy.py` computes "
-                "them in `%(function)s`:",
-                function=block.function,
-            )
-            parts += [f"<p>{self.words(message)}</p>", self._displays(block.omitted)]
+            parts += [f"<p>{self.words(omitted_words(block, _))}</p>", self._displays(block.omitted)]
         if block.note:
             parts.append(f"<p class=note>{self.words(block.note)}</p>")
         if block.entries:

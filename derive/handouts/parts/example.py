@@ -6,13 +6,15 @@ The configuration is that of the figure, or a generic one within the limits.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from derive.errors import ExpressionError
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.figure.poses import middle
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.notation.pieces import (
     EMPTY,
@@ -21,7 +23,6 @@ from derive.handouts.notation.pieces import (
     Piece,
     concatenate,
     italic,
-    joined,
     magnitude,
     script,
 )
@@ -51,30 +52,30 @@ _LARGEST = 24
 """Joints of the largest inertia matrix that is printed in numbers."""
 
 _METRE = Box("\\,\\mathrm{m}", 11.0)
+_RADIAN = Box("\\,\\mathrm{rad}", 18.0)
 _NEWTON = Box("\\,\\mathrm{N}", 10.0)
 _NEWTON_METRE = Box("\\,\\mathrm{N\\,m}", 20.0)
-_RADIAN = Box("\\,\\mathrm{rad}", 18.0)
 
 Values = Sequence[Sequence[float]]
 
 
 def example(context: Context) -> Iterator[Block]:
-    """T, J, B and g at one configuration; a sentence in their place where symbols have no number.
+    """T, J, B and g at one configuration; lengths and angles without a number have those of the drawing.
 
     Args:
         context: The handout.
 
     Yields:
-        The blocks of the part.
+        The blocks of the part; none where the robot cannot be drawn for lack of numbers.
     """
     _ = context.text
-    robot = context.robot
-    missing = _unnumbered(replace(robot, links=(), gravity=None))
-    if missing:
-        yield _needs_numbers(context, missing)
+    given = context.robot
+    if _unnumbered(replace(given, links=(), gravity=None)) and context.poses is None:
         return
+    assumed = _assumed(context)
+    robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
     chosen = configuration(robot)
-    yield from _stated(context, chosen)
+    yield from _stated(context, chosen, assumed)
     yield Paragraph(_("The end effector; lengths are in metres:"))
     yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics")
     if all(joint.is_revolute for joint in robot.joints):
@@ -89,18 +90,26 @@ def example(context: Context) -> Iterator[Block]:
         yield from [_needs_numbers(context, missing)] if missing else _dynamics(context, chosen.q)
 
 
+def _assumed(context: Context) -> dict[str, Expression]:
+    """Lengths and angles without a number, with those of the drawing."""
+    drawn = context.poses.assumed if context.poses is not None else ()
+    return {
+        name: Product((Number(Fraction(1, 6)), Pi())) if unit == "rad" else Number(Fraction(str(value)))
+        for name, value, unit in drawn
+    }
+
+
 def _needs_numbers(context: Context, missing: Sequence[str]) -> Block:
     return Paragraph(
         context.text(
-            "An example needs numbers for %(symbols)s; they can be given under `parameters:` or `figure: values:` in "
-            "the robot file.",
-            symbols=", ".join(f"${context.notation.glyph(name).box.tex}$" for name in missing),
+            "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
+            symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
         )
     )
 
 
-def _stated(context: Context, chosen: Configuration) -> Iterator[Block]:
-    """The configuration, and the numbers that stand under ``figure:`` alone."""
+def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expression]) -> Iterator[Block]:
+    """The configuration, the numbers that stand under ``figure:`` alone, and those that nobody gave."""
     _ = context.text
     robot, data = context.robot, context.data
     if robot.figure.q is not None:
@@ -109,9 +118,7 @@ def _stated(context: Context, chosen: Configuration) -> Iterator[Block]:
         yield Paragraph(_("At a configuration without symmetry, within the limits:"))
     variables = []
     for joint, cell in zip(robot.joints, chosen.cells, strict=True):
-        pieces = data.angle(cell) if joint.is_revolute else data.value(cell)
-        unit = _METRE if not joint.is_revolute else EMPTY if "\\circ" in joined(pieces).tex else _RADIAN
-        variables.append(Equation(context.notation.glyph(joint.variable).box, (*pieces, Piece(unit))))
+        variables.append(Equation(context.notation.glyph(joint.variable).box, data.position(joint, cell)))
     yield Rows(tuple(equation_lines(variables)))
     used = set(robot_symbols(robot)) - {name for name, _ in robot.parameters}
     given = ((name, cell) for name, cell in robot.figure.values if name in used)
@@ -119,6 +126,20 @@ def _stated(context: Context, chosen: Configuration) -> Iterator[Block]:
     if lines:
         yield Paragraph(_("with these numbers for symbols that have none in the robot file's parameters:"))
         yield Rows(tuple(lines))
+    if assumed:
+        yield Paragraph(_("with numbers assumed for the symbols that have none in the robot file:"))
+        lines = equation_lines(
+            Equation(data.notation.glyph(name).box, (*data.angle(cell), Piece(_unit(cell, context))))
+            for name, cell in assumed.items()
+        )
+        yield Rows(tuple(lines))
+
+
+def _unit(cell: Expression, context: Context) -> Box:
+    """Behind an assumed number: metres behind a length, radians behind an angle that is not in degrees."""
+    if isinstance(cell, Number):
+        return _METRE
+    return EMPTY if context.notation.degrees else _RADIAN
 
 
 def _dynamics(context: Context, q: Sequence[float]) -> Iterator[Block]:
@@ -251,11 +272,10 @@ def configuration(robot: Robot) -> Configuration:
         cell: Expression = Product((sixths, Pi())) if joint.is_revolute else _DISPLACEMENT
         if joint.limits is not None:
             value = evaluate(cell, values)
-            with suppress(ArithmeticError, KeyError):  # limits in symbols without numbers do not count
+            with suppress(ArithmeticError, ExpressionError):  # limits in symbols without numbers do not count
                 lower, upper = (evaluate(limit, values) for limit in joint.limits)
-                if value < lower and not math.isclose(value, lower):
-                    cell = joint.limits[0]
-                elif value > upper and not math.isclose(value, upper):
-                    cell = joint.limits[1]
+                is_close = math.isclose(value, lower) or math.isclose(value, upper)
+                if not (lower <= value <= upper or is_close):
+                    cell = middle(joint)
         cells.append(cell)
     return Configuration(tuple(cells), tuple(evaluate(cell, values) for cell in cells))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from derive.errors import DeriveError
@@ -12,11 +13,13 @@ from derive.handouts.figure.convention import convention_drawing
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.formula import textbook
-from derive.handouts.notation.pieces import EMPTY
+from derive.handouts.notation.pieces import EMPTY, joined
+from derive.robot.description import Joint
+from derive.robot.expression import ZERO, Expression
 from derive.robot.style import Functions
 
 _DIGITS = 4
-"""Decimals of a joint variable in a caption."""
+"""Decimals of a number in a caption."""
 
 
 def arm(context: Context) -> tuple[Block, ...]:
@@ -43,14 +46,20 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
     view = arm_view(arm_scene(robot, frames[-1]))
     title = _("The arm with its Denavit-Hartenberg frames at the zero configuration")
     caption = _("The arm with its Denavit-Hartenberg frames at the zero configuration.")
+    moved = [(joint, cell) for joint, cell in zip(robot.joints, poses.zero_cells, strict=True) if cell != ZERO]
+    if moved:
+        title = _("The arm with its Denavit-Hartenberg frames")
+        caption = _(
+            "The arm with its Denavit-Hartenberg frames at the zero configuration; joints whose limits exclude zero "
+            "are in the middle of their limits: %(values)s.",
+            values=_positions(context, moved),
+        )
     yield Figure(arm_drawing(robot, context.data, frames[0], title, view), caption)
     if chosen is not None:
-        units = ("rad" if joint.is_revolute else "m" for joint in robot.joints)
-        variables = (joint.variable for joint in robot.joints)
         title = _("The arm with its Denavit-Hartenberg frames at the configuration of the figure")
         caption = _(
             "The arm with its Denavit-Hartenberg frames at %(configuration)s.",
-            configuration=_values(context, list(zip(variables, chosen, units, strict=True))),
+            configuration=_positions(context, list(zip(robot.joints, robot.figure.q or (), strict=True))),
         )
         yield Figure(arm_drawing(robot, context.data, frames[1], title, view), caption)
     yield Paragraph(_("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones."))
@@ -58,13 +67,25 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
         yield Paragraph(_("Numbers assumed for the drawing only: %(values)s.", values=_values(context, poses.assumed)))
 
 
+def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
+    """Joint variables with their values and units."""
+    written = []
+    for joint, cell in values:
+        value = joined(context.data.position(joint, cell)).tex
+        written.append(f"${context.notation.glyph(joint.variable).box.tex.strip()} = {value}$")
+    return ("; " if context.text.comma else ", ").join(written)
+
+
 def _values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
-    """Symbols with their numbers and units: ``$q_1 = 0.5 rad$, ...``."""
+    """Symbols with the numbers that are drawn and their units: ``$a_1 = 0.5 m$, ...``."""
     written = []
     for name, value, unit in values:
+        if unit == "rad" and context.notation.degrees:
+            value, unit = math.degrees(value), "^{\\circ}"
         number = f"{value:.{_DIGITS}f}".rstrip("0").rstrip(".")
         number = "0" if number in ("-0", "") else number.replace(".", "{,}" if context.text.comma else ".")
-        written.append(f"${context.notation.glyph(name).box.tex.strip()} = {number}\\,\\mathrm{{{unit}}}$")
+        behind = unit if "circ" in unit else f"\\,\\mathrm{{{unit}}}"
+        written.append(f"${context.notation.glyph(name).box.tex.strip()} = {number}{behind}$")
     return ("; " if context.text.comma else ", ").join(written)
 
 

@@ -116,10 +116,11 @@ def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
     origins = [axes.of_frame("o", i) for i in joints if context.robot.joints[i - 1].is_revolute]
     if origins:
         origins.append(axes.end())
+    columns = [axes.column(i) for i in joints]
     for title, vectors in (
         (_("Axes:"), [axes.of_frame("z", i) for i in joints]),
         (_("Origins, and that of the end effector:"), origins),
-        (_("Columns:"), [axes.column(i) for i in joints]),
+        (_("Columns:"), columns),
     ):
         if not vectors:
             continue
@@ -129,9 +130,24 @@ def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
             yield formula(context, side_by_side(fitting))
         yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
         left = [vector.box for vector in vectors if vector.small is None and vector.entries is None]
-        if left:
-            yield Paragraph(_("Too long for a step:"))
+        if left and vectors is columns:
+            yield Paragraph(_("Left as products, for their entries are long:"))
             yield Rows(tuple(pack(left)))
+        elif left:
+            names = ", ".join(f"${box.tex}$" for box in left)
+            if vectors is origins:
+                text = _(
+                    "Too long to be written out here: %(vectors)s; an origin is the fourth column of the transform "
+                    "from its frame to the world.",
+                    vectors=names,
+                )
+            else:
+                text = _(
+                    "Too long to be written out here: %(vectors)s; an axis $z$ is the third column of the transform "
+                    "from its frame to the world.",
+                    vectors=names,
+                )
+            yield Paragraph(text)
 
 
 @dataclass(frozen=True)

@@ -110,12 +110,13 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         return
     yield Paragraph(
         _(
-            "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm\\pi/2$: there only "
+            "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
             "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
             zeros=f"${_t(context, 1, 1).tex} = {_t(context, 2, 1).tex} = 0$",
             roll=roll,
             pitch=pitch,
             yaw=yaw,
+            right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
         )
     )
 
@@ -175,12 +176,13 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         return
     yield Paragraph(
         _(
-            "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= \\pi$: there only "
-            "%(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
+            "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
+            "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
             zeros=f"${_t(context, 1, 3).tex} = {_t(context, 2, 3).tex} = 0$",
             first=first,
             second=second,
             third=third,
+            straight="180^{\\circ}" if context.notation.degrees else "\\pi",
         )
     )
 

@@ -220,7 +220,7 @@ class _SingularFormulas:
                 if index:
                     word = self.context.text("or")
                     yield Piece(Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word)), Break.COMMA)
-                yield from self._printer.pieces(value)
+                yield from self._printer.angle(value)
         if condition.posture in self._words:
             word, _meaning = self._words[condition.posture]
             yield Piece(Box(f"\\quad \\text{{({word})}}", 18.0 + _LETTER_WIDTH * len(word)), Break.COMMA)

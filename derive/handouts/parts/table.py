@@ -53,9 +53,13 @@ def dh_table(context: Context) -> Iterator[Block]:
         kind = _("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
     else:
         kind = _("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
-    units = _(
-        "Angles are in radians unless marked with a degree sign, lengths in metres, all other quantities in SI units."
-    )
+    if context.robot.units.degrees:
+        units = _(
+            "Angles with a degree sign are in degrees; all other quantities are in SI units, lengths in metres and "
+            "angles in radians."
+        )
+    else:
+        units = _("Angles are in radians, lengths in metres, all other quantities in SI units.")
     yield Paragraph(f"{kind} {units}")
     yield _rows(context)
     frames: list[str] = []
@@ -138,7 +142,10 @@ def parameters(context: Context) -> Iterator[Block]:
         yield Rows(tuple(free))
     if context.robot.links:
         yield Paragraph(
-            _("Links: centre of mass and inertia about it in the axes of the link's own frame; zeros are left out.")
+            _(
+                "Links: centre of mass, and inertia about it, in the axes of the link's own frame. Moments of inertia, "
+                "motors and friction that are zero are left out."
+            )
         )
     for i, link in enumerate(context.robot.links, 1):
         yield Paragraph(_("Link %(index)s:", index=i))

@@ -67,7 +67,7 @@ def test_a_prismatic_joint_without_limits_goes_as_far_as_the_longest_link() -> N
     first, second, third = travels(robot, symbol_values(robot, (), {}), None)
     assert (first.lower, first.upper, first.start) == (-math.pi, math.pi, 0)
     assert (second.lower, second.upper, second.start) == (0, 0.75, 0.375)
-    assert (third.lower, third.upper, third.start) == (1, 2, 1)
+    assert (third.lower, third.upper, third.start) == (1, 2, 1.5)
 
 
 def test_the_figure_configuration_is_where_it_starts() -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from fractions import Fraction
+
+import pytest
 
 from derive.handouts.assemble import section_of
 from derive.handouts.context import Context
@@ -12,7 +15,8 @@ from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import Text
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
-from derive.robot.expression import Number
+from derive.robot.expression import Number, names
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.style import FigureOptions
 
@@ -51,3 +55,36 @@ def test_a_robot_with_all_numbers_assumes_nothing() -> None:
     made = section_of(_context(Robot.load("puma560-corke")), "figure")
     assert made is not None
     assert not any("assumed" in block.text for block in made.blocks if isinstance(block, Paragraph))
+
+
+LIMITED = """
+name: arm
+convention: standard
+units: {angle: deg}
+joints:
+  - {type: revolute, a: 0.4, limits: [-90, 90]}
+  - {type: revolute, a: 0.3, limits: [20, 130]}
+  - {type: prismatic, alpha: 180, limits: [0.1, 0.4]}
+  - {type: revolute, limits: [low, high]}
+"""
+
+
+def test_a_joint_whose_limits_exclude_zero_is_drawn_in_their_middle() -> None:
+    """It says so; limits without numbers exclude nothing."""
+    robot = Robot.from_text(LIMITED)
+    assert RobotPoses(robot).zero == pytest.approx((0, math.radians(75), 0.25, 0))
+    made = section_of(_context(robot), "figure")
+    assert made is not None
+    (figure,) = (block for block in made.blocks if isinstance(block, Figure))
+    assert figure.caption.endswith(
+        "in the middle of their limits: $q_{2} = 75^{\\circ}$, $q_{3} = 0.25\\,\\mathrm{m}$."
+    )
+
+
+def test_the_zero_configuration_is_within_the_limits_of_the_catalogue() -> None:
+    for name in catalogue_names():
+        robot = Robot.load(name)
+        poses = RobotPoses(robot)
+        for joint, value, bounds in zip(robot.joints, poses.zero, poses.limits, strict=True):
+            if bounds is not None and not any(symbol for cell in joint.limits or () for symbol in names(cell)):
+                assert min(bounds) <= value <= max(bounds), (name, joint.variable)

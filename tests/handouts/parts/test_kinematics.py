@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from derive.handouts import assemble
 from derive.handouts.assemble import section_of
 from derive.handouts.context import Context
 from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, blocks_of
+from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import Text
 from derive.handouts.latex_writer import latex
 from derive.handouts.layout.quantity import POLICY, SheetPolicy
@@ -250,10 +252,10 @@ def section_of_example(robot: Robot) -> Section:
 
 
 def test_the_example_keeps_the_limits_and_states_units() -> None:
-    """pi/6 exceeds the limit of the first joint."""
+    """pi/6 exceeds the limit of the first joint, which is then in the middle of them."""
     section = section_of_example(Robot.from_text(ARM))
     first = next(block for block in section.blocks if isinstance(block, Rows)).lines[0]
-    assert "q_{1} = 0.3\\,\\mathrm{rad}" in first
+    assert "q_{1} = (0.15 - \\tfrac{\\pi}{2})\\,\\mathrm{rad}" in first
     assert "d_{3} = 0.1\\,\\mathrm{m}" in first
     assert "\\mathrm{N\\,m}" in mathematics(section)
 
@@ -268,11 +270,20 @@ def test_the_example_is_at_the_configuration_of_the_figure() -> None:
     assert configuration(robot).q[1] == pytest.approx(ANGLES[1] * np.pi / 6)
 
 
-def test_symbols_without_numbers_are_named() -> None:
-    """Kinematic ones instead of the example, dynamic ones instead of its dynamics."""
-    nothing = Robot.from_text(ARM.replace("parameters: {a2: 0.5, m2: 2}", ""))
-    assert "$a_{2}$" in words(section_of_example(nothing))
-    assert not mathematics(section_of_example(nothing))
+def test_lengths_without_numbers_are_those_of_the_drawing() -> None:
+    """They are stated with their unit, and the end effector is where they put it."""
+    robot = Robot.from_text(ARM.replace("parameters: {a2: 0.5, m2: 2}", ""))
+    section, stated = part_of(assemble.context_of(robot), "example"), RobotPoses(robot).assumed
+    assert "assumed" in words(section)
+    assert all(f"= {value:g}\\,\\mathrm{{m}}" in mathematics(section) for _name, value, _unit in stated)
+    numbers = replace(robot, parameters=tuple((name, Number(Fraction(str(value)))) for name, value, _unit in stated))
+    end = next(block for block in section.blocks if isinstance(block, Formula))
+    given = next(block for block in section_of_example(numbers).blocks if isinstance(block, Formula))
+    assert end.rows == given.rows
+
+
+def test_symbols_of_the_dynamics_without_numbers_are_named() -> None:
+    """Instead of its inertia matrix and gravity."""
     kinematic = Robot.from_text(ARM.replace("a2: 0.5, m2: 2", "a2: 0.5"))
     assert "$m_{2}$" in words(section_of_example(kinematic))
     assert re.findall(r"^\\mathbf\{(\w)\} = ", mathematics(section_of_example(kinematic)), re.MULTILINE) == ["T", "J"]
