@@ -8,9 +8,10 @@ Ties go to the rule that comes first.
 from __future__ import annotations
 
 from bisect import insort
+from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cmp_to_key
+from functools import cmp_to_key, partial
 from typing import Any
 
 import sympy
@@ -25,6 +26,7 @@ from derive.lecture.plan import (
     Plus,
     Term,
     Times,
+    Writer,
     cheapest,
     factored,
     flat,
@@ -34,16 +36,20 @@ from derive.lecture.plan import (
     product_form,
 )
 from derive.lecture.sympy_conversion import Expr, factor_to_sympy
-from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition
+from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition, project
 from derive.robot.style import (
     CommonFactors,
+    GravityPlace,
     Grouping,
-    Lengths,
+    LengthOrder,
     Order,
-    Place,
     Products,
+    ShortSums,
     Style,
 )
+
+MOST_SHORT_TERMS = 3
+"""A kinematic sum with at most so many terms is short, see `ShortSums`."""
 
 MAX_CANDIDATE_TERMS = 300
 """Entries with more terms are grouped by the first rule alone: candidates would cost more time than they give sight."""
@@ -84,6 +90,7 @@ class LectureForm:
         self.table = FactorTable(domain)
         self.style = style or Style()
         self._products = ProductBuilder(self.table)
+        self._terms: dict[str, Terms] = {}
         self._dynamic_cache: dict[tuple[str, Grouping | None], Expr] = {}
         roles, factors = roles or SymbolRoles(), list(enumerate(self.table.factors))
         symbols = {i: getattr(f.argument, "name", "") for i, f in factors if f.kind is Kind.PARAMETER}
@@ -91,6 +98,7 @@ class LectureForm:
         self._gravity: Level = frozenset(i for i, name in symbols.items() if name in roles.gravity)
         self._lengths: Level = frozenset(i for i, f in factors if f.kind in (Kind.PARAMETER, Kind.VARIABLE))
         self._sines: Level = frozenset(i for i, f in factors if f.kind in (Kind.SINE, Kind.COSINE))
+        self._not_gravity: Level = frozenset(i for i, _ in factors) - self._gravity
         self._not_inertial: Level = frozenset(i for i, _ in factors) - self.inertial
         homes = [frozenset(group) for group in sorted(domain.groups)]
         self._outwards: list[Level] = [
@@ -98,25 +106,67 @@ class LectureForm:
         ]
         """Sines and cosines group by group from the base outwards."""
 
+    def with_style(self, style: Style) -> LectureForm:
+        """The form of another style over the same factors.
+
+        Args:
+            style: How expressions are grouped.
+        """
+        other = copy(self)
+        other.style, other._dynamic_cache = style, {}
+        return other
+
+    def terms(self, p: Polynomial) -> Terms:
+        """A polynomial in the factors that are printed, each one contracted once.
+
+        Args:
+            p: A polynomial of the domain.
+        """
+        key = p.key()
+        if key not in self._terms:
+            self._terms[key] = self.table.terms(p)
+        return self._terms[key]
+
     def kinematic(self, p: Polynomial) -> Expr:
         """An entry of a frame or Jacobian: nested from the base outwards or the tool inwards, by lengths, or expanded.
 
         Args:
             p: A polynomial of the domain.
         """
-        return self.sympy(self._kinematic_plan(self.table.terms(p)))
+        return self.sympy(self._kinematic_plan(self.terms(p)))
 
     def _kinematic_plan(self, terms: Terms) -> Plan:
-        order = self.style.kinematics
         if len(terms) > MAX_CANDIDATE_TERMS:
             return flat(terms)
-        if order is Order.EXPANDED:
-            return grouped(terms, self._lengths, flat) if self.style.lengths is Lengths.OUTSIDE else flat(terms)
-        joints = self._outwards if order is Order.BASE else self._outwards[::-1]
-        if self.style.lengths is Lengths.OUTSIDE:
-            return nested(terms, [self._lengths, *joints])
-        place = 1 if order is Order.BASE else len(joints)
+        if not any(f in self._lengths for m in terms for f, _ in m):
+            return self._by_joints(terms, self.style.rotations)
+        match self.style.positions:
+            case LengthOrder.BASE:
+                return self._by_joints(terms, Order.BASE)
+            case LengthOrder.TOOL:
+                return self._by_joints(terms, Order.TOOL)
+            case LengthOrder.EXPANDED:
+                return flat(terms)
+            case LengthOrder.LENGTH:
+                inside, among = Order.BASE, None
+            case LengthOrder.LENGTH_TOOL:
+                inside, among = Order.TOOL, None
+            case LengthOrder.LENGTH_EXPANDED:
+                inside, among = Order.EXPANDED, frozenset[int]()
+        if self._stays_flat(terms):
+            return flat(terms)
+        by_length = partial(grouped, level=self._lengths, inside=lambda part: self._by_joints(part, inside))
+        return factored(terms, by_length, among)
+
+    def _by_joints(self, terms: Terms, order: Order) -> Plan:
+        """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
+        if order is Order.EXPANDED or self._stays_flat(terms):
+            return flat(terms)
+        joints, place = (self._outwards, 1) if order is Order.BASE else (self._outwards[::-1], len(self._outwards))
         return cheapest([nested(terms, [*joints[:place], self._lengths, *joints[place:]]), flat(terms)])
+
+    def _stays_flat(self, terms: Terms) -> bool:
+        return self.style.short is ShortSums.EXPANDED and len(terms) <= MOST_SHORT_TERMS
 
     def determinant(self, p: Polynomial) -> Expr:
         """A scalar whose zeros matter, as a product wherever it is one.
@@ -124,7 +174,7 @@ class LectureForm:
         Args:
             p: A polynomial of the domain.
         """
-        terms = self.table.terms(p)
+        terms = self.terms(p)
         return self.sympy(product_form(terms, self._kinematic_plan, monomials=True) or self._kinematic_plan(terms))
 
     def dynamic(self, p: Polynomial, grouping: Grouping | None = None) -> Expr:
@@ -136,7 +186,7 @@ class LectureForm:
         """
         key = p.key(), grouping
         if key not in self._dynamic_cache:
-            self._dynamic_cache[key] = self.write_dynamic(self.table.terms(p), grouping)
+            self._dynamic_cache[key] = self.write_dynamic(self.terms(p), grouping)
         return self._dynamic_cache[key]
 
     def write_dynamic(self, terms: Terms, grouping: Grouping | None = None) -> Expr:
@@ -154,28 +204,42 @@ class LectureForm:
         Args:
             p: A polynomial of the domain.
         """
-        terms, grouping = self.table.terms(p), self.style.gravity
-        taken_out = self._gravity if self.style.g is Place.OUTSIDE else frozenset[int]()
-        return self.sympy(factored(terms, lambda rest: self._dynamic_plan(rest, grouping), taken_out))
+        return self._with_gravity(p, self.style.gravity)
+
+    def potential(self, p: Polynomial) -> Expr:
+        """The potential energy.
+
+        Args:
+            p: A polynomial of the domain.
+        """
+        return self._with_gravity(p, self.style.potential)
+
+    def _with_gravity(self, p: Polynomial, grouping: Grouping) -> Expr:
+        outside = self._gravity if self.style.g is GravityPlace.OUTSIDE else frozenset[int]()
+        return self.sympy(factored(self.terms(p), lambda rest: self._dynamic_plan(rest, grouping), outside))
 
     def _dynamic_plan(self, terms: Terms, grouping: Grouping) -> Plan:
         """A sum in masses and inertias, grouped by body, by geometry, by function of q, or expanded."""
+        if grouping is Grouping.BODY:
+            return grouped(terms, self.inertial, self._geometry_inside)
+        products, rest = self._products_of_bodies(terms)
+        return joined([*([self._grouped_plan(rest, grouping)] if rest else []), *products])
+
+    def _grouped_plan(self, terms: Terms, grouping: Grouping) -> Plan:
+        """`_dynamic_plan` of what is no product."""
+        inside: Writer = flat
         match grouping:
             case Grouping.EXPANDED:
                 return flat(terms)
             case Grouping.GEOMETRY:
                 return self._by_geometry(terms)
-            case Grouping.BODY:
-                return grouped(terms, self.inertial, self._geometry_inside)
-        inside = {
-            Grouping.FUNCTION: flat,
-            Grouping.FUNCTION_BODY: lambda part: grouped(part, self.inertial, self._geometry_inside),
-            Grouping.FUNCTION_GEOMETRY: self._by_geometry,
-        }[grouping]
-        products, rest = self._products_of_bodies(terms)
-        level = self._sines | self._gravity
-        by_function = grouped(rest, level, lambda part: factored(part, inside)) if rest else None
-        return joined([*([by_function] if by_function else []), *products])
+            case Grouping.FUNCTION_BODY:
+                inside = partial(grouped, level=self.inertial, inside=self._geometry_inside)
+            case Grouping.FUNCTION_GEOMETRY:
+                inside = self._by_geometry
+        in_terms = self.style.g is GravityPlace.TERM
+        level, among = (self._sines, self._not_gravity) if in_terms else (self._sines | self._gravity, None)
+        return grouped(terms, level, lambda part: factored(part, inside, among))
 
     def _by_geometry(self, terms: Terms) -> Plan:
         """``(m1 + m2)*a1**2``: masses and inertias collected for each monomial in everything else."""
@@ -183,11 +247,13 @@ class LectureForm:
 
     def _products_of_bodies(self, terms: Terms) -> tuple[list[Plan], Terms]:
         """The bodies whose coefficient is a product of sums, ``m3*(a2*c2 + l3*c23)**2``, and the others' terms."""
+        if self.style.products is Products.EXPANDED:
+            return [], terms
         products, rest = list[Plan](), Terms()
         for body, part in partition(terms, self.inertial).items():
             whole = {multiply(body, m): c for m, c in part.items()}
-            product = product_form(part) if self.style.products is Products.KEPT and body else None
-            if product is not None and product.operations <= flat(part).operations:
+            plan = self._geometry_inside(part) if body else None
+            if (isinstance(plan, Times) and project(plan.monomial, self._sines)) or _is_product(plan):
                 products.append(grouped(whole, self.inertial, self._geometry_inside))
             else:
                 rest.update(whole)
@@ -198,10 +264,11 @@ class LectureForm:
         kept = self.style.products is Products.KEPT and len(terms) <= MAX_CANDIDATE_TERMS
         if kept and (product := product_form(terms)) is not None:
             return cheapest([product, flat(terms)])
+        gravity = frozenset[int]() if self.style.g is GravityPlace.TERM else self._gravity
         in_front = {
-            CommonFactors.NONE: self._gravity,
-            CommonFactors.FUNCTIONS: self._gravity | self._sines,
-            CommonFactors.ALL: None,
+            CommonFactors.NONE: gravity,
+            CommonFactors.FUNCTIONS: gravity | self._sines,
+            CommonFactors.ALL: self._not_gravity | gravity,
         }[self.style.factors]
         return factored(terms, flat, in_front)
 
@@ -227,6 +294,11 @@ class LectureForm:
             factors: A monomial in the factors of `table`.
         """
         return self._products.term(Fraction(1), factors)
+
+
+def _is_product(plan: Plan | None) -> bool:
+    """Whether a plan is a product of two sums or more; a square counts as two."""
+    return isinstance(plan, Times) and sum(exponent for _, exponent in plan.inner) > 1
 
 
 class ProductBuilder:

@@ -127,18 +127,13 @@ class ModelEntries(KinematicEntries):
     def kinetic(self) -> Entries:
         """Kinetic energy 1/2 qd^T B qd, 1x1 [J], from the entries of B."""
         above = [(i, j) for i, j in self.B.places if i <= j and self.B.terms(i, j)]
-        qd = self.model.qd
-        rates = {(i, j): qd[i - 1] ** 2 / 2 if i == j else qd[i - 1] * qd[j - 1] for i, j in above}
-        return Entries(
-            (1, 1),
-            lambda _, __: sum(self.B.terms(*place) for place in above),
-            lambda _, __: sympy.Add(*(self.B.entry(*place) * rates[place] for place in above)),
-        )
+        size = sum(self.B.terms(*place) for place in above)
+        return Entries((1, 1), lambda _, __: size, lambda _, __: self.model.energy.kinetic)
 
     @cached_property
     def potential(self) -> Entries:
         """Potential energy, 1x1 [J]."""
-        return of_polynomials([[self.model.kinematics.potential]], self.model.form.dynamic)
+        return of_polynomials([[self.model.kinematics.potential]], self.model.form.potential)
 
     def christoffel(self, i: int, j: int, k: int) -> Entries:
         """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i), 1x1.

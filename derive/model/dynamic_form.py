@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import lcm
 
 import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
-from derive.lecture.plan import Term, flat
+from derive.lecture.plan import Plan, Term, flat, joined
 from derive.lecture.sympy_conversion import Expr
 from derive.lecture.terms import Monomial, divide, project
 from derive.model.dynamics import Dynamics
@@ -37,6 +38,10 @@ class Budget:
     entry: int = 40
     long_entry: int = 400
     quantity: int = 1500
+
+
+Combination = dict[Expr, Fraction]
+"""Rates or products of rates, and their rational factors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,10 +72,13 @@ class DynamicForm:
         self.dynamics = dynamics
         self.form = form
         self.budget = budget or Budget()
-        self._lumped_form = LectureForm(dynamics.lumped, style=form.style)
         self._lumps: dict[int, Expr] = {}
         self._coefficients: dict[object, Expr] = {}
         self._cache: dict[object, Expr] = {}
+
+    @cached_property
+    def _lumped_form(self) -> LectureForm:
+        return LectureForm(self.dynamics.lumped, style=self.form.style)
 
     # -- entries
 
@@ -144,37 +152,60 @@ class DynamicForm:
                 groups[opposite][1].append(-rate)
             else:
                 groups.setdefault(key, (p, []))[1].append(rate)
+        collect = sympy.factor_terms if writing.rates is Rates.FACTORED else sympy.sympify
         values = ((self.entry(p, writing.limit, writing.grouping), rates) for p, rates in groups.values())
-        return sympy.Add(*(sympy.Mul(value, sympy.Add(*rates)) for value, rates in values))
+        return sympy.Add(*(sympy.Mul(value, collect(sympy.Add(*rates))) for value, rates in values))
 
     def _by_term(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
         """Every product of lengths once, each mass or sum of masses with its combination of rates.
 
         ``m2*l2**2*(qdd1 + qdd2) + (m1 + m2)*l1**2*qdd1``
         """
-        table, form = self.form.table, self.form
-        geometry: dict[Monomial, dict[Monomial, dict[Expr, Fraction]]] = {}
-        for p, rate in pairs:
-            number, product = rate.as_coeff_Mul()
-            for monomial, coefficient in table.terms(self.dynamics.expand(p)).items():
-                body = project(monomial, form.inertial)
-                bodies = geometry.setdefault(divide(monomial, body), {})
-                rates = bodies.setdefault(body, {})
-                rates[product] = rates.get(product, Fraction(0)) + coefficient * Fraction(int(number.p), int(number.q))
-        parts = []
-        for outer, bodies in geometry.items():
+        form, parts = self.form, []
+        by_geometry: dict[Monomial, dict[Monomial, Combination]] = {}
+        for (body, geometry), rates in self._combinations(pairs).items():
+            by_geometry.setdefault(geometry, {})[body] = rates
+        for geometry, bodies in by_geometry.items():
             # bodies with the same combination of rates, up to a number, are added first
-            alike: dict[tuple[tuple[Expr, Fraction], ...], list[tuple[Fraction, Monomial]]] = {}
+            alike: dict[tuple[tuple[Expr, Fraction], ...], list[Plan]] = {}
             for body, rates in bodies.items():
                 scale = next(iter(rates.values()))
-                combination = tuple((rate, value / scale) for rate, value in rates.items())
-                alike.setdefault(combination, []).append((scale, body))
+                whole = lcm(*((value / scale).denominator for value in rates.values()))
+                combination = tuple((rate, value * whole / scale) for rate, value in rates.items())
+                alike.setdefault(combination, []).append(Term(scale / whole, body))
             for combination, masses in alike.items():
-                whole = lcm(*(value.denominator for _, value in combination))
-                mass = sympy.Add(*(form.sympy(Term(scale / whole, body)) for scale, body in masses))
-                rate = sympy.Add(*(int(value * whole) * rate for rate, value in combination))
-                parts.append(sympy.Mul(mass, form.monomial(outer), rate))
+                rate = sympy.Add(*(int(value) * rate for rate, value in combination))
+                parts.append(sympy.Mul(form.sympy(joined(masses)), form.monomial(geometry), rate))
         return sympy.Add(*parts)
+
+    def energy(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
+        """A sum over rates by bodies: ``m1*l1**2*qd1**2/2 + m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...)/2``.
+
+        Args:
+            pairs: Coefficients in lumped parameters, and products of rates.
+        """
+        bodies: dict[Monomial, list[Expr]] = {}
+        for (body, geometry), rates in self._combinations(pairs).items():
+            rate = sympy.factor(sympy.Add(*(_rational(value) * rate for rate, value in rates.items())))
+            bodies.setdefault(body, []).append(self.form.monomial(geometry) * rate)
+        half = sympy.Rational(1, 2)
+        inside = {body: sympy.Add(*(2 * part for part in parts)) for body, parts in bodies.items()}
+        return sympy.Add(*(sympy.Mul(half, self.form.monomial(body), value) for body, value in inside.items()))
+
+    def _combinations(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> dict[tuple[Monomial, Monomial], Combination]:
+        """What multiplies every product of a mass and of lengths: a combination of rates."""
+        found: dict[tuple[Monomial, Monomial], Combination] = {}
+        for p, rate in pairs:
+            number, product = rate.as_coeff_Mul()
+            for monomial, coefficient in self.form.terms(self.dynamics.expand(p)).items():
+                body = project(monomial, self.form.inertial)
+                rates = found.setdefault((body, divide(monomial, body)), {})
+                rates[product] = rates.get(product, Fraction(0)) + coefficient * Fraction(int(number.p), int(number.q))
+        return found
+
+
+def _rational(value: Fraction) -> Expr:
+    return sympy.Rational(value.numerator, value.denominator)
 
 
 def times_rate(value: Expr, rate: Expr, rates: Rates) -> Expr:

@@ -16,6 +16,7 @@ from derive.model.dynamic_form import DynamicForm, RateWriting
 from derive.model.dynamics import Dynamics
 from derive.model.identification.closed_forms import IdentifiedModel
 from derive.model.matrices import aligned_latex, columns_matrix, only_body, symmetric_matrix
+from derive.robot.style import Kinetic
 
 MAX_DYNAMIC_TERMS = 400_000
 """Budget of one entry of B; beyond it only the generated functions remain."""
@@ -174,10 +175,17 @@ class DynamicModel(IdentifiedModel):
     @cached_property
     def energy(self) -> Energy:
         """Kinetic energy 1/2 qd^T B qd and potential energy -sum m g0.p [J]."""
-        b, qd, n = self.B, self.qd, self.n
-        squares = [b[i, i] * qd[i] ** 2 / 2 for i in range(n)]
-        products = [b[i, j] * qd[i] * qd[j] for i in range(n) for j in range(i + 1, n)]
-        return Energy(sympy.Add(*squares, *products), self.form.dynamic(self.kinematics.potential))
+        return Energy(self._kinetic(), self.form.potential(self.kinematics.potential))
+
+    def _kinetic(self) -> Expr:
+        """1/2 qd^T B qd, by the entries of B or by bodies."""
+        qd, n = self.qd, range(self.n)
+        rates = {(i, j): qd[i] ** 2 / 2 if i == j else qd[i] * qd[j] for i in n for j in n if i <= j}
+        if self.style.kinetic is Kinetic.BODY:
+            pairs = [(self.dynamics.inertia_matrix[i][j], rate) for (i, j), rate in rates.items()]
+            if all(self.dynamics.expanded_size(p) <= self.inertia_limit for p, _ in pairs):
+                return self.dynamic_form.energy([(p, rate) for p, rate in pairs if p])
+        return sympy.Add(*(self.B[place] * rate for place, rate in rates.items()))
 
     @cached_property
     def B(self) -> Matrix:

@@ -68,6 +68,7 @@ class Dynamics:
             bodies.append(Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:])))
         self.chain = replace(build_chain(bare, self.lumped), bodies=tuple(bodies))
         self._derivatives: dict[tuple[int, int, int], Polynomial] = {}
+        self._expanded: dict[str, Polynomial] = {}
         self._christoffel: dict[tuple[int, int, int], Polynomial] = {}
 
     @cached_property
@@ -149,9 +150,12 @@ class Dynamics:
         Args:
             p: In lumped parameters.
         """
-        parts, rest = self.split(p)
-        ring = self.domain.ring
-        total = ring.project(rest)
-        for lump, coefficient in parts:
-            total = total + ring.project(coefficient) * lump.value
-        return total
+        key = p.key()
+        if key not in self._expanded:
+            parts, rest = self.split(p)
+            ring = self.domain.ring
+            total = ring.project(rest)
+            for lump, coefficient in parts:
+                total = total + ring.project(coefficient) * lump.value
+            self._expanded[key] = total
+        return self._expanded[key]

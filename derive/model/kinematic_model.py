@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Self
 
 import sympy
 
@@ -21,6 +22,9 @@ from derive.model.singularities.determinant import Singularities, find_singulari
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction, Style, choice_named
+
+STYLELESS = ("domain", "kinematics", "dynamics", "inertia_limit", "christoffel_limit")
+"""Attributes of a model that are the same in every style."""
 
 SHORT_ROOT = 4
 """Most terms under the roots of the orientation angles that are worth simplifying."""
@@ -58,6 +62,18 @@ class KinematicModel:
         self.q = tuple(sympy.Symbol(v) for v in variables)
         self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
         self.qdd = tuple(sympy.Symbol(acceleration_name(v)) for v in variables)
+
+    def with_style(self, style: Style) -> Self:
+        """The same model written in another style; what does not depend on it is not derived again.
+
+        Args:
+            style: How expressions are grouped.
+        """
+        other = type(self)(self.robot, style)
+        if style.contraction is self.style.contraction:
+            shared = {name: self.__dict__[name] for name in STYLELESS if name in self.__dict__}
+            vars(other).update(shared, form=self.form.with_style(style))
+        return other
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {self.robot.name}, {self.n} joints>"

@@ -10,7 +10,7 @@ import sympy
 
 from derive.lecture.sympy_conversion import Matrix
 from derive.mechanics.vectors import Frame, Vector
-from derive.robot.description import Link
+from derive.robot.description import Link, Motor
 from derive.robot.expression import names
 from derive.robot.robot import Robot
 
@@ -57,20 +57,23 @@ def symmetric_matrix(n: int, upper: Sequence[Any]) -> Matrix:
 
 
 def inertial_symbols(robot: Robot) -> frozenset[str]:
-    """Symbols of masses and moments of inertia, by which dynamics is grouped.
+    """Symbols of masses and moments of inertia, by which dynamics is grouped; lengths in a moment of inertia are none.
 
     Args:
         robot: The robot.
     """
-    found: set[str] = set()
+    masses: set[str] = set()
+    inertias: list[set[str]] = []
+    lengths = {name for joint in robot.joints for cell in (joint.a, joint.d) for name in names(cell)}
     for link in robot.links:
-        t = link.inertia
-        cells = [link.mass, t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature]
-        if link.motor is not None:
-            cells += [link.motor.mass, link.motor.inertia]
-        for cell in cells:
-            found.update(names(cell))
-    return frozenset(found)
+        t, motor = link.inertia, link.motor or Motor()
+        lengths.update(name for cell in link.com for name in names(cell))
+        masses.update(*(names(cell) for cell in (link.mass, motor.mass)))
+        cells = (t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature, motor.inertia)
+        inertias += [set(names(cell)) for cell in cells]
+    # of a moment of inertia such as m*l**2/12 the mass alone leads
+    plain = (found for found in inertias if found.isdisjoint(masses))
+    return frozenset(masses.union(*plain) - lengths)
 
 
 def gravity_symbols(robot: Robot) -> frozenset[str]:

@@ -23,13 +23,15 @@ from derive.robot.style import (
     Derivation,
     FrameIndices,
     Functions,
+    GravityPlace,
     Grouping,
     InertiaLetter,
-    Lengths,
+    Kinetic,
+    LengthOrder,
     Order,
-    Place,
     Products,
     Rates,
+    ShortSums,
     SliderLetter,
 )
 
@@ -143,14 +145,17 @@ class StyleRow(Strict):
     """How books differ: what is grouped first in each kind of quantity. What is left out is as in the set `name`."""
 
     name: StyleName = Field(default=DEFAULT_STYLE, description="The set of options from which the others are taken.")
-    kinematics: Order | None = Field(default=None, description="Frames and Jacobians: from the base or the tool.")
-    lengths: Lengths | None = Field(default=None, description="Lengths inside the first joint's bracket, or in front.")
+    rotations: Order | None = Field(default=None, description="Kinematic entries without a length: from base or tool.")
+    positions: LengthOrder | None = Field(default=None, description="Those with lengths: from base, tool, by length.")
+    short: ShortSums | None = Field(default=None, description="Whether kinematic sums of up to three terms are nested.")
     inertia: Grouping | None = Field(default=None, description="What is grouped first in the inertia matrix.")
     christoffel: Grouping | None = Field(default=None, description="What is grouped first in Christoffel symbols.")
     gravity: Grouping | None = Field(default=None, description="What is grouped first in torques of gravity.")
+    potential: Grouping | None = Field(default=None, description="What is grouped first in the potential energy.")
+    kinetic: Kinetic | None = Field(default=None, description="Kinetic energy by entries of B, or by bodies.")
     products: Products | None = Field(default=None, description="Whether products of sums stay products.")
     factors: CommonFactors | None = Field(default=None, description="What is taken out of a body's bracket.")
-    g: Place | None = Field(default=None, description="Gravity in every term, or in front of the whole.")
+    g: GravityPlace | None = Field(default=None, description="Gravity in every term, or in front of more.")
     coriolis: Rates | None = Field(default=None, description="How rates are collected in C, N and dB/dt.")
     velocities: Rates | None = Field(default=None, description="How products of velocities are collected in torques.")
     accelerations: Rates | None = Field(default=None, description="How accelerations are collected in torques.")

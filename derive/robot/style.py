@@ -49,7 +49,7 @@ def choice_named(kind: type[Choice], name: str, title: str = "") -> Choice:
 
 
 class Order(StrEnum):
-    """What is grouped first in an entry of a frame or Jacobian.
+    """What is grouped first in an entry without a length: of a rotation matrix, of the lower half of a Jacobian.
 
     Attributes:
         BASE: The sines and cosines of the joints from the base outwards: ``c1*(c2*(c4*c5*c6 - s4*s6) - s2*s5*c6)``.
@@ -62,16 +62,36 @@ class Order(StrEnum):
     EXPANDED = "expanded"
 
 
-class Lengths(StrEnum):
-    """Where the lengths of an entry of a frame or Jacobian stand.
+class LengthOrder(StrEnum):
+    """What is grouped first in an entry with lengths: of a position, of the upper half of a Jacobian.
 
     Attributes:
-        INSIDE: In the bracket of the first joint: ``c1*(a2*c2 + a3*c23)``.
-        OUTSIDE: Each in front of what it multiplies: ``d6*(c1*c2*s5 + s1*c5) + c1*s2*q3``.
+        BASE: The joints from the base outwards, lengths inside the first bracket: ``c1*(a2*c2 + a3*c23)``.
+        TOOL: The joints from the tool inwards.
+        LENGTH: Each length, then the joints from the base outwards: ``d6*(c1*(c2*s5 + s2*c5) + s1) + c1*s2*q3``.
+        LENGTH_TOOL: Each length, then the joints from the tool inwards.
+        LENGTH_EXPANDED: Each length, what it multiplies expanded.
+        EXPANDED: Nothing: a sum of products.
     """
 
-    INSIDE = "inside"
-    OUTSIDE = "outside"
+    BASE = "base"
+    TOOL = "tool"
+    LENGTH = "length"
+    LENGTH_TOOL = "length-tool"
+    LENGTH_EXPANDED = "length-expanded"
+    EXPANDED = "expanded"
+
+
+class ShortSums(StrEnum):
+    """How a kinematic sum of at most three terms is written, the entry itself or what a length multiplies.
+
+    Attributes:
+        NESTED: As a longer one: ``c1*(a2*c2 + a3*c23)``.
+        EXPANDED: As a sum of products: ``a2*c1*c2 + a3*c1*c23``.
+    """
+
+    NESTED = "nested"
+    EXPANDED = "expanded"
 
 
 class Grouping(StrEnum):
@@ -95,7 +115,7 @@ class Grouping(StrEnum):
 
 
 class Products(StrEnum):
-    """Whether a sum that is a product stays one.
+    """Whether the coefficient of a body that is a product of sums stays one.
 
     Attributes:
         KEPT: ``m3*(a2*c2 + l3*c23)**2``.
@@ -120,16 +140,30 @@ class CommonFactors(StrEnum):
     ALL = "all"
 
 
-class Place(StrEnum):
+class GravityPlace(StrEnum):
     """Where the acceleration of gravity stands.
 
     Attributes:
-        INSIDE: In every term: ``m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)``.
-        OUTSIDE: In front of the whole: ``g*(m1*l1*c1 + m2*(a1*c1 + l2*c12))``.
+        BRACKET: In front of each bracket: ``m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)``.
+        TERM: In every term: ``(m1*g*l1 + m2*g*a1)*c1 + m2*g*l2*c12``.
+        OUTSIDE: In front of the whole: ``g*((m1*l1 + m2*a1)*c1 + m2*l2*c12)``.
     """
 
-    INSIDE = "inside"
+    BRACKET = "bracket"
+    TERM = "term"
     OUTSIDE = "outside"
+
+
+class Kinetic(StrEnum):
+    """How the kinetic energy is written.
+
+    Attributes:
+        MATRIX: By the entries of B: ``1/2*B11*qd1**2 + B12*qd1*qd2 + 1/2*B22*qd2**2``.
+        BODY: By bodies: ``1/2*m1*l1**2*qd1**2 + 1/2*m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...)``.
+    """
+
+    MATRIX = "matrix"
+    BODY = "body"
 
 
 class Rates(StrEnum):
@@ -138,12 +172,14 @@ class Rates(StrEnum):
     Attributes:
         PRODUCT: Each product of rates with its coefficient: ``-2*h*qd1*qd2 - h*qd2**2``.
         SYMBOL: Each coefficient (a Christoffel symbol, an entry of B) with its rates: ``-h*(2*qd1*qd2 + qd2**2)``.
+        FACTORED: The same, a common velocity in front: ``-h*qd2*(2*qd1 + qd2)``.
         TERM: Each term of the coefficients with its rates: ``m2*l2**2*(qdd1 + qdd2) + m2*a1*l2*c2*(2*qdd1 + qdd2)``.
         EXPANDED: Multiplied out.
     """
 
     PRODUCT = "product"
     SYMBOL = "symbol"
+    FACTORED = "factored"
     TERM = "term"
     EXPANDED = "expanded"
 
@@ -156,11 +192,14 @@ class Style:
     name, ``Style.of("gravity: body")``.
 
     Attributes:
-        kinematics: What is grouped first in frames and Jacobians.
-        lengths: Where lengths stand there.
-        inertia: What is grouped first in B and in the energies.
+        rotations: What is grouped first in entries of frames and Jacobians without a length.
+        positions: What is grouped first in those with lengths.
+        short: Whether short ones of both are grouped too.
+        inertia: What is grouped first in B.
         christoffel: What is grouped first in a Christoffel symbol, hence in C.
         gravity: What is grouped first in g.
+        potential: What is grouped first in the potential energy.
+        kinetic: How the kinetic energy is written.
         products: Whether products of sums stay products within one body.
         factors: Which common factors stand in front of a body's bracket.
         g: Where the acceleration of gravity stands.
@@ -170,14 +209,17 @@ class Style:
         contraction: Which sums of joint angles are contracted.
     """
 
-    kinematics: Order = Order.BASE
-    lengths: Lengths = Lengths.INSIDE
+    rotations: Order = Order.BASE
+    positions: LengthOrder = LengthOrder.BASE
+    short: ShortSums = ShortSums.NESTED
     inertia: Grouping = Grouping.BODY
     christoffel: Grouping = Grouping.BODY
     gravity: Grouping = Grouping.FUNCTION
+    potential: Grouping = Grouping.BODY
+    kinetic: Kinetic = Kinetic.MATRIX
     products: Products = Products.KEPT
     factors: CommonFactors = CommonFactors.NONE
-    g: Place = Place.INSIDE
+    g: GravityPlace = GravityPlace.BRACKET
     coriolis: Rates = Rates.SYMBOL
     velocities: Rates = Rates.PRODUCT
     accelerations: Rates = Rates.PRODUCT
@@ -243,17 +285,21 @@ NAMED_STYLES: Mapping[str, Style] = MappingProxyType(
     {
         DEFAULT_STYLE: Style(),
         "by-geometry": Style(
-            lengths=Lengths.OUTSIDE,
+            positions=LengthOrder.LENGTH,
             inertia=Grouping.GEOMETRY,
             christoffel=Grouping.GEOMETRY,
             gravity=Grouping.GEOMETRY,
+            potential=Grouping.GEOMETRY,
+            products=Products.EXPANDED,
             velocities=Rates.SYMBOL,
         ),
         "expanded": Style(
-            kinematics=Order.EXPANDED,
+            rotations=Order.EXPANDED,
+            positions=LengthOrder.EXPANDED,
             inertia=Grouping.EXPANDED,
             christoffel=Grouping.EXPANDED,
             gravity=Grouping.EXPANDED,
+            potential=Grouping.EXPANDED,
             products=Products.EXPANDED,
             coriolis=Rates.EXPANDED,
             velocities=Rates.EXPANDED,
