@@ -139,7 +139,14 @@ class LectureForm:
         if len(terms) > MAX_CANDIDATE_TERMS:
             return flat(terms)
         if not any(f in self._lengths for m in terms for f, _ in m):
-            return self._by_joints(terms, self.style.rotations)
+            short = self.style.short is ShortSums.EXPANDED and len(terms) <= MOST_SHORT_TERMS
+            return flat(terms) if short else self._by_joints(terms, self.style.rotations)
+        return self._with_lengths(terms)
+
+    def _with_lengths(self, terms: Terms) -> Plan:
+        """`_kinematic_plan` of a position."""
+        if self._stays_flat(terms):
+            return flat(terms)
         match self.style.positions:
             case LengthOrder.BASE:
                 return self._by_joints(terms, Order.BASE)
@@ -153,20 +160,21 @@ class LectureForm:
                 inside, among = Order.TOOL, None
             case LengthOrder.LENGTH_EXPANDED:
                 inside, among = Order.EXPANDED, frozenset[int]()
-        if self._stays_flat(terms):
-            return flat(terms)
-        by_length = partial(grouped, level=self._lengths, inside=lambda part: self._by_joints(part, inside))
+        by_length = partial(grouped, level=self._lengths, inside=lambda part: self._beside_length(part, inside))
         return factored(terms, by_length, among)
 
     def _by_joints(self, terms: Terms, order: Order) -> Plan:
         """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
-        if order is Order.EXPANDED or self._stays_flat(terms):
+        if order is Order.EXPANDED:
             return flat(terms)
         joints, place = (self._outwards, 1) if order is Order.BASE else (self._outwards[::-1], len(self._outwards))
         return cheapest([nested(terms, [*joints[:place], self._lengths, *joints[place:]]), flat(terms)])
 
+    def _beside_length(self, terms: Terms, order: Order) -> Plan:
+        return flat(terms) if self._stays_flat(terms) else self._by_joints(terms, order)
+
     def _stays_flat(self, terms: Terms) -> bool:
-        return self.style.short is ShortSums.EXPANDED and len(terms) <= MOST_SHORT_TERMS
+        return self.style.short is not ShortSums.NESTED and len(terms) <= MOST_SHORT_TERMS
 
     def determinant(self, p: Polynomial) -> Expr:
         """A scalar whose zeros matter, as a product wherever it is one.

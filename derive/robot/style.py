@@ -87,10 +87,12 @@ class ShortSums(StrEnum):
 
     Attributes:
         NESTED: As a longer one: ``c1*(a2*c2 + a3*c23)``.
-        EXPANDED: As a sum of products: ``a2*c1*c2 + a3*c1*c23``.
+        POSITIONS: One with lengths as a sum of products: ``a2*c1*c2 + a3*c1*c23``, but ``c1*(c2*c4 + s2*s4)``.
+        EXPANDED: Any one as a sum of products.
     """
 
     NESTED = "nested"
+    POSITIONS = "positions"
     EXPANDED = "expanded"
 
 

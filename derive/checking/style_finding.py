@@ -1,0 +1,373 @@
+"""The style of a book from some of its formulas: which options write most of them as they are printed.
+
+Every printed formula is cut into parts that are written independently of each other: an equation of motion into what
+multiplies accelerations, what multiplies velocities, gravity and friction; any other formula is one part. A part
+depends on few options (`derive.robot.style.Style`), so every style is judged from a few trials. From each named set the
+options are changed, one or two at a time, as long as more formulas come out in the printed form; what no formula
+decides stays as in the set that fits best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import combinations, product
+from typing import Any
+
+from derive.algebra.angles import contracted_groups
+from derive.checking.findings import Outcome, same_form
+from derive.checking.printed import CorpusFile
+from derive.errors import Location
+from derive.lecture.sympy_conversion import Expr, expression_from_sympy
+from derive.model.equality import compare, scalar_quantity
+from derive.model.model import Model
+from derive.model.quantities import parse
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Number,
+    Product,
+    Sum,
+    add,
+    children,
+    multiply,
+    names,
+)
+from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.robot import Robot
+from derive.robot.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Style
+
+_BODIES = ("products", "factors")
+_GRAVITY = (*_BODIES, "g")
+
+OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
+    "B": ("inertia", *_BODIES),
+    "B_link": ("inertia", *_BODIES),
+    "kinetic": ("inertia", *_BODIES, "kinetic"),
+    "potential": ("potential", *_GRAVITY),
+    "christoffel": ("christoffel", *_BODIES),
+    "C": ("christoffel", *_BODIES, "coriolis"),
+    "N": ("christoffel", *_BODIES, "coriolis"),
+    "Bdot": ("christoffel", *_BODIES, "coriolis"),
+    "coriolis_vector": ("christoffel", *_BODIES, "velocities"),
+    "g": ("gravity", *_GRAVITY),
+}
+"""The options that decide how a dynamic quantity is written; kinematic ones depend on those of `_KINEMATIC`."""
+
+_KINEMATIC = ("rotations", "positions", "short")
+_TORQUE_PARTS = {
+    "accelerations": ("inertia", *_BODIES, "accelerations"),
+    "velocities": ("christoffel", *_BODIES, "velocities"),
+    "gravity": ("gravity", *_GRAVITY),
+    "friction": (),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A formula as a book prints it.
+
+    Attributes:
+        robot: Whose formula it is.
+        quantity: The scalar that it is printed for, such as ``tau[1]``.
+        formula: What is printed, in the robot's own names.
+        text: As it is printed.
+        location: Where it stands.
+    """
+
+    robot: Robot
+    quantity: str
+    formula: Expression
+    text: str = ""
+    location: Location = field(default_factory=lambda: Location("<example>"))
+
+
+@dataclass(frozen=True, slots=True)
+class ExampleFinding:
+    """What the found style makes of an example.
+
+    Attributes:
+        example: The example.
+        outcome: Same form, equal in another form, or wrong.
+        written: The derived formula in the found style.
+        reason: Why the form differs, in a few words; empty where it does not.
+    """
+
+    example: Example
+    outcome: Outcome
+    written: Expr
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class StyleFinding:
+    """The style that writes most examples as they are printed.
+
+    Attributes:
+        style: The style.
+        findings: What it makes of each example, in their order.
+    """
+
+    style: Style
+    findings: tuple[ExampleFinding, ...]
+
+    @property
+    def reproduced(self) -> int:
+        """How many examples come out in the printed form."""
+        return sum(found.outcome is Outcome.SAME_FORM for found in self.findings)
+
+
+def find_style(examples: Iterable[Example]) -> StyleFinding:
+    """The style that writes most examples as they are printed.
+
+    Args:
+        examples: Formulas of one book, of one robot or of several.
+
+    Returns:
+        The style, and what it makes of each example.
+
+    Raises:
+        QuantityError: An example of no quantity of its robot.
+        CheckError: An example that has no value.
+    """
+    evidence = StyleEvidence(examples)
+    return evidence.finding(evidence.best_style())
+
+
+def printed_examples(file: CorpusFile) -> list[Example]:
+    """The right formulas of a corpus file that can be written in more than one way: those that contain a sum.
+
+    Args:
+        file: A robot and what is printed about it.
+
+    Returns:
+        The examples, in the order of the file.
+    """
+    found = []
+    for item in file.expected:
+        name = f"{item.quantity}[]" if item.quantity == "T" else item.quantity
+        for entry in item.entries if item.status == "ok" else item.corrections:
+            if entry.unknown is None and _has_sum(entry.formula):
+                scalar = item.quantity if item.shape == (1, 1) else f"{name}[{entry.row},{entry.column}]"
+                found.append(Example(file.robot, scalar, entry.formula, entry.text, entry.location))
+    return found
+
+
+class StyleEvidence:
+    """Examples and what is known of them: in which options' values each part comes out as printed.
+
+    Args:
+        examples: Formulas of one book, of one robot or of several.
+
+    Attributes:
+        examples: The same.
+    """
+
+    def __init__(self, examples: Iterable[Example]) -> None:
+        self.examples = tuple(examples)
+        robots: dict[int, _Robot] = {}
+        self._parts: list[tuple[_Part, ...]] = []
+        for example in self.examples:
+            known = robots.setdefault(id(example.robot), _Robot(example.robot))
+            self._parts.append(tuple(_parts(known, example)))
+
+    def best_style(self, without: int | None = None) -> Style:
+        """The style in which most examples come out as printed.
+
+        Args:
+            without: An example that is left out, by its number from 0: would the others foretell its form?
+
+        Returns:
+            The style; of equally good ones that with the fewest changes of a named set.
+        """
+        known = [parts for i, parts in enumerate(self._parts) if i != without]
+        found = [self._improved(start, known) for start in NAMED_STYLES.values()]
+        return max(found, key=lambda style: (*_score(style, known), -len(style.options())))
+
+    def _improved(self, style: Style, known: Sequence[tuple[_Part, ...]]) -> Style:
+        """Options changed as long as that helps, one at a time and then two."""
+        for count in (1, 2):
+            again = True
+            while again:
+                again = False
+                for names_of in combinations(STYLE_OPTIONS, count):
+                    concerned = [parts for parts in known if any(set(names_of) & set(part.options) for part in parts)]
+                    if all(part.fits(style) for parts in concerned for part in parts):
+                        continue
+                    before = _score(style, concerned)
+                    trials = (replace(style, **values) for values in _choices(names_of))
+                    best = max(trials, key=lambda trial: _score(trial, concerned))
+                    if _score(best, concerned) > before:
+                        style, again = best, True
+        return style
+
+    def finding(self, style: Style) -> StyleFinding:
+        """What a style makes of the examples.
+
+        Args:
+            style: The style.
+
+        Returns:
+            Each example as the style writes it, and why it is not as printed.
+        """
+        return StyleFinding(
+            style,
+            tuple(_finding(example, parts, style) for example, parts in zip(self.examples, self._parts, strict=True)),
+        )
+
+
+def _choices(options: Iterable[str]) -> Iterator[dict[str, Any]]:
+    """All values of some options."""
+    chosen = tuple(options)
+    return (dict(zip(chosen, values, strict=True)) for values in product(*(STYLE_OPTIONS[name] for name in chosen)))
+
+
+def _score(style: Style, known: Iterable[tuple[_Part, ...]]) -> tuple[int, int]:
+    """How many examples, and how many parts of them, come out as printed."""
+    fits = [[part.fits(style) for part in parts] for parts in known]
+    return sum(map(all, fits)), sum(map(sum, fits))
+
+
+# -- parts
+
+
+class _Robot:
+    """A robot written in many styles; what does not depend on the style is derived once."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self._models: dict[Style, Model] = {}
+        self._exact: dict[Contraction, Model] = {}
+
+    @cached_property
+    def opposed(self) -> bool:
+        """Whether axes that are parallel but opposed could be contracted."""
+        return contracted_groups(self.robot, Contraction.OPPOSED) != contracted_groups(self.robot, Contraction.ALIGNED)
+
+    def model(self, style: Style) -> Model:
+        """The model in a style."""
+        if style not in self._models:
+            if style.contraction not in self._exact:
+                self._exact[style.contraction] = Model(self.robot, style)
+            self._models[style] = self._exact[style.contraction].with_style(style)
+        return self._models[style]
+
+
+@dataclass
+class _Part:
+    """A part of an example that is written independently of the others.
+
+    Attributes:
+        title: What it is, for reasons; empty for the whole.
+        printed: What the book prints.
+        robot: Whose part it is.
+        write: How a model writes it.
+        options: The options that decide how it is written.
+    """
+
+    title: str
+    printed: Expression
+    robot: _Robot
+    write: Callable[[Model], Expr]
+    options: tuple[str, ...]
+    known: dict[tuple[str, ...], bool] = field(default_factory=dict)
+
+    def fits(self, style: Style) -> bool:
+        """Whether it comes out as printed."""
+        key = tuple(getattr(style, name) for name in self.options)
+        if key not in self.known:
+            plain = replace(Style(), **dict(zip(self.options, key, strict=True)))
+            self.known[key] = same_form(self.printed, expression_from_sympy(self.write(self.robot.model(plain))))
+        return self.known[key]
+
+    def remedies(self, style: Style) -> dict[str, Any] | None:
+        """The fewest changes of options, one or two, with which it comes out as printed; None where none do."""
+        for count in (1, 2, 3):
+            for names_of in combinations(self.options, count):
+                for values in _choices(names_of):
+                    if self.fits(replace(style, **values)):
+                        return values
+        return None
+
+
+def _parts(known: _Robot, example: Example) -> Iterator[_Part]:
+    model = known.model(Style())
+    quantity, indices, entry = parse(model, example.quantity)
+    contraction = ("contraction",) if known.opposed else ()
+    if quantity.name == "tau":
+        i = (entry or indices)[0] - 1
+        printed = _by_rates(example.robot, example.formula)
+        writers: dict[str, Callable[[Model], Expr]] = {
+            "accelerations": lambda model: model.acceleration_torque(i),
+            "velocities": lambda model: model.velocity_torque(i),
+            "gravity": lambda model: model.form.gravity(model.kinematics.gravity_vector[i]),
+            "friction": lambda model: model.friction[i],
+        }
+        for title, options in _TORQUE_PARTS.items():
+            yield _Part(title, printed[title], known, writers[title], (*options, *contraction))
+        return
+    options = OPTIONS_OF.get(
+        quantity.name, () if quantity.dynamic and not quantity.name.startswith("J") else _KINEMATIC
+    )
+    name = example.quantity
+    yield _Part("", example.formula, known, lambda model: scalar_quantity(model, name), (*options, *contraction))
+
+
+def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
+    """An equation of motion term by term: accelerations, velocities, gravity, friction."""
+    variables = [joint.variable for joint in robot.joints]
+    accelerations, velocities = set(map(acceleration_name, variables)), set(map(velocity_name, variables))
+    frictional = {name for link in robot.links for cell in (link.viscous, link.coulomb) for name in names(cell)}
+    found: dict[str, list[Expression]] = {title: [] for title in _TORQUE_PARTS}
+    for term in _addends(formula):
+        used = set(names(term))
+        if used & accelerations:
+            found["accelerations"].append(term)
+        elif used & velocities:
+            found["friction" if used & frictional else "velocities"].append(term)
+        else:
+            found["gravity"].append(term)
+    return {title: add(*terms) for title, terms in found.items()}
+
+
+def _addends(e: Expression) -> Iterator[Expression]:
+    """The terms of a sum, a number in front of it multiplied in."""
+    if isinstance(e, Sum):
+        for term in e.terms:
+            yield from _addends(term)
+    elif isinstance(e, Product) and isinstance(e.factors[0], Number) and isinstance(e.factors[-1], Sum):
+        rest = multiply(*e.factors[:-1])
+        if len(e.factors) == 2:
+            yield from (multiply(rest, term) for term in _addends(e.factors[-1]))
+        else:
+            yield e
+    else:
+        yield e
+
+
+# -- what is said
+
+
+def _finding(example: Example, parts: tuple[_Part, ...], style: Style) -> ExampleFinding:
+    written = scalar_quantity(parts[0].robot.model(style), example.quantity)
+    different = [part for part in parts if not part.fits(style)]
+    if not different:
+        return ExampleFinding(example, Outcome.SAME_FORM, written)
+    if not compare(example.robot, expression_from_sympy(written), example.formula).equal:
+        return ExampleFinding(example, Outcome.WRONG, written, "it is not equal to the derived formula")
+    return ExampleFinding(example, Outcome.EQUAL, written, "; ".join(_reason(part, style) for part in different))
+
+
+def _reason(part: _Part, style: Style) -> str:
+    """Which options would write a part as printed."""
+    remedies = part.remedies(style)
+    subject = f"the terms of {part.title}: " if part.title else ""
+    if remedies is None:
+        return f"{subject}grouped as no options do"
+    changes = ", ".join(f"{name}: {value}" for name, value in remedies.items() if value != getattr(style, name))
+    return f"{subject}as printed with {changes}, which fewer of the others have"
+
+
+def _has_sum(e: Expression) -> bool:
+    return not isinstance(e, Call) and (isinstance(e, Sum) or any(map(_has_sum, children(e))))
