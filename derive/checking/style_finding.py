@@ -9,7 +9,7 @@ decides stays as in the set that fits best.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, product
@@ -50,18 +50,15 @@ OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "C": ("christoffel", *_BODIES, "coriolis"),
     "N": ("christoffel", *_BODIES, "coriolis"),
     "Bdot": ("christoffel", *_BODIES, "coriolis"),
-    "coriolis_vector": ("christoffel", *_BODIES, "velocities"),
+    "B_qdd": ("inertia", *_BODIES, "accelerations"),
+    "Cqd": ("christoffel", *_BODIES, "velocities"),
     "g": ("gravity", *_GRAVITY),
 }
 """The options that decide how a dynamic quantity is written; kinematic ones depend on those of `_KINEMATIC`."""
 
 _KINEMATIC = ("rotations", "positions", "short")
-_TORQUE_PARTS = {
-    "accelerations": ("inertia", *_BODIES, "accelerations"),
-    "velocities": ("christoffel", *_BODIES, "velocities"),
-    "gravity": ("gravity", *_GRAVITY),
-    "friction": (),
-}
+_TORQUE_PARTS = {"accelerations": "B_qdd", "velocities": "Cqd", "gravity": "g", "friction": "friction"}
+"""What the terms of an equation of motion are, and the quantity that they are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +236,7 @@ class _Robot:
         self.robot = robot
         self._models: dict[Style, Model] = {}
         self._exact: dict[Contraction, Model] = {}
+        self._written: dict[tuple[str, Style], Expression] = {}
 
     @cached_property
     def opposed(self) -> bool:
@@ -253,6 +251,13 @@ class _Robot:
             self._models[style] = self._exact[style.contraction].with_style(style)
         return self._models[style]
 
+    def written(self, quantity: str, style: Style) -> Expression:
+        """A scalar quantity in a style."""
+        key = (quantity, style)
+        if key not in self._written:
+            self._written[key] = expression_from_sympy(scalar_quantity(self.model(style), quantity))
+        return self._written[key]
+
 
 @dataclass
 class _Part:
@@ -262,14 +267,14 @@ class _Part:
         title: What it is, for reasons; empty for the whole.
         printed: What the book prints.
         robot: Whose part it is.
-        write: How a model writes it.
+        quantity: What it is the formula of.
         options: The options that decide how it is written.
     """
 
     title: str
     printed: Expression
     robot: _Robot
-    write: Callable[[Model], Expr]
+    quantity: str
     options: tuple[str, ...]
     known: dict[tuple[str, ...], bool] = field(default_factory=dict)
 
@@ -278,7 +283,7 @@ class _Part:
         key = tuple(getattr(style, name) for name in self.options)
         if key not in self.known:
             plain = replace(Style(), **dict(zip(self.options, key, strict=True)))
-            self.known[key] = same_form(self.printed, expression_from_sympy(self.write(self.robot.model(plain))))
+            self.known[key] = same_form(self.printed, self.robot.written(self.quantity, plain))
         return self.known[key]
 
     def remedies(self, style: Style) -> dict[str, Any] | None:
@@ -296,22 +301,14 @@ def _parts(known: _Robot, example: Example) -> Iterator[_Part]:
     quantity, indices, entry = parse(model, example.quantity)
     contraction = ("contraction",) if known.opposed else ()
     if quantity.name == "tau":
-        i = (entry or indices)[0] - 1
         printed = _by_rates(example.robot, example.formula)
-        writers: dict[str, Callable[[Model], Expr]] = {
-            "accelerations": lambda model: model.acceleration_torque(i),
-            "velocities": lambda model: model.velocity_torque(i),
-            "gravity": lambda model: model.form.gravity(model.kinematics.gravity_vector[i]),
-            "friction": lambda model: model.friction[i],
-        }
-        for title, options in _TORQUE_PARTS.items():
-            yield _Part(title, printed[title], known, writers[title], (*options, *contraction))
+        for title, name in _TORQUE_PARTS.items():
+            whole = f"{name}[{(entry or indices)[0]}]"
+            yield _Part(title, printed[title], known, whole, (*OPTIONS_OF.get(name, ()), *contraction))
         return
-    options = OPTIONS_OF.get(
-        quantity.name, () if quantity.dynamic and not quantity.name.startswith("J") else _KINEMATIC
-    )
-    name = example.quantity
-    yield _Part("", example.formula, known, lambda model: scalar_quantity(model, name), (*options, *contraction))
+    is_kinematic = not quantity.dynamic or quantity.name.startswith("J")
+    options = OPTIONS_OF.get(quantity.name, _KINEMATIC if is_kinematic else ())
+    yield _Part("", example.formula, known, example.quantity, (*options, *contraction))
 
 
 def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
