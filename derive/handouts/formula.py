@@ -12,6 +12,7 @@ from typing import Any
 
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Entry, Formula, Paragraph, Rows
+from derive.handouts.language import Text
 from derive.handouts.latex_writer import macros
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut, Namer
@@ -36,13 +37,7 @@ def formula(context: Context, laid_out: LaidOut, function: str = "") -> Formula:
     rows = [Rows(laid_out.lines)] if laid_out.lines else []
     if laid_out.landscape:
         rows.append(Rows(laid_out.landscape, landscape=True))
-    note = ""
-    if laid_out.by_entry and laid_out.symmetric and laid_out.has_zeros:
-        note = _("The matrix is symmetric; entries that are not listed are zero.")
-    elif laid_out.by_entry and laid_out.symmetric:
-        note = _("The matrix is symmetric.")
-    elif laid_out.by_entry and laid_out.has_zeros:
-        note = _("Entries that are not listed are zero.")
+    note = unlisted(_, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else ""
     return Formula(
         rows=tuple(rows),
         named=laid_out.named,
@@ -52,6 +47,25 @@ def formula(context: Context, laid_out: LaidOut, function: str = "") -> Formula:
         entries=_Copied(context, laid_out),
         blanks=laid_out.blanks,
     )
+
+
+def unlisted(text: Text, symmetric: bool, has_zeros: bool) -> str:
+    """What a reader must know of a matrix that is printed entry by entry.
+
+    Args:
+        text: The language.
+        symmetric: Whether the entries below the diagonal are left out.
+        has_zeros: Whether entries are left out that are zero.
+
+    Returns:
+        A sentence; empty where all entries are listed.
+    """
+    _ = text
+    if symmetric and has_zeros:
+        return _("The matrix is symmetric; entries that are not listed are zero.")
+    if symmetric:
+        return _("The matrix is symmetric.")
+    return _("Entries that are not listed are zero.") if has_zeros else ""
 
 
 class _Copied(Sequence[Entry]):

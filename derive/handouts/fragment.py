@@ -10,9 +10,9 @@ from functools import partial
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
 from derive.handouts.assemble import context_of, section_of
 from derive.handouts.context import Context
-from derive.handouts.document import Figure, Section, Table, blocks_of, rows_of
-from derive.handouts.formula import entry_namer, formula
-from derive.handouts.latex_writer import fragment
+from derive.handouts.document import Section
+from derive.handouts.formula import component_namer, entry_namer, formula
+from derive.handouts.fragment_writer import fragment
 from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
@@ -21,64 +21,41 @@ from derive.model.quantities import REGISTRY, parse
 from derive.robot.robot import Robot
 from derive.robot.style import PARTS, HandoutOptions
 
-_WIDEST = 10
-"""Columns that amsmath's matrices have unless told otherwise."""
+_WIDTH = re.compile(r"[0-9]+(\.[0-9]+)?(pt|mm|cm|in|em)")
 
-_MATRIX = re.compile(r"\\begin\{bmatrix\}(.*?)\\end\{bmatrix\}", re.DOTALL)
+_INDEX = re.compile(r"(?<![A-Za-z\\])i(?![A-Za-z])")
+"""The index in a symbol of the registry."""
 
-_WORDS = {
-    "detJ": "\\det\\mathbf{J}",
-    "rpy": "\\boldsymbol{\\phi}_{\\mathrm{RPY}}",
-    "euler_zyz": "\\boldsymbol{\\phi}_{\\mathrm{ZYZ}}",
-}
-"""Quantities whose names are no symbols."""
+_COMMAND = re.compile(r"\\[A-Za-z]+|[{}_^]")
+"""What takes no room in print."""
 
-_FUNCTIONS = {
-    "T": "forward_kinematics",
-    "A": "link_transforms",
-    "J": "jacobian",
-    "B": "inertia_matrix",
-    "C": "coriolis_matrix",
-    "N": "coriolis_matrix",
-    "christoffel": "coriolis_matrix",
-    "g": "gravity_vector",
-    "tau": "inverse_dynamics",
-}
+_LETTER = 8.0
+"""A bold letter [pt]."""
 
 
-def fragment_text(robot: Robot, options: HandoutOptions, name: str) -> str:
+def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str = "") -> str:
     """LaTeX of a part or a quantity, without a document around it.
 
     Args:
         robot: The robot.
         options: What the handout shows; language and notation count here too.
         name: A part such as ``inertia`` or a quantity such as ``B``, ``A[1]`` or ``T[0,2]``.
+        width: Width of the lines, such as ``84mm``; that of the document, where the fragment stands, if empty.
 
     Returns:
         The text, headed by a comment that names the packages it needs.
 
     Raises:
-        QuantityError: Neither a part nor a quantity, or one that this robot does not have.
+        QuantityError: A width that is none, or a part or quantity that this robot does not have.
+        TargetError: Neither a part nor a quantity.
     """
+    if width and _WIDTH.fullmatch(width) is None:
+        raise QuantityError(f"width {quoted(width)}", allowed="a number with pt, mm, cm, in or em, such as 84mm")
     context = context_of(robot, options)
     section = section_of(context, name) if name in PARTS else _quantity(context, name)
     if section is None:
         raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed="its file gives no links")
-    blocks = list(blocks_of(section))
-    packages = {
-        "amsmath": True,
-        "booktabs": any(isinstance(block, Table) for block in blocks),
-        "longtable": any(isinstance(block, Table) and block.long for block in blocks),
-        "tikz": any(isinstance(block, Figure) for block in blocks),
-        "pdflscape": any(rows.landscape for block in blocks for rows in rows_of(block)),
-    }
-    needed = "".join(f"\\usepackage{{{package}}}" for package, is_needed in packages.items() if is_needed)
-    shown = f"% {name} of {robot.name}: written by derive {context.version}; needs {needed}\n"
-    body = fragment(section, context.text)
-    columns = max((row.count("&") + 1 for matrix in _MATRIX.findall(body) for row in matrix.split("\\\\")), default=0)
-    if columns > _WIDEST:
-        shown += f"% and \\setcounter{{MaxMatrixCols}}{{{columns}}}\n"
-    return shown + body
+    return fragment(section, context.text, name=name, robot=robot.name, version=context.version, width=width)
 
 
 def _quantity(context: Context, name: str) -> Section:
@@ -105,15 +82,22 @@ def _quantity(context: Context, name: str) -> Section:
             laid_out = dynamics.closed(row.name)
         case _:  # no part prints it as a whole
             laid_out = _by_value(context, name, row.name, indices)
-    return Section("", "", (formula(context, laid_out, _FUNCTIONS.get(row.name, "")),))
+    return Section("", "", (formula(context, laid_out, row.function),))
 
 
 @dataclass(frozen=True, slots=True)
 class _Name:
-    """What a quantity is called; its entries are in brackets with indices."""
+    """What a quantity is called.
+
+    Attributes:
+        symbol: Its symbol.
+        entry: (row, column) -> name of an entry.
+        is_derived: Whether its entries have no letter of their own, but the symbol in brackets with indices.
+    """
 
     symbol: Box
     entry: Callable[[int, int], Box]
+    is_derived: bool = False
 
 
 def _by_value(context: Context, text: str, name: str, indices: tuple[int, ...]) -> LaidOut:
@@ -122,7 +106,8 @@ def _by_value(context: Context, text: str, name: str, indices: tuple[int, ...]) 
     called = _called(context, name, indices)
     if hasattr(value, "shape"):
         limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
-        return context.layouter.lay_out(called.symbol, called.entry, of_matrix(value), limit=limit)
+        namer = component_namer(called.symbol) if called.is_derived and value.shape[1] == 1 else called.entry
+        return context.layouter.lay_out(called.symbol, namer, of_matrix(value), limit=limit)
     symbol = called.symbol
     numbers = re.findall(r"\d+", text.partition("[")[2])[len(indices) :]
     if len(numbers) == 2:  # a row and a column, as in T[0,2][1,4]
@@ -151,19 +136,14 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
         case "christoffel", (i, j, k):
             symbol = symbols.christoffel(i, j, k)
         case _:
-            symbol = _by_name(name, indices, symbols.inertia_letter)
-    return _Name(symbol, entry_namer(symbol, "," if context.robot.n > 9 else ""))
+            symbol = _registered(name, indices, symbols.inertia_letter)
+    return _Name(symbol, entry_namer(symbol, "," if context.robot.n > 9 else ""), is_derived=True)
 
 
-def _by_name(name: str, indices: tuple[int, ...], inertia: str) -> Box:
-    r"""``Jv_com[2]`` is \mathbf{J}_{\mathrm{v,com},2}; ``Bdot`` has its dot."""
-    if name == "Bdot":
-        return Box(f"\\dot{{\\mathbf{{{inertia}}}}}", 10.0)
-    if name in _WORDS:
-        return Box(_WORDS[name], 30.0)
-    if len(name) > 1 and "_" not in name:
-        return Box(f"\\mathrm{{{name}}}", 6.0 * len(name))
-    rest = name[1:].strip("_").replace("_", ",")
-    labels = ",".join([*([f"\\mathrm{{{rest}}}"] if rest else []), *map(str, indices)])
-    nucleus = bold(inertia if name.startswith("B") else name[0])
-    return script(nucleus, Box(labels, 6.0 * (len(rest) + 3 * len(indices)))) if labels else nucleus
+def _registered(name: str, indices: tuple[int, ...], inertia: str) -> Box:
+    """The symbol that the registry gives a quantity, with its index and the letter of the inertia matrix."""
+    symbol = REGISTRY[name].symbol.replace("\\mathbf{B}", f"\\mathbf{{{inertia}}}")
+    if indices:
+        listed_indices = ",".join(map(str, indices))
+        symbol = _INDEX.sub(f"{{{listed_indices}}}", symbol.replace("i,\\ldots", "i"))
+    return Box(symbol, _LETTER * len(_COMMAND.sub("", symbol)))

@@ -16,7 +16,6 @@ from derive.handouts.document import (
     Kind,
     Paragraph,
     Rows,
-    Section,
     Steps,
     Table,
     blocks_of,
@@ -55,32 +54,19 @@ def latex(document: Document, text: Text) -> str:
     words = (
         [word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in document.title.split()
     )
-    sections = [{"title": _words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
+    sections = [{"title": latex_words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
     return latex_template("document.tex.jinja").render(
         name=document.name,
         version=document.version,
         digest=document.digest,
         title=" ".join("\\allowbreak{}".join(map(latex_text, word)) for word in words),
-        subtitle=_words(document.subtitle),
-        footer=_words(document.footer),
+        subtitle=latex_words(document.subtitle),
+        footer=latex_words(document.footer),
         landscape=any(part.landscape for part in rows),
         figures=any(isinstance(block, Figure) for block in blocks),
         figure_preamble=PREAMBLE.rstrip(),
         sections=sections,
     )
-
-
-def fragment(section: Section, text: Text) -> str:
-    r"""One section for ``\input`` into other notes; formulas need amsmath alone.
-
-    Args:
-        section: The section.
-        text: The language of the writer's own words.
-
-    Returns:
-        Its LaTeX without a heading.
-    """
-    return "\n".join(_joined(section.blocks, text)) + "\n"
 
 
 # -- templates
@@ -123,8 +109,15 @@ def macros(name: str) -> TemplateModule:
 # -- texts
 
 
-def _words(text: str) -> str:
-    """A text with its marks."""
+def latex_words(text: str) -> str:
+    """A text with its marks.
+
+    Args:
+        text: Plain words, mathematics between dollar signs, code between backticks.
+
+    Returns:
+        LaTeX.
+    """
     written = []
     for kind, part in spans(text):
         if kind is Kind.MATHEMATICS:
@@ -162,21 +155,21 @@ def _written(block: Block, _: Text) -> str:
     """One block by its macro."""
     match block:
         case Paragraph(text):
-            return _words(text) + _OPEN
+            return latex_words(text) + _OPEN
         case Rows(lines, landscape):
             return _macro("rows", displays=displays(lines), landscape=landscape)
         case Formula():
             sentences = {
-                "named": _words(_("With the abbreviations")),
-                "entries": _words(_("the entries are as follows.")),
-                "omitted": _words(omitted_words(block, _)),
+                "named": latex_words(_("With the abbreviations")),
+                "entries": latex_words(_("the entries are as follows.")),
+                "omitted": latex_words(omitted_words(block, _)),
             }
             return _macro(
                 "formula",
                 named=displays(block.named),
                 rows=[_written(rows, _) for rows in block.rows if rows.lines],
                 omitted=displays(block.omitted),
-                note=_words(block.note),
+                note=latex_words(block.note),
                 words=sentences,
             )
         case Blank(names, lines):
@@ -184,12 +177,12 @@ def _written(block: Block, _: Text) -> str:
             room = f"\\rule[-{height:.1f}\\baselineskip]{{0pt}}{{{height:.1f}\\baselineskip}}"
             return "\n".join(displays([f"{name} = {room}" for name in names]))
         case Table(header, rows, long):
-            head, *body = (" & ".join(map(_words, row)) for row in (header, *rows))
+            head, *body = (" & ".join(map(latex_words, row)) for row in (header, *rows))
             return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
         case Figure(drawing, caption):
-            return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
+            return _macro("figure", drawing=latex_drawing(drawing), caption=latex_words(caption))
         case Steps(title, blocks):
-            return _macro("steps", title=_words(title), blocks=_joined(blocks, _, is_open=True))
+            return _macro("steps", title=latex_words(title), blocks=_joined(blocks, _, is_open=True))
 
 
 def omitted_words(block: Formula, _: Text) -> str:

@@ -35,7 +35,9 @@ GAP = Box(" \\qquad ", 20.0)
 
 EQUALS = Box(" = ", RELATION_WIDTH)
 
-_INDENTS = (Box("\\quad ", 10.0), Box("\\qquad ", 20.0), Box("\\qquad\\quad ", 30.0))
+INDENTS = (Box("\\quad ", 10.0), Box("\\qquad ", 20.0), Box("\\qquad\\quad ", 30.0))
+"""In front of a line that continues another, by the brackets in which it starts; no equation begins like that."""
+
 _COLUMN_GAP = 10.0
 _DELIMITERS = 15.0
 
@@ -77,7 +79,7 @@ def break_lines(head: Box, pieces: Sequence[Piece], width: float = LINE_WIDTH) -
         lines.append(concatenate(lead, opening, *(piece.box for piece in pieces[start + 1 : end])).tex)
         if end == len(pieces):
             return lines
-        start, lead = end, _INDENTS[min(pieces[end].depth, len(_INDENTS) - 1)]
+        start, lead = end, INDENTS[min(pieces[end].depth, len(INDENTS) - 1)]
 
 
 def _line_end(pieces: Sequence[Piece], start: int, room: float) -> int:

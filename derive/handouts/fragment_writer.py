@@ -1,0 +1,143 @@
+r"""One section as LaTeX for ``\input`` into other notes, whatever their class, letters and columns.
+
+A line of the sheet has a known width; a fragment does not know where it will stand. It brings a few definitions in a
+group of its own, by which TeX breaks equations, chooses between a matrix and its entries, and makes a table or a figure
+smaller, all by the ``\linewidth`` that it finds.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from derive.handouts.document import Blank, Block, Figure, Formula, Paragraph, Rows, Section, Steps, Table, blocks_of
+from derive.handouts.figure.writers import PREAMBLE, latex_drawing
+from derive.handouts.formula import unlisted
+from derive.handouts.language import Text
+from derive.handouts.latex_writer import latex_words, macros, omitted_words
+from derive.handouts.layout.flow import breakable, matrix_equation, whole_equations
+
+_WIDEST = 10
+"""Columns that amsmath's matrices have unless told otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Item:
+    """An equation in a fragment.
+
+    Attributes:
+        whole: Its LaTeX; with marks where a line may end, unless it is a matrix.
+        matrix: Whether there are entries to print where the line is too narrow for the whole.
+        entries: The entries, with such marks.
+        note: What else a reader of the entries must know.
+        is_whole: Whether it cannot be broken.
+    """
+
+    whole: str
+    matrix: bool = False
+    entries: tuple[str, ...] = ()
+    note: str = ""
+    is_whole: bool = False
+
+
+def fragment(section: Section, text: Text, *, name: str, robot: str, version: str, width: str = "") -> str:
+    r"""A section in a group of its own.
+
+    Args:
+        section: The section.
+        text: The language of the writer's own words.
+        name: What was asked for, for the heading.
+        robot: Name of the robot.
+        version: Version of the tool.
+        width: Width of the lines as a dimension of TeX; that of the document, ``\linewidth``, if empty.
+
+    Returns:
+        LaTeX that names the packages that it needs in its first line.
+    """
+    blocks = list(blocks_of(section))
+    is_drawn = any(isinstance(block, Figure) for block in blocks)
+    written = "".join(_written(block, text) for block in section.blocks)
+    matrices = re.findall(r"\\begin\{bmatrix\}(.*?)\\end\{bmatrix\}", written, re.DOTALL)
+    columns = max((row.count("&") + 1 for matrix in matrices for row in matrix.split("\\\\")), default=0)
+    heading = _macro(
+        "heading",
+        name=name,
+        robot=robot,
+        version=version,
+        packages="".join(f"\\usepackage{{{package}}}" for package in ("amsmath", *(["graphicx"] if is_drawn else []))),
+        columns=columns if columns > _WIDEST else 0,
+        width=width,
+        preamble=PREAMBLE.rstrip() if is_drawn else "",
+        has_tables=any(isinstance(block, Table) for block in blocks),
+    )
+    return heading + written + _macro("ending")
+
+
+def _macro(macro: str, **values: object) -> str:
+    source: str = getattr(macros("fragment.tex.jinja"), macro)(**values)
+    return source
+
+
+def _words(text: str) -> str:
+    """A text whose inline products may be broken behind a bracket."""
+    return latex_words(text).replace(")\\,", ")\\,\\allowbreak ")
+
+
+def _written(block: Block, text: Text) -> str:
+    """One block by its macro."""
+    match block:
+        case Paragraph(words):
+            return _macro("paragraph", text=_words(words))
+        case Rows(lines):
+            return _rows(lines, text)
+        case Formula():
+            return "".join(_formula(block, text))
+        case Blank(names):
+            return _rows([f"{name} =" for name in names], text)
+        case Table(header, rows):
+            head, *body = (" & ".join(map(_words, row)) for row in (header, *rows))
+            items = [_as_list([(_words(h), _words(c)) for h, c in zip(header, row, strict=True)]) for row in rows]
+            return _macro("table", header=head, rows=body, items=items)
+        case Figure(drawing, caption):
+            return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
+        case Steps(title, blocks):
+            return _macro("steps", title=_words(title)) + "".join(_written(inner, text) for inner in blocks)
+
+
+def _as_list(cells: Sequence[tuple[str, str]]) -> str:
+    """A row of a table in words, for a line that the table does not fit."""
+    return "; ".join(f"{head}: {cell}" for head, cell in cells)
+
+
+def _formula(block: Formula, _: Text) -> Iterator[str]:
+    lines = [line for rows in block.rows for line in rows.lines]
+    if block.named:
+        yield _macro("paragraph", text=_words(_("With the abbreviations")))
+        yield _rows(block.named, _)
+        yield _macro("paragraph", text=_words(_("the entries are as follows.")))
+    if lines:
+        is_alone = len(whole_equations(lines)) == 1 and matrix_equation(lines[0]) is not None
+        named = [f"{entry.name} = {entry.latex}" for entry in block.entries] if is_alone else []
+        yield _rows(lines, _, named)
+    if block.omitted:
+        yield _macro("paragraph", text=_words(omitted_words(block, _)))
+        yield _rows(block.omitted, _)
+    if block.note:
+        yield _macro("paragraph", text=_words(block.note))
+
+
+def _rows(lines: Iterable[str], text: Text, named: Sequence[str] = ()) -> str:
+    """Equations; ``named`` are the entries of a matrix that stands alone, in their own names."""
+    items = []
+    for equation in whole_equations(lines):
+        matrix = matrix_equation(equation)
+        if matrix is not None:
+            entries = tuple(breakable(entry) for entry in named or matrix.entries())
+            is_half = matrix.is_symmetric and len(entries) < sum(cell != "0" for row in matrix.cells for cell in row)
+            items.append(_Item(equation, True, entries, _words(unlisted(text, is_half, matrix.has_zeros))))
+        elif "\\begin" in equation:
+            items.append(_Item(equation, is_whole=True))
+        else:
+            items.append(_Item(breakable(equation)))
+    return _macro("rows", items=items)

@@ -1,0 +1,213 @@
+r"""Equations that TeX breaks itself, for a document whose line is not known here.
+
+A printed equation is read again as the atoms that the printers make, and marks are put where a line may end: ``\brk0``
+before a sign outside of brackets, ``\brk1`` inside of one and so on, ``\fac1`` between two factors. What the marks cost
+say their definitions in ``templates/handout/fragment.tex.jinja``; TeX finds the cheapest breaks for its own line.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from derive.handouts.layout.lines import INDENTS
+
+_DEEPEST = 3
+"""Levels of brackets that are told apart."""
+
+_FACTORS = 6
+"""Factors that always fit on a line: only behind so many one may be broken off."""
+
+_TOKEN = re.compile(
+    r"\\begin\{bmatrix\}.*?\\end\{bmatrix\}|\\[bB]ig[lr]\\?.|\\[A-Za-z]+ ?|\\.|\s+|[0-9][0-9.]*|.", re.DOTALL
+)
+_MATRIX = re.compile(r"(?P<left>.*?) = \\begin\{bmatrix\}(?P<body>.*?)\\end\{bmatrix\}", re.DOTALL)
+_PHANTOM = re.compile(r"\\phantom\{(.*)\}")
+
+
+class _Kind(Enum):
+    """What an atom is for the breaking of lines."""
+
+    ATOM = auto()
+    NAME = auto()
+    COEFFICIENT = auto()
+    OPERATOR = auto()
+    OPENING = auto()
+    CLOSING = auto()
+    SIGN = auto()
+    RELATION = auto()
+    COMMA = auto()
+    SPACE = auto()
+    GAP = auto()
+
+
+_KINDS = {
+    _Kind.OPENING: re.compile(r"[(\[]|\\\{|\\[bB]igl\\?."),
+    _Kind.CLOSING: re.compile(r"([)\]]|\\\}|\\[bB]igr\\?.).*", re.DOTALL),
+    _Kind.SIGN: re.compile(r"[+-]|\\times ?|\\cdot ?"),
+    _Kind.RELATION: re.compile(r"[=<>]|\\(iff|approx|neq|leq|geq|colon) ?"),
+    _Kind.COMMA: re.compile(","),
+    _Kind.GAP: re.compile(r"\\qquad ?"),
+    _Kind.SPACE: re.compile(r"\s+|\\[,;: ]|\\quad ?"),
+    _Kind.OPERATOR: re.compile(r"\\(cos|sin|tan|det|sum|partial|Delta|pm|operatorname)(?![A-Za-z]).*", re.DOTALL),
+    _Kind.COEFFICIENT: re.compile(r"[0-9.]+|\\tfrac.*"),
+    _Kind.NAME: re.compile(r"(\\(math|boldsymbol|text)|[A-Za-z]$).*", re.DOTALL),
+}
+
+
+_FACTOR = (_Kind.ATOM, _Kind.NAME, _Kind.OPERATOR, _Kind.CLOSING)
+
+
+def whole_equations(lines: Iterable[str]) -> list[str]:
+    """Equations as they were before they were broken over lines or put side by side.
+
+    Args:
+        lines: Lines of `break_lines`, `pack` or `equation_lines`.
+
+    Returns:
+        LaTeX of each equation, on one line.
+    """
+    joined: list[str] = []
+    for line in lines:
+        indent = next((box.tex for box in reversed(INDENTS) if joined and line.startswith(box.tex)), None)
+        if indent is None:
+            joined.append(line)
+        else:
+            joined[-1] = f"{joined[-1].rstrip()} {_uncontinued(line.removeprefix(indent))}"
+    return [equation for line in joined for equation in _side_by_side(line)]
+
+
+def _uncontinued(line: str) -> str:
+    r"""A line without what shows that it continues another: ``{}`` in front of a sign, ``{}\cdot`` before a factor."""
+    return line.removeprefix("{}\\cdot ").removeprefix("{}")
+
+
+def _side_by_side(line: str) -> Iterator[str]:
+    start: list[str] = []
+    for kind, text in _atoms(line):
+        if kind is _Kind.GAP:
+            yield "".join(start).strip()
+            start = []
+        else:
+            start.append(text)
+    yield "".join(start).strip()
+
+
+def breakable(equation: str) -> str:
+    """An equation with marks where a line may end.
+
+    Args:
+        equation: Its LaTeX on one line.
+
+    Returns:
+        The same LaTeX with marks, brackets of fixed size in place of those that TeX would keep on one line.
+    """
+    size = "Big" if "\\frac" in equation else "big"
+    equation = equation.replace("\\left", f"\\{size}l").replace("\\right", f"\\{size}r")
+    written: list[str] = []
+    depth, run, previous, after = 0, 0, _Kind.OPENING, ""
+    for kind, text in _atoms(equation):
+        mark = ""
+        if kind is _Kind.SPACE:
+            written.append(text)
+            if previous is _Kind.COMMA and text != "\\,":
+                mark = "\\brk"
+            elif text == "\\," and after == ")":
+                mark = "\\fac"
+        else:
+            depth -= kind is _Kind.CLOSING
+            mark = _mark(previous, after, kind, run)
+        if mark:
+            written.append(f"{mark}{min(depth, _DEEPEST)} ")
+        after, run = text, 0 if mark else run
+        if kind is not _Kind.SPACE:
+            written.append(text)
+            depth += kind is _Kind.OPENING
+            previous, run = kind, run + 1 if kind in _FACTOR else 0
+    return "".join(written)
+
+
+def _mark(previous: _Kind, after: str, kind: _Kind, run: int) -> str:
+    """What stands before an atom that follows so many without a mark: a break before a sign, one between factors."""
+    if previous not in (_Kind.ATOM, _Kind.NAME, _Kind.CLOSING):
+        return "\\brk" if previous is _Kind.COEFFICIENT and kind is _Kind.SIGN else ""
+    if kind is _Kind.SIGN or (kind is _Kind.RELATION and run > _FACTORS):
+        return "\\brk" if after.isspace() else ""
+    is_applied = kind is _Kind.OPENING and previous is _Kind.NAME
+    return (
+        "\\fac"
+        if (kind in _FACTOR or kind is _Kind.OPENING) and not is_applied and run >= _FACTORS and after != "\\,"
+        else ""
+    )
+
+
+def _atoms(equation: str) -> Iterator[tuple[_Kind, str]]:
+    """Symbols with their scripts and arguments, signs, brackets and spaces, outside of braces."""
+    atom, braces, awaits = "", 0, False
+    for token in _TOKEN.findall(equation):
+        is_part = braces > 0 or awaits or token in ("{", "_", "^", "'")
+        if atom and not is_part:
+            yield _kind(atom), atom
+            atom = ""
+        atom += token
+        braces += (token == "{") - (token == "}")
+        awaits = token in ("_", "^") and not braces
+    if atom:
+        yield _kind(atom), atom
+
+
+def _kind(atom: str) -> _Kind:
+    return next((kind for kind, pattern in _KINDS.items() if pattern.fullmatch(atom)), _Kind.ATOM)
+
+
+@dataclass(frozen=True, slots=True)
+class MatrixEquation:
+    """A symbol and the matrix that it stands for.
+
+    Attributes:
+        symbol: LaTeX of the symbol.
+        cells: LaTeX of the entries, row by row.
+    """
+
+    symbol: str
+    cells: tuple[tuple[str, ...], ...]
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the entries below the diagonal repeat those above."""
+        return len(self.cells) > 1 and self.cells == tuple(zip(*self.cells, strict=True))
+
+    @property
+    def has_zeros(self) -> bool:
+        """Whether any entry is zero."""
+        return any(cell == "0" for row in self.cells for cell in row)
+
+    def entries(self) -> list[str]:
+        """Each entry that is not zero as an equation; of a symmetric matrix those above the diagonal alone."""
+        names = "({})_{{{}}}" if len(self.cells[0]) == 1 else "({})_{{{}{}{}}}"
+        comma = "," if max(len(self.cells), len(self.cells[0])) > 9 else ""
+        return [
+            f"{names.format(self.symbol, i, comma, j)} = {cell}"
+            for i, row in enumerate(self.cells, 1)
+            for j, cell in enumerate(row, 1)
+            if cell != "0" and not (self.is_symmetric and i > j)
+        ]
+
+
+def matrix_equation(equation: str) -> MatrixEquation | None:
+    """An equation whose right side is one matrix.
+
+    Args:
+        equation: Its LaTeX on one line.
+
+    Returns:
+        Symbol and entries; None for any other equation.
+    """
+    match = _MATRIX.fullmatch(equation)
+    if match is None or "bmatrix" in match["left"] + match["body"]:
+        return None
+    symbol = match["left"].partition(" = ")[0].strip()
+    rows = (tuple(cell.strip() for cell in row.split("&")) for row in match["body"].split("\\\\"))
+    return MatrixEquation(_PHANTOM.sub(r"\1", symbol), tuple(rows))
