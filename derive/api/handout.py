@@ -118,6 +118,7 @@ def fragment(
     derivation: str | None = None,
     notation: Mapping[str, str] | None = None,
     q: Sequence[float | str] | None = None,
+    width: str | None = None,
 ) -> str:
     r"""LaTeX of one part or quantity, to ``\input`` into other notes, as ``derive handout --fragment`` gives it.
 
@@ -129,6 +130,7 @@ def fragment(
         derivation: See `handout`.
         notation: See `handout`.
         q: See `handout`.
+        width: Width of its lines, such as ``84mm``; None for that of the document into which it is put.
 
     Returns:
         The LaTeX, with the packages that it needs in a comment.
@@ -138,7 +140,7 @@ def fragment(
         QuantityError: Neither a part nor a quantity, or one that this robot does not have.
     """
     shown = with_options(load(robot), parts, language, derivation, notation, q)
-    return fragment_text(shown, shown.handout, name)
+    return fragment_text(shown, shown.handout, name, width or "")
 
 
 def with_options(

@@ -42,6 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--notation", metavar="NAME=VALUE", type=_notation, action="append", help="such as angle=vartheta,inertia=M")
     add("--exercise", action="store_true", help="an exercise with room for answers, and its solutions")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
+    add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
     add("-o", dest="fragment_file", metavar="FILE", type=Path, help="write the fragment to FILE instead")
     add("-q", metavar="V1,V2,...", help="joint values that are drawn and computed, in the units of the robot file")
     add("--force", action="store_true", help="overwrite files that derive did not write")
@@ -90,6 +91,8 @@ def run(arguments: argparse.Namespace) -> int:
     of_handouts = [*formats, *(name for name in ("exercise", "json") if getattr(arguments, name))]
     if arguments.fragment is None and arguments.fragment_file is not None:
         raise OutputError("-o without --fragment", remedy="name a folder with --out")
+    if arguments.fragment is None and arguments.width is not None:
+        raise OutputError("--width without --fragment", remedy="a sheet is as wide as its page")
     if arguments.fragment is not None and of_handouts:
         allowed = "a fragment is LaTeX on standard output or in -o FILE"
         raise OutputError(f"--fragment with --{of_handouts[0]}", allowed=allowed)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from derive.errors import QuantityError, TargetError
 from derive.handouts.fragment import fragment_text
+from derive.model.quantities import REGISTRY
+from derive.programs.functions import ROWS
 from derive.robot.robot import Robot
+from derive.robot.style import InertiaLetter, NotationOptions
 
 ARM = """
 name: bar
@@ -39,15 +44,32 @@ def test_a_quantity_stands_alone(bar: Robot, name: str) -> None:
     assert body.count(r"\begin") == body.count(r"\end")
 
 
-def test_a_part_names_what_its_tables_need(bar: Robot) -> None:
-    assert "booktabs" in fragment_text(bar, bar.handout, "table").split("\n")[0]
-
-
 def test_matrices_wider_than_amsmath_expects_say_so() -> None:
-    joints = ", ".join(["{type: revolute, a: 1}"] * 11)
+    joints = ", ".join(["{type: prismatic}"] * 11)
     robot = Robot.from_text(f"name: snake\nconvention: standard\njoints: [{joints}]\n")
     text = fragment_text(robot, robot.handout, "J")
-    assert "MaxMatrixCols" in text or text.count("bmatrix") == 0
+    assert "c@MaxMatrixCols\\endcsname=11" in text
+
+
+def test_a_generated_function_is_named_where_one_computes_the_quantity() -> None:
+    """Each in the registry is one of the generated functions."""
+    functions = {row.interface.name for row in ROWS}
+    named = {row.name: row.function for row in REGISTRY.values() if row.function}
+    assert set(named.values()) <= functions
+    assert named["B"] == "inertia_matrix"
+
+
+def test_symbols_are_those_of_the_registry_with_the_index_and_the_letter_asked_for(bar: Robot) -> None:
+    letter = replace(bar.handout, notation=NotationOptions(inertia=InertiaLetter.M))
+    assert "\\mathbf{J}_v^{l_{2}}" in fragment_text(bar, letter, "Jv_com[2]")
+    assert "\\mathbf{M}^{l_{1}}" in fragment_text(bar, letter, "B_link[1]")
+    assert "\\dot{\\mathbf{M}}" in fragment_text(bar, letter, "Bdot")
+
+
+@pytest.mark.parametrize("width", ["84", "wide", "-3cm", "1em\\input{x}", "10 mm"])
+def test_a_width_that_is_none_is_refused(bar: Robot, width: str) -> None:
+    with pytest.raises(QuantityError, match="such as 84mm"):
+        fragment_text(bar, bar.handout, "B", width)
 
 
 def test_what_there_is_not_is_refused_with_what_may_be_meant(bar: Robot) -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.document import Block, Formula, Paragraph, Rows, Section, Steps
+from derive.handouts.document import Block, Document, Formula, Paragraph, Rows, Section, Steps
 from derive.handouts.language import Text
-from derive.handouts.latex_writer import fragment, latex
+from derive.handouts.latex_writer import latex
 from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
@@ -30,6 +30,12 @@ TITLES = [
     "\N{GREEK SMALL LETTER ALPHA} \N{CJK UNIFIED IDEOGRAPH-4E2D} \N{LATIN SMALL LETTER E WITH ACUTE} \N{PILE OF POO} ß",
     "W" * 500,
 ]
+
+
+def section_source(blocks: tuple[Block, ...]) -> str:
+    """A section as it stands in a sheet."""
+    document = Document("Bar", "", "bar", "en", "0", "0", "", (Section("table", "Table", blocks),))
+    return latex(document, Text()).partition("\\section*")[2]
 
 
 def sheet(robot: Robot, policy: SheetPolicy = POLICY) -> str:
@@ -140,7 +146,7 @@ NOTED = Formula((DISPLAY,), note="They end.")
 )
 def test_what_follows_a_sentence_is_a_paragraph_of_its_own(blocks: tuple[Block, ...]) -> None:
     """Wherever the sentence stands: an unfinished line would run into the next one."""
-    text = fragment(Section("", "", blocks), Text())
+    text = section_source(blocks)
     *_, behind = text.split("They end.")
     assert re.match(r"%?\n(\\endgroup\n)?\\par\n", behind), text
     assert text.count("\\begingroup") == text.count("\\endgroup")
@@ -148,5 +154,5 @@ def test_what_follows_a_sentence_is_a_paragraph_of_its_own(blocks: tuple[Block, 
 
 def test_code_has_spaces_of_one_width() -> None:
     """TeX would stretch the one behind a colon."""
-    text = fragment(Section("", "", (Paragraph("Under `figure: values:`."),)), Text())
+    text = section_source((Paragraph("Under `figure: values:`."),))
     assert "\\texttt{figure:\\ values:}" in text

@@ -21,7 +21,7 @@ _FACTORS = 6
 """Factors that always fit on a line: only behind so many one may be broken off."""
 
 _TOKEN = re.compile(
-    r"\\begin\{bmatrix\}.*?\\end\{bmatrix\}|\\[bB]ig[lr]\\?.|\\[A-Za-z]+ ?|\\.|\s+|[0-9][0-9.]*|.", re.DOTALL
+    r"\\begin\{bmatrix\}.*?\\end\{bmatrix\}|\\[bB]ig[lr]\\?.|\\[A-Za-z]+ ?|\\.|\s+|[0-9](?:[0-9.]|\{,\})*|.", re.DOTALL
 )
 _MATRIX = re.compile(r"(?P<left>.*?) = \\begin\{bmatrix\}(?P<body>.*?)\\end\{bmatrix\}", re.DOTALL)
 _PHANTOM = re.compile(r"\\phantom\{(.*)\}")
@@ -52,7 +52,7 @@ _KINDS = {
     _Kind.GAP: re.compile(r"\\qquad ?"),
     _Kind.SPACE: re.compile(r"\s+|\\[,;: ]|\\quad ?"),
     _Kind.OPERATOR: re.compile(r"\\(cos|sin|tan|det|sum|partial|Delta|pm|operatorname)(?![A-Za-z]).*", re.DOTALL),
-    _Kind.COEFFICIENT: re.compile(r"[0-9.]+|\\tfrac.*"),
+    _Kind.COEFFICIENT: re.compile(r"(?:[0-9.]|\{,\})+|\\tfrac.*"),
     _Kind.NAME: re.compile(r"(\\(math|boldsymbol|text)|[A-Za-z]$).*", re.DOTALL),
 }
 
@@ -136,11 +136,8 @@ def _mark(previous: _Kind, after: str, kind: _Kind, run: int) -> str:
     if kind is _Kind.SIGN or (kind is _Kind.RELATION and run > _FACTORS):
         return "\\brk" if after.isspace() else ""
     is_applied = kind is _Kind.OPENING and previous is _Kind.NAME
-    return (
-        "\\fac"
-        if (kind in _FACTOR or kind is _Kind.OPENING) and not is_applied and run >= _FACTORS and after != "\\,"
-        else ""
-    )
+    is_factor = (kind in _FACTOR or kind is _Kind.OPENING) and not is_applied
+    return "\\fac" if is_factor and run >= _FACTORS and after != "\\," else ""
 
 
 def _atoms(equation: str) -> Iterator[tuple[_Kind, str]]:

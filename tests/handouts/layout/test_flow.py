@@ -1,0 +1,77 @@
+"""Equations that TeX breaks itself: whole again, marked where a line may end, nothing else changed."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from derive.handouts.assemble import context_of
+from derive.handouts.layout.flow import breakable, matrix_equation, whole_equations
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines
+from derive.handouts.notation.pieces import concatenate, joined
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
+
+MARK = re.compile(r"\\(?:brk|fac)[0-9] ")
+
+
+def equations_of(name: str) -> list[Equation]:
+    """The entries of J and of dJ/dt, products of brackets of sums among them."""
+    context = context_of(Robot.load(name))
+    entries = [value for matrix in (context.entries.model.J, context.entries.model.J_dot) for value in matrix if value]
+    names = (context.symbols.entry("J", 1, k) for k in range(1, len(entries) + 1))
+    return [Equation(left, tuple(context.printer.pieces(right))) for left, right in zip(names, entries, strict=True)]
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "stanford-deluca"])
+def test_broken_lines_become_whole_again(name: str) -> None:
+    """However narrow they were broken, and whatever shared a line."""
+    equations = equations_of(name)
+    whole = [concatenate(equation.left, EQUALS, joined(equation.right)).tex for equation in equations]
+    for width in (200.0, 455.0, 1e9):
+        found = whole_equations(equation_lines(equations, width))
+        assert [re.sub(r"\s+", "", line) for line in found] == [re.sub(r"\s+", "", line) for line in whole]
+
+
+@pytest.mark.parametrize("name", ["scara-perugia", "stanford-deluca"])
+def test_marks_are_all_that_is_added(name: str) -> None:
+    for line in whole_equations(equation_lines(equations_of(name))):
+        assert MARK.sub("", breakable(line)) == line
+
+
+@pytest.mark.parametrize(
+    ("equation", "marked"),
+    [
+        ("x = -a + b", "x = -a \\brk0 + b"),
+        ("x = a(b + c[d - e])", "x = a(b \\brk1 + c[d \\brk2 - e])"),
+        ("\\mathbf{p} = \\frac{a + b}{2}q^{n + 1}", "\\mathbf{p} = \\frac{a + b}{2}q^{n + 1}"),
+        ("x = \\operatorname{atan2}(a,\\, -b)", "x = \\operatorname{atan2}(a,\\, \\brk1 -b)"),
+        ("x = a_{1}b_{2}c_{3}d_{4}e_{5}f_{6}g_{7}", "x = a_{1}b_{2}c_{3}d_{4}e_{5}f_{6}\\fac0 g_{7}"),
+        ("x = \\tfrac{1}{2} \\left( a + b \\right)", "x = \\tfrac{1}{2} \\bigl( a \\brk1 + b \\bigr)"),
+        ("x = 0{,}5a - 2\\cos q", "x = 0{,}5a \\brk0 - 2\\cos q"),
+    ],
+)
+def test_a_line_may_end_before_a_sign_outside_of_braces(equation: str, marked: str) -> None:
+    assert breakable(equation) == marked
+
+
+def test_a_matrix_is_also_its_entries() -> None:
+    """Those that are not zero, of a symmetric one those above the diagonal."""
+    matrix = matrix_equation("\\phantom{A} = \\begin{bmatrix} a & b \\\\ b & 0 \\end{bmatrix}")
+    assert matrix is not None
+    assert matrix.entries() == ["(A)_{11} = a", "(A)_{12} = b"]
+    column = matrix_equation("p = AB = \\begin{bmatrix} x \\\\ 0 \\\\ y \\end{bmatrix}")
+    assert column is not None
+    assert column.entries() == ["(p)_{1} = x", "(p)_{3} = y"]
+    assert matrix_equation("x = a + b") is None
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", catalogue_names())
+def test_lines_of_every_robot_become_whole_again(name: str) -> None:
+    robot = Robot.load(name)
+    if robot.n > 8:
+        pytest.skip("its entries are too many to write")
+    test_broken_lines_become_whole_again(name)
+    test_marks_are_all_that_is_added(name)

@@ -1,0 +1,157 @@
+"""Fragments keep to the line that they find: every class, letter size and column, with the packages that they name."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from derive.errors import DeriveError
+from derive.handouts.document import Paragraph, Rows, Section, Table
+from derive.handouts.fragment import fragment_text
+from derive.handouts.fragment_writer import fragment
+from derive.handouts.language import Text
+from derive.handouts.pdf import LatexLog
+from derive.model.quantities import REGISTRY
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
+from derive.robot.style import PARTS
+from tests.handouts.latex_runner import require_latex, run_latex
+
+PLANE = "planar-2r-perugia"
+LARGE = 8
+"""Joints beyond which only these quantities are short enough to be asked for one by one."""
+OF_LARGE = ("A", "T", "p", "R", "J", "J_end")
+
+CLASSES = [
+    f"[{size}{columns}]{{{name}}}"
+    for name in ("article", "book")
+    for size in ("10pt", "11pt", "12pt")
+    for columns in ("", ",twocolumn")
+]
+SLIDE = "[11pt]{article}"
+SLIDE_SIZE = (
+    "\\textwidth=307pt\\hsize=\\textwidth\\linewidth=\\textwidth\\columnwidth=\\textwidth\\textheight=244pt\\sffamily"
+)
+"""The frame of a slide, for machines without beamer."""
+
+
+def names_for(robot: Robot) -> list[str]:
+    """Every part, and every quantity with its first indices."""
+    wanted = [row for row in REGISTRY.values() if robot.n <= LARGE or row.name in OF_LARGE]
+    indexed = [(row.name, ",".join("1" * min(row.indices))) for row in wanted]
+    return [*PARTS, *(f"{name}[{indices}]" if indices else name for name, indices in indexed)]
+
+
+def fragments_of(name: str, folder: Path) -> list[str]:
+    """Writes the fragments that a robot has; texts in their order."""
+    robot, texts = Robot.load(name), []
+    for asked in names_for(robot):
+        try:
+            texts.append(fragment_text(robot, robot.handout, asked))
+        except DeriveError:  # what this robot does not have
+            continue
+        (folder / f"fragment-{len(texts)}.tex").write_text(texts[-1])
+    return texts
+
+
+def compiled(texts: list[str], document_class: str, folder: Path) -> LatexLog:
+    """A bare document with all fragments and the packages that their first lines name, and no tolerance."""
+    packages = sorted({name for text in texts for name in re.findall(r"\\usepackage\{(\w+)\}", text.split("\n")[0])})
+    is_beamer = "beamer" in document_class
+    before, after = ("\\begin{frame}[allowframebreaks]{A}\n", "\n\\end{frame}") if is_beamer else ("", "")
+    inputs = [f"{before}\\input{{fragment-{k}}}{after}" for k in range(1, len(texts) + 1)]
+    return run_latex(
+        "\n".join(
+            [
+                f"\\documentclass{document_class}",
+                *(f"\\usepackage{{{name}}}" for name in packages),
+                "\\hfuzz=0.1pt\\vfuzz=0.1pt",
+                "\\begin{document}",
+                SLIDE_SIZE if document_class == SLIDE else "",
+                *inputs,
+                "\\end{document}",
+            ]
+        ),
+        folder,
+    )
+
+
+def assert_fits(texts: list[str], document_class: str, folder: Path) -> None:
+    log = compiled(texts, document_class, folder)
+    assert not log.errors, document_class
+    assert not log.overfull_boxes, document_class
+
+
+@pytest.mark.slow
+def test_every_fragment_of_a_robot_fits_its_line(tmp_path: Path) -> None:
+    """Columns of a book with large letters, and a slide."""
+    texts = fragments_of(PLANE, tmp_path)
+    assert len(texts) > len(PARTS)
+    for document_class in ("[12pt,twocolumn]{book}", SLIDE):
+        assert_fits(texts, document_class, tmp_path)
+
+
+@pytest.mark.sweep
+@pytest.mark.slow
+@pytest.mark.parametrize("name", catalogue_names())
+def test_every_fragment_of_every_robot_fits_every_class(name: str, tmp_path: Path) -> None:
+    """Articles and books, three letter sizes, one and two columns, slides; and beamer where it is installed."""
+    texts = fragments_of(name, tmp_path)
+    for document_class in (*CLASSES, SLIDE):
+        assert_fits(texts, document_class, tmp_path)
+    if has_beamer():
+        assert_fits(texts, "[11pt]{beamer}", tmp_path)
+
+
+def has_beamer() -> bool:
+    """Whether beamer is installed with what it needs."""
+    finder = shutil.which("kpsewhich")
+    if finder is None:
+        return False
+    found = subprocess.run([finder, "beamer.cls", "pgfmath.sty"], capture_output=True, text=True, check=False)
+    return len(found.stdout.split()) == 2
+
+
+def test_only_figures_need_more_than_amsmath() -> None:
+    robot = Robot.load(PLANE)
+    needs = {
+        name: fragment_text(robot, robot.handout, name).split("\n")[0]
+        for name in ("figure", "convention", "table", "B", "T")
+    }
+    drawn = {name for name, line in needs.items() if "graphicx" in line}
+    assert drawn == {"figure", "convention"}
+    assert all("\\usepackage{amsmath}" in line for line in needs.values())
+
+
+def test_a_width_sets_lines_as_a_document_of_that_width_does(tmp_path: Path) -> None:
+    """The same height, which is another one than that of wide lines."""
+    require_latex()
+    robot = Robot.load(PLANE)
+    for name, width in (("free", ""), ("set", "50mm")):
+        (tmp_path / f"{name}.tex").write_text(fragment_text(robot, robot.handout, "transforms", width))
+    narrow = "\\hsize=50mm\\linewidth=\\hsize"
+    lines = [
+        f"\\setbox3\\vbox{{{before}\\input{{{name}}}}}\\typeout{{height {name} \\the\\ht3}}"
+        for before, name in (("", "free"), ("", "set"), (narrow, "free"))
+    ]
+    body = "\n".join(lines)
+    log = run_latex(
+        f"\\documentclass{{article}}\\usepackage{{amsmath}}\\begin{{document}}\n{body}\n\\end{{document}}", tmp_path
+    )
+    wide, fixed, found = re.findall(r"height \w+ ([0-9.]+)pt", log.text)
+    assert fixed == found != wide
+
+
+def test_what_no_line_holds_becomes_smaller_or_stands_row_by_row(tmp_path: Path) -> None:
+    """A table of twelve long cells, a matrix times a vector, and the same where there is room."""
+    cells = tuple(f"a long cell {k}" for k in range(12))
+    product = "\\begin{bmatrix} " + " & ".join(["aaaa"] * 8) + " \\end{bmatrix} x"
+    blocks = (Paragraph("Words."), Table(cells, (cells, cells)), Rows((product, "x = a \\qquad y = b")))
+    text = fragment(Section("", "", blocks), Text(), name="all", robot="bar", version="0")
+    (tmp_path / "fragment-1.tex").write_text(text)
+    for document_class in ("[12pt,twocolumn]{article}", "[10pt]{article}"):
+        assert_fits([text], document_class, tmp_path)
