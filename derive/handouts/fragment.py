@@ -125,6 +125,8 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> _Name:
             symbol = symbols.frame("A", i, i - 1)
         case "T", (i, j):
             symbol = symbols.frame("T", j, i)
+        case "T", (i,):
+            symbol = script(bold("T"), italic(str(i)))
         case (("T" | "J" | "C" | "N"), ()):
             return _Name(bold(name), partial(symbols.entry, "t" if name == "T" else name))
         case "B", ():
