@@ -9,11 +9,12 @@ import argparse
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from derive.cli.terminal import digit_count, print_columns, print_json
 from derive.errors import QuantityError
-from derive.robot.rounding import DIGITS
+from derive.robot.rounding import DIGITS, number_text
 
 if TYPE_CHECKING:
     from derive.robot.robot import Robot
@@ -25,7 +26,13 @@ Print quantities of a robot in the lecture form, for instance
   derive show scara-perugia T 'A[2]' J B 'christoffel[1,1,2]' C g tau
 
 Indices count from 1; further indices pick an entry: 'B[1,2]', 'T[][1,4]'. A matrix is printed as a grid where it
-fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed.
+fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed. Names of books are
+understood too: M, 'mass matrix', T06, 'det(J)', coriolis.
+
+With --at it prints numbers; symbols without a number stay:
+
+  derive show puma560-corke T J --at '0, pi/4, 0, 0, pi/2, 0'
+  derive show scara-perugia Cqd --at '0, pi/4, 0.1, 0, a1=0.4' --rates '1, 0, 0, 0'
 """
 FORMATS = ("text", "latex", "python", "json")
 EXACT_FORMATS = ("python", "json")
@@ -35,8 +42,11 @@ ABBREVIATIONS = ("christoffel", "coefficients")
 WIDTH = 120
 """Widest grid; fixed, so that a page of documentation shows what a user gets."""
 
-Printer = Callable[[Any], str]
-"""Writes one expression."""
+COMMENTS = {"text": "#", "latex": "%", "python": "#"}
+"""How a remark begins in each form."""
+
+Printer = Callable[[Any], Any]
+"""Writes one expression: its text, or a number for JSON."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -54,10 +64,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)")
     short = "short names for Christoffel symbols or for constants, with their definitions (B, C, N, Bdot, g, tau)"
     add("--abbreviate", choices=ABBREVIATIONS, help=short)
+    point = "joint values in the order of the table and in the units of the robot file, and name=value of anything else"
+    add("--at", action="append", default=[], metavar="V1,V2,...", help=point)
+    add("--rates", metavar="V1,V2,...", help="joint velocities, in the units of the robot file per second")
+    add("--accelerations", metavar="V1,V2,...", help="joint accelerations, likewise")
     precision = parser.add_mutually_exclusive_group()
     add = precision.add_argument
     add("--digits", type=digit_count, metavar="N", help=f"significant digits of numbers in text and LaTeX ({DIGITS})")
-    add("--exact", action="store_true", help="all digits, as fractions; so are Python and JSON always")
+    add("--exact", action="store_true", help="all digits, as fractions and roots; without --at so are Python and JSON")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -71,43 +85,81 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.robots import load
 
-    if arguments.digits and arguments.format in EXACT_FORMATS:
-        raise QuantityError(
-            f"--digits with --format {arguments.format}", allowed="text and latex; Python and JSON are exact"
-        )
+    form = arguments.format
+    if arguments.digits and form in EXACT_FORMATS:
+        raise QuantityError(f"--digits with --format {form}", allowed="text and latex; Python and JSON have all digits")
     robot = load(arguments.robot)
-    if not arguments.quantities:
-        _list(robot, arguments.format)
+    with_numbers = any((arguments.at, arguments.rates, arguments.accelerations))
+    if not (arguments.quantities or with_numbers):
+        _list(robot, form)
         return 0
-    from derive.handouts.notation.notation import Notation
-    from derive.handouts.notation.printer import LatexPrinter
-    from derive.handouts.notation.text import PlainPrinter, TextPrinter, loses_digits
     from derive.model.model import Model
 
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
     shown: list[tuple[str, Any]] = []
-    for name in dict.fromkeys(arguments.quantities):
+    for name in dict.fromkeys(arguments.quantities or _usual(robot, arguments)):
         if arguments.abbreviate is None:
             shown.append((name, model.quantity(name)))
         else:
             value, definitions = model.abbreviated(name, by=arguments.abbreviate)
             shown += [(name, value), *((str(symbol), meaning) for symbol, meaning in definitions.items())]
     digits = None if arguments.exact else arguments.digits or DIGITS
-    notation = replace(Notation.of(robot), digits=digits)
-    if arguments.format == "latex":
-        printer: Printer = LatexPrinter(notation).latex
-    else:
-        printer = TextPrinter(robot, digits).doprint if arguments.format == "text" else PlainPrinter().doprint
-    if arguments.format == "json":
+    if with_numbers:
+        remark, shown = _put_in(robot, shown, arguments)
+    printer, loses = _printer(robot, form, digits, [value for _, value in shown], numbers=with_numbers)
+    if form == "json":
         rows = {name: _entries(value, printer) for name, value in shown}
         quantities = {name: printer(value) if rows[name] is None else rows[name] for name, value in shown}
         print_json({"robot": robot.name, "quantities": quantities, "remarks": robot.remarks_as_dicts})
-    else:
-        comment = {"text": "#", "latex": "%"}.get(arguments.format)
-        if comment and digits and loses_digits([v for _, v in shown], decimals=notation.decimals, digits=digits):
-            print(f"{comment} numbers are rounded to {digits} significant digits; --exact prints all of them")
-        print("\n\n".join("\n".join(_lines(arguments.format, name, value, printer)) for name, value in shown))
+        return 0
+    if with_numbers:
+        print(f"{COMMENTS[form]} {remark}")
+    if loses and form in ("text", "latex"):
+        print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
+    print("\n\n".join("\n".join(_lines(form, name, value, printer)) for name, value in shown))
     return 0
+
+
+def _usual(robot: Robot, arguments: argparse.Namespace) -> list[str]:
+    """What is printed at a point unless quantities are named."""
+    asked = {"T": True, "J": True, "B": robot.has_dynamics, "g": robot.has_dynamics}
+    asked |= {"Cqd": robot.has_dynamics and arguments.rates, "tau": robot.has_dynamics and arguments.accelerations}
+    return [name for name, is_asked in asked.items() if is_asked]
+
+
+def _put_in(
+    robot: Robot, shown: list[tuple[str, Any]], arguments: argparse.Namespace
+) -> tuple[str, list[tuple[str, Any]]]:
+    """The point in words, and the quantities there."""
+    from derive.model.point import at_point
+    from derive.robot.cells import typed_point
+    from derive.robot.expression import to_text
+
+    point = typed_point(robot, arguments.at, arguments.rates, arguments.accelerations)
+    given = dict(robot.parameters)
+    write = partial(number_text, decimals=True, digits=None)
+    words = ", ".join(f"{name} = {to_text(value, write)}" for name, value in point.items() if given.get(name) != value)
+    values = [(name, at_point(value, point, name=name, exact=arguments.exact)) for name, value in shown]
+    return f"at {words or 'the numbers of the file'} (SI units, rad)", values
+
+
+def _printer(robot: Robot, form: str, digits: int | None, values: list[Any], *, numbers: bool) -> tuple[Printer, bool]:
+    """What writes the entries, and whether digits are lost by it."""
+    from derive.handouts.notation.notation import Notation
+    from derive.handouts.notation.printer import LatexPrinter
+    from derive.handouts.notation.text import PlainPrinter, TextPrinter, loses_digits
+
+    notation = Notation.of(robot)
+    notation = replace(notation, digits=digits, decimals=notation.decimals or numbers)
+    loses = digits is not None and loses_digits(values, decimals=notation.decimals, digits=digits)
+    if form == "latex":
+        return LatexPrinter(notation).latex, loses
+    symbolic = TextPrinter(robot, None if digits is None else notation) if form == "text" else PlainPrinter()
+    if not numbers or digits is None:
+        return symbolic.doprint, loses
+    writers: dict[str, Callable[[float], Any]] = {"text": f"{{:.{digits}g}}".format, "python": repr, "json": float}
+    write = writers[form]
+    return lambda value: write(float(value)) if value.is_Rational else symbolic.doprint(value), loses
 
 
 def _list(robot: Robot, form: str) -> None:

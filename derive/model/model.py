@@ -8,7 +8,7 @@ from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal
-from derive.model.quantities import evaluate
+from derive.model.quantities import evaluate, parse
 
 
 class Model(DynamicModel):
@@ -46,7 +46,8 @@ class Model(DynamicModel):
         Raises:
             QuantityError: No such quantity or way.
         """
-        return abbreviate(self, quantity, by)
+        row, indices, entry = parse(self, quantity)
+        return abbreviate(self, row.name if not indices and entry is None else quantity, by)
 
     def quantity(self, name: str) -> Expr:
         """A quantity by its name.

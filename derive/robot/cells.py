@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from derive.errors import DeriveError, ExpressionError, Location, path_text, quoted
-from derive.robot.description import Description, FileUnits
+from derive.errors import DeriveError, ExpressionError, Location, listed, near_miss, path_text, quoted
+from derive.robot.description import Description, FileUnits, Joint
 from derive.robot.document import Document, KeyPath
 from derive.robot.expression import (
     ZERO,
@@ -30,6 +30,7 @@ from derive.robot.expression import (
     rebuilt,
 )
 from derive.robot.hints import cell_hint
+from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
 from derive.robot.size_limits import FILE_LIMITS
 
@@ -121,23 +122,83 @@ def joint_values(robot: Description, texts: Sequence[str]) -> tuple[Expression, 
         raise DeriveError(
             f"{len(texts)} joint values for {robot.n} joints", allowed=f"allowed: one value for each of {variables}"
         )
-    allowed = "allowed: a number, or an expression in numbers and pi"
-    values = []
-    for joint, typed in zip(robot.joints, texts, strict=True):
-        value = f"value {quoted(typed.strip())} of {joint.variable}"
-        try:
-            expression = parse_expression(typed.strip(), Location("-q"))
-            if not is_constant(expression):
-                raise DeriveError(f"{value} holds a name", allowed=allowed)
-            convert = angle_in_radians if joint.is_revolute else length_in_metres
-            values.append(convert(expression, robot.units))
-        except ExpressionError as error:
-            raise DeriveError(f"{value}: {error.found}", allowed=allowed, remedy=cell_hint(typed)) from None
-        except MixedUnitsError:
-            raise DeriveError(
-                f"pi in the {value}, but angles of this robot file are in degrees", remedy="write 90 for pi/2"
-            ) from None
-    return tuple(values)
+    return tuple(
+        joint_value(robot, joint, typed, joint.variable) for joint, typed in zip(robot.joints, texts, strict=True)
+    )
+
+
+def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) -> Expression:
+    """A value that a user types beside the file.
+
+    Args:
+        robot: The robot.
+        joint: The joint that moves by it, in the units of the file (per second for a rate); None for a parameter in SI
+            units.
+        typed: A cell such as ``pi/2`` or, in a file with degrees, ``90``.
+        name: What has the value, for messages.
+
+    Returns:
+        The value [SI units, rad].
+
+    Raises:
+        DeriveError: A cell outside the grammar, or one with a name in it.
+    """
+    value, allowed = f"value {quoted(typed.strip())} of {name}", "allowed: a number, or an expression in numbers and pi"
+    try:
+        expression = parse_expression(typed.strip(), Location("-q"))
+        if not is_constant(expression):
+            raise DeriveError(f"{value} holds a name", allowed=allowed)
+        if joint is None:
+            return plain_number(expression, robot.units)
+        return (angle_in_radians if joint.is_revolute else length_in_metres)(expression, robot.units)
+    except ExpressionError as error:
+        raise DeriveError(f"{value}: {error.found}", allowed=allowed, remedy=cell_hint(typed)) from None
+    except MixedUnitsError:
+        raise DeriveError(
+            f"pi in the {value}, but angles of this robot file are in degrees", remedy="write 90 for pi/2"
+        ) from None
+
+
+def typed_point(
+    robot: Description, at: Sequence[str], rates: str | None = None, accelerations: str | None = None
+) -> dict[str, Expression]:
+    """The state that a user types beside the file, in the units of the file; parameters are in SI units.
+
+    Args:
+        robot: The robot.
+        at: Texts such as ``0, pi/4`` in the order of the joints, ``q1=0.3, m1=2, qd1=1`` in any, or both.
+        rates: Velocities in the order of the joints.
+        accelerations: Accelerations in the order of the joints.
+
+    Returns:
+        Values by name [SI units, rad]: those that are typed, then the parameters that the file gives a number.
+
+    Raises:
+        DeriveError: Not one value per joint, a name that the robot has not, one twice, or a value that is no number.
+    """
+    variables = [joint.variable for joint in robot.joints]
+    orders = [variables, list(map(velocity_name, variables)), list(map(acceleration_name, variables))]
+    joints = {name: joint for names in orders for name, joint in zip(names, robot.joints, strict=True)}
+    symbols = robot_symbols(robot)
+    point: dict[str, Expression] = {}
+    for option, order, typed in zip(
+        ("--at", "--rates", "--accelerations"), orders, (",".join(at), rates or "", accelerations or ""), strict=True
+    ):
+        cells = [cell for cell in typed.strip().strip("[]").split(",") if cell.strip()]
+        places = [cell for cell in cells if "=" not in cell]
+        if places and len(places) != robot.n:
+            found = f"{len(places)} values in {option} for {robot.n} joints"
+            allowed = f"allowed: one for each of {listed(order)}, or {order[0]}=0.5 for one of them"
+            raise DeriveError(found, allowed=allowed)
+        pairs = [*zip(order, places, strict=bool(places)), *(cell.split("=", 1) for cell in cells if "=" in cell)]
+        for name, text in ((name.strip(), text) for name, text in pairs):
+            if name not in joints and name not in symbols:
+                allowed = f"allowed: {listed((*joints, *symbols))}"
+                raise DeriveError(f"no {quoted(name)} in {robot.name}", allowed=allowed, remedy=near_miss(name, joints))
+            if name in point:
+                raise DeriveError(f"{name} twice", remedy="leave one of them out")
+            point[name] = joint_value(robot, joints.get(name), text, name)
+    return dict(robot.parameters) | point
 
 
 @dataclass(slots=True)

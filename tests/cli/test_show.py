@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -61,3 +62,76 @@ def test_digits_that_make_no_sense_are_refused(options: tuple[str, ...], folder:
     outcome = derive("show", "rod.yaml", "B", *options, folder=folder)
     assert outcome.status == 2
     assert is_one_message(outcome.stderr)
+
+
+DEGREES = """\
+name: two
+convention: standard
+units: {angle: deg, length: mm}
+joints:
+  - {type: revolute, a: a1}
+  - {type: prismatic, alpha: 90}
+"""
+
+
+def test_a_point_is_given_in_the_units_of_the_file_and_numbers_are_printed(folder: Path) -> None:
+    (folder / "two.yaml").write_text(DEGREES)
+    outcome = derive("show", "two.yaml", "p[2]", "T[][1,1]", "--at", "-30, 260", "--at", "a1=0.6", folder=folder)
+    assert outcome.stdout.splitlines() == [
+        "# at q1 = -pi/6, q2 = 0.26, a1 = 0.6 (SI units, rad)",
+        "# numbers are rounded to 6 significant digits; --exact prints all of them",
+        "p[2] = -0.3",
+        "",
+        "T[][1,1] = 0.866025",
+    ]
+
+
+def test_a_symbol_without_a_number_stays(folder: Path) -> None:
+    (folder / "two.yaml").write_text(DEGREES)
+    exact = derive("show", "two.yaml", "p[1]", "--at", "q1=30", "--exact", folder=folder)
+    assert exact.stdout.splitlines()[-1] == "p[1] = sqrt(3)*a1/2"
+    rounded = derive("show", "two.yaml", "p[1]", "--at", "q1=30", folder=folder)
+    assert rounded.stdout.splitlines()[-1] == "p[1] = 0.866025*a1"
+
+
+def test_rates_and_accelerations_go_by_order_or_by_name(folder: Path) -> None:
+    by_order = printed(folder, "tau", "--at", "pi/3", "--rates", "-2", "--accelerations", "3", "--format", "json")
+    by_name = printed(folder, "tau", "--at", "q1=pi/3, qd1=-2, qdd1=3", "--format", "json")
+    assert by_order == by_name
+    ((torque,),) = json.loads("".join(by_order))["quantities"]["tau"]
+    assert torque == pytest.approx(0.076543513945 * 3 + 1.2345 * 9.81 * 0.2159 / 2, rel=1e-14)
+
+
+def test_without_a_quantity_a_point_shows_the_usual_ones(folder: Path) -> None:
+    found = [line for line in printed(folder, "--at", "0", "--rates", "1", "--format", "python") if " = [" in line]
+    assert [line.partition(" ")[0] for line in found] == ["T", "J", "B", "g", "Cqd"]
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (("--at", "1, 2"), "2 values"),
+        (("--at", "x=1"), "'x'"),
+        (("--at", "q1=1, q1=2"), "twice"),
+        (("--at", "a1"), "holds a name"),
+        (("--at", "0", "--rates", "1 1"), "value"),
+        (("--at", "__import__('os')"), "value"),
+    ],
+)
+def test_a_point_that_is_none_is_refused(options: tuple[str, ...], word: str, folder: Path) -> None:
+    outcome = derive("show", "rod.yaml", "B", *options, folder=folder)
+    assert outcome.status == 2
+    assert is_one_message(outcome.stderr)
+    assert word in outcome.stderr
+
+
+def test_the_list_says_shape_and_unit_for_this_robot(folder: Path) -> None:
+    lines = printed(folder)
+    assert lines[0].split() == ["quantity", "shape", "unit", "what", "it", "is"]
+    assert next(line for line in lines if line.startswith("g ")).split()[1:5] == ["1x1", "N", "m", "or"]
+    assert not [line for line in lines if line.startswith("J_12")]
+
+
+def test_names_of_books_stand_before_what_they_ask_for(folder: Path) -> None:
+    assert printed(folder, "M_11", "--exact") == ["M_11 = 15308702789/200000000000"]
+    assert printed(folder, "mass matrix", "--digits", "3")[1:] == ["mass matrix =", "  0.0765"]

@@ -45,20 +45,19 @@ class TextPrinter(PlainPrinter):
 
     Args:
         robot: Its joints give the labels, its parameters the order of factors.
-        digits: Significant digits of a number; by default every number is printed as the fraction that it is.
+        rounded: A notation whose digits and decimals numbers have; by default each is the fraction that it is.
     """
 
-    def __init__(self, robot: Robot, digits: int | None = None) -> None:
+    def __init__(self, robot: Robot, rounded: Notation | None = None) -> None:
         super().__init__()
         self._labels = _labels(robot)
-        notation = Notation.of(robot)
-        self._order = Order(notation)
-        self._decimals, self._digits = notation.decimals, digits
+        self._order = Order(rounded or Notation.of(robot))
+        self._rounded = rounded
 
     def _print_Rational(self, value: Any) -> str:
         number = Fraction(int(value.p), int(value.q))
-        exact = self._digits is None
-        return str(number) if exact else number_text(number, decimals=self._decimals, digits=self._digits)
+        shape = self._rounded
+        return number_text(number, decimals=shape.decimals, digits=shape.digits) if shape else str(number)
 
     _print_Integer = _print_Rational
 

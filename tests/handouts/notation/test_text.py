@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Integer, Rational, cos, pi, sin, sqrt, symbols
 
+from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.robot.robot import Robot
 
@@ -113,10 +114,10 @@ PUMA = Robot.load("puma560-corke")
     ],
 )
 def test_digits_round_what_is_long_and_leave_what_is_short(expression: Any, printed: str) -> None:
-    assert TextPrinter(PUMA, 6).doprint(expression) == printed
+    assert TextPrinter(PUMA, Notation.of(PUMA)).doprint(expression) == printed
     values = {symbol: VALUES[str(symbol)] for symbol in (*Q, *A)}
     names = {**NAMES, "c1": math.cos(VALUES["q1"])}
-    value = eval(TextPrinter(PUMA, 6).doprint(expression), {"__builtins__": {}}, names)
+    value = eval(TextPrinter(PUMA, Notation.of(PUMA)).doprint(expression), {"__builtins__": {}}, names)
     assert value == pytest.approx(float(expression.subs(values)), rel=1e-5)
 
 

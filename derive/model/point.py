@@ -1,0 +1,118 @@
+"""A closed form at a point: a number where every symbol of it has one, else what remains in the others.
+
+Numbers are computed with fifty digits, each subexpression once. What cancels exactly is zero then, so an angle that has
+no value at the point, atan2(0, 0), is noticed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import sympy
+
+from derive.errors import QuantityError
+from derive.lecture.sympy_conversion import Expr, expression_to_sympy
+from derive.robot.expression import Expression
+
+Real = Any
+"""A number of mpmath, which comes without types."""
+
+DIGITS = 50
+KEPT = 30
+"""Digits that are given out; what rounding spoils lies behind them."""
+
+NOISE = mpmath.mpf(10) ** -40
+"""What a sum has left of its largest term, or a sine of 1, when it is zero but for rounding."""
+
+
+def _direction(y: Real, x: Real) -> Real:
+    if not x and not y:
+        raise ZeroDivisionError("atan2(0, 0)")
+    return mpmath.atan2(y, x)
+
+
+_FUNCTIONS: Mapping[Any, Callable[..., Real]] = {
+    sympy.sin: mpmath.sin,
+    sympy.cos: mpmath.cos,
+    sympy.tan: mpmath.tan,
+    sympy.atan2: _direction,
+    sympy.sign: mpmath.sign,
+}
+
+
+def at_point(
+    expression: Expr, values: Mapping[str, Expression], *, name: str = "the quantity", exact: bool = False
+) -> Expr:
+    """An expression or matrix with numbers put in.
+
+    Args:
+        expression: In the symbols of a robot.
+        values: Constant expressions by name [SI units, rad].
+        name: What it is, for messages.
+        exact: Whether roots and pi stay what they are: ``sqrt(2)/2``.
+
+    Returns:
+        The expression; a rational of thirty digits where every symbol has a number, unless it is wanted exactly.
+
+    Raises:
+        QuantityError: It has no finite real value there.
+    """
+    put_in = {sympy.Symbol(name): expression_to_sympy(value) for name, value in values.items()}
+    if exact:
+        found = expression.xreplace(put_in)
+        if found.has(sympy.nan, sympy.zoo, sympy.oo, sympy.I):
+            raise QuantityError(f"{name} has no finite real value here", remedy="choose another point")
+        return found
+    with mpmath.workdps(DIGITS):
+        try:
+            known = {symbol: _value(value, {}) for symbol, value in put_in.items()}
+            if hasattr(expression, "applyfunc"):
+                return expression.applyfunc(lambda entry: _written(_value(entry, known)))
+            return _written(_value(expression, known))
+        except (ArithmeticError, ValueError):
+            raise QuantityError(f"{name} has no finite real value here", remedy="choose another point") from None
+
+
+def _value(e: Expr, known: dict[Expr, Any]) -> Any:
+    """The number of an expression, or the expression with numbers in it where a symbol has none."""
+    if e in known:
+        return known[e]
+    if e.is_Symbol:
+        return e
+    if e.is_Rational:
+        found = mpmath.mpf(int(e.p)) / int(e.q)
+    elif e is sympy.pi:
+        found = +mpmath.pi
+    else:
+        arguments = [_value(argument, known) for argument in e.args]
+        if any(isinstance(argument, sympy.Basic) for argument in arguments):
+            found = e.func(*map(_written, arguments))
+        else:
+            found = _number(e, arguments)
+    known[e] = found
+    return found
+
+
+def _number(e: Expr, arguments: list[Real]) -> Real:
+    if e.is_Mul:
+        return mpmath.fprod(arguments)
+    if e.is_Pow:
+        found = mpmath.power(*arguments)
+        if isinstance(found, mpmath.mpc):
+            raise ValueError("root of a negative number")
+        return found
+    if e.is_Add:
+        found, size = mpmath.fsum(arguments), max(map(abs, arguments))
+    else:
+        found, size = _FUNCTIONS[e.func](*arguments), 1
+    return mpmath.mpf(0) if abs(found) < NOISE * size else found
+
+
+def _written(value: Any) -> Expr:
+    if isinstance(value, sympy.Basic):
+        return value
+    number = Fraction(mpmath.nstr(value, KEPT))
+    return sympy.Rational(number.numerator, number.denominator)
