@@ -1,16 +1,15 @@
-"""From a robot to its handout, part by part; and from the handout to an exercise and its solutions."""
+"""From a robot to its handout, part by part."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from typing import NamedTuple
 
 from derive.errors import DeriveError
 from derive.handouts.context import Context
-from derive.handouts.document import Blank, Block, Document, Formula, Section, Steps
+from derive.handouts.document import Block, Document, Section
 from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.language import Text, text_for
+from derive.handouts.language import text_for
 from derive.handouts.parts.bodies import energies, inertia, link_jacobians
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
@@ -126,52 +125,3 @@ def document(context: Context) -> Document:
         ),
         sections=tuple(section for section in sections if section is not None),
     )
-
-
-# -- exercise and solutions
-
-_LEAST_LINES = 2
-_MOST_LINES = 24
-"""Lines of room for one answer: less than half a page, however long the solution is."""
-
-_HANDWRITING = 1.5
-"""Lines by hand for one in print."""
-
-
-def exercise(document: Document, text: Text) -> Document:
-    """The handout with room for the answers in place of the results; derivations are left out.
-
-    Args:
-        document: The handout.
-        text: Translates the subtitle.
-
-    Returns:
-        The exercise.
-    """
-    sections = []
-    for section in document.sections:
-        blocks: list[Block] = []
-        for block in section.blocks:
-            if isinstance(block, Formula) and block.blanks:  # a matrix takes a line for each row, which \\ ends
-                rows = sum(line.count("\\\\") + 1 for part in block.rows for line in part.lines)
-                printed = rows + len(block.named) + len(block.omitted)
-                room = max(_LEAST_LINES, min(_MOST_LINES, round(_HANDWRITING * printed)))
-                blocks.append(Blank(block.blanks, room))
-            elif not isinstance(block, Steps):
-                blocks.append(block)
-        if blocks:
-            sections.append(replace(section, blocks=tuple(blocks)))
-    return replace(document, subtitle=text("Exercise"), sections=tuple(sections))
-
-
-def solutions(document: Document, text: Text) -> Document:
-    """The same handout as the sheet of solutions.
-
-    Args:
-        document: The handout.
-        text: Translates the subtitle.
-
-    Returns:
-        The solutions.
-    """
-    return replace(document, subtitle=text("Solutions"))

@@ -22,9 +22,11 @@ class Paragraph:
 
     Attributes:
         text: With ``$mathematics$`` and code between backticks.
+        is_answer: Whether it tells what an exercise asks for, which then leaves it out.
     """
 
     text: str
+    is_answer: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,10 +36,12 @@ class Rows:
     Attributes:
         lines: LaTeX of each line, broken to fit.
         landscape: Whether the lines are as long as a page turned on its side.
+        is_answer: Whether they tell what an exercise asks for, which then leaves them out.
     """
 
     lines: tuple[str, ...]
     landscape: bool = False
+    is_answer: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +70,8 @@ class Formula:
         note: What else a reader must know: which entries are left out because they are zero, that it is symmetric.
         function: The generated function that computes it, empty if none does.
         entries: Every printed entry for copying.
-        blanks: What an exercise prints in its place: the left sides, with room for the answers.
+        task: What an exercise asks in its place; empty where it asks nothing.
+        blanks: Left sides of the answers, empty for an answer without one; none for what is too long by hand.
     """
 
     rows: tuple[Rows, ...]
@@ -75,20 +80,38 @@ class Formula:
     note: str = ""
     function: str = ""
     entries: Sequence[Entry] = ()
+    task: str = ""
     blanks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Blank:
-    """Room for an answer in an exercise.
+class Gap:
+    """Room for an answer.
 
     Attributes:
-        names: LaTeX of the left sides.
-        lines: Lines of room below.
+        name: LaTeX of the left side; empty for none.
+        lines: Lines of room.
     """
 
-    names: tuple[str, ...]
-    lines: int
+    name: str
+    lines: float
+
+
+@dataclass(frozen=True, slots=True)
+class Blank:
+    """A question of an exercise with room for its answers.
+
+    Attributes:
+        number: Its number with a full stop.
+        task: The sentence that asks.
+        points: What it is worth, in brackets.
+        gaps: Room for each answer.
+    """
+
+    number: str
+    task: str
+    points: str
+    gaps: tuple[Gap, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +186,7 @@ class Document:
         version: Version of the tool.
         footer: One line for every page.
         sections: The parts, in their order.
+        form: Words of a line to be filled in, such as that for a name; empty for none.
     """
 
     title: str
@@ -173,6 +197,7 @@ class Document:
     version: str
     footer: str
     sections: tuple[Section, ...]
+    form: tuple[str, ...] = ()
 
     def section(self, part: str) -> Section:
         """The section of that name.

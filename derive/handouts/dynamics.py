@@ -96,9 +96,8 @@ class DynamicsLayout:
                     symmetric=True,
                 )
             case "C" | "N":
-                symbol = Box(f"\\mathbf{{{name}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 36.0)
                 quantity, group = (entries.C, Group.C) if name == "C" else (entries.N, Group.N)
-                return self._matrix(symbol, partial(symbols.entry, name), quantity, group)
+                return self._matrix(self._rate_symbol(name), partial(symbols.entry, name), quantity, group)
             case "g":
                 symbol = Box("\\mathbf{g}(\\mathbf{q})", 36.0)
                 return self._matrix(symbol, lambda row, _: symbols.component("g", row), entries.g, Group.TORQUE)
@@ -111,6 +110,10 @@ class DynamicsLayout:
             case "potential":
                 return self._scalar(Box("\\mathcal{U}", 8.0), entries.potential, Group.POTENTIAL)
         raise KeyError(name)
+
+    def _rate_symbol(self, letter: str) -> Box:
+        """C or N, which depend on positions and velocities."""
+        return Box(f"\\mathbf{{{letter}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 36.0)
 
     def _matrix(self, symbol: Box, name: Namer, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:
         limit = self.layouter.policy.grouped_terms
@@ -171,7 +174,7 @@ class DynamicsLayout:
         layouter = replace(self.layouter, printer=LatexPrinter(notation))
         laid_out = layouter.entries(items, group=Group.CHRISTOFFEL, limit=self.layouter.policy.grouped_terms)
         spelled_out = tuple((box, quantities[box].entry(1, 1)) for box, _ in laid_out.values)
-        return replace(laid_out, has_zeros=True, values=spelled_out)
+        return replace(laid_out, has_zeros=True, values=spelled_out, blanks=() if laid_out.omitted else ("",))
 
     def rate_sums(self, name: str) -> LaidOut:
         """C, or the entries of N above the diagonal, as sums of Christoffel symbols times velocities.
@@ -200,7 +203,7 @@ class DynamicsLayout:
             by_entry=True,
             has_zeros=len(equations) < n**2,
             values=tuple(values),
-            blanks=tuple(equation.left.tex for equation in equations),
+            blanks=(self._rate_symbol(name).tex,),
         )
 
     def named_torque(self) -> LaidOut:

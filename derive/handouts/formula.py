@@ -22,13 +22,14 @@ from derive.handouts.notation.text import PlainPrinter
 from derive.model.entries import Entries
 
 
-def formula(context: Context, laid_out: LaidOut, function: str = "") -> Formula:
+def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> Formula:
     """A laid-out quantity as a formula.
 
     Args:
         context: The handout.
         laid_out: The quantity as lines.
         function: The generated function that computes it.
+        task: What an exercise asks in its place.
 
     Returns:
         The formula.
@@ -45,6 +46,7 @@ def formula(context: Context, laid_out: LaidOut, function: str = "") -> Formula:
         note=note,
         function=function,
         entries=_Copied(context, laid_out),
+        task=task,
         blanks=laid_out.blanks,
     )
 
@@ -213,12 +215,13 @@ class BodyItem:
     symmetric: bool = False
 
 
-def body_formulas(context: Context, items: Iterable[BodyItem]) -> Iterator[Block]:
+def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them.
 
     Args:
         context: The handout.
         items: The quantities.
+        task: What an exercise asks in their place.
 
     Yields:
         Formulas; of what is too long in one, the numbers of terms.
@@ -231,16 +234,17 @@ def body_formulas(context: Context, items: Iterable[BodyItem]) -> Iterator[Block
             row.append(fitting)
             continue
         if row:
-            yield formula(context, side_by_side(row))
+            yield formula(context, side_by_side(row), task=task)
             row = []
         laid_out = context.dynamics.body(item.symbol, item.quantity, item.group, item.symmetric)
         if laid_out.lines or not laid_out.omitted:
-            yield replace(formula(context, laid_out), omitted=())
+            yield replace(formula(context, laid_out, task=task), omitted=())
         if laid_out.omitted:
-            yield Paragraph(_("These entries are too long to print; multiplied out they have so many terms:"))
-            yield Rows(laid_out.omitted)
+            words = _("These entries are too long to print; multiplied out they have so many terms:")
+            yield Paragraph(words, is_answer=True)
+            yield Rows(laid_out.omitted, is_answer=True)
     if row:
-        yield formula(context, side_by_side(row))
+        yield formula(context, side_by_side(row), task=task)
 
 
 # -- formulas that hold for every robot

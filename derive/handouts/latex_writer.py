@@ -35,9 +35,6 @@ _DISPLAY, _DISPLAY_END = "\\begin{align*}", "\\end{align*}"
 _OPEN = "%"
 """Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph."""
 
-_SHARED_ROOM = 6
-"""Blanks of an exercise that share the room of one answer."""
-
 
 def latex(document: Document, text: Text) -> str:
     """The document as ``sheet.tex``.
@@ -61,6 +58,7 @@ def latex(document: Document, text: Text) -> str:
         digest=document.digest,
         title=" ".join("\\allowbreak{}".join(map(latex_text, word)) for word in words),
         subtitle=latex_words(document.subtitle),
+        form=[latex_words(word) for word in document.form],
         footer=latex_words(document.footer),
         landscape=any(part.landscape for part in rows),
         figures=any(isinstance(block, Figure) for block in blocks),
@@ -172,10 +170,9 @@ def _written(block: Block, _: Text) -> str:
                 note=latex_words(block.note),
                 words=sentences,
             )
-        case Blank(names, lines):
-            height = max(1.2, 1.4 * lines / max(1, min(len(names), _SHARED_ROOM)))
-            room = f"\\rule[-{height:.1f}\\baselineskip]{{0pt}}{{{height:.1f}\\baselineskip}}"
-            return "\n".join(displays([f"{name} = {room}" for name in names]))
+        case Blank(number, task, points, gaps):
+            rows = [_gap(gap.name, gap.lines) for gap in gaps]
+            return _macro("blank", number=number, task=latex_words(task), points=points, displays=displays(rows))
         case Table(header, rows, long):
             head, *body = (" & ".join(map(latex_words, row)) for row in (header, *rows))
             return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
@@ -202,6 +199,12 @@ def omitted_words(block: Formula, _: Text) -> str:
             function=block.function,
         )
     return _("These entries are too long to print; multiplied out they have so many terms:")
+
+
+def _gap(name: str, lines: float) -> str:
+    """The left side of an answer with room behind it and below, as an invisible rule."""
+    room = f"\\rule[-{lines:.1f}\\baselineskip]{{0pt}}{{{lines:.1f}\\baselineskip}}"
+    return f"{name} = {room}" if name else room
 
 
 def _macro(name: str, **values: object) -> str:

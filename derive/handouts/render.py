@@ -6,9 +6,10 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from derive.handouts.assemble import context_of, document, exercise, solutions
+from derive.handouts.assemble import context_of, document
 from derive.handouts.context import Context
 from derive.handouts.document import Document
+from derive.handouts.exercise import exercise, solutions
 from derive.handouts.latex_writer import latex
 from derive.handouts.pdf import compile_latex
 from derive.programs.functions import build_program

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from derive.handouts.assemble import context_of, document, exercise
+from derive.handouts.assemble import context_of, document
 from derive.handouts.document import Document
+from derive.handouts.exercise import exercise
 from derive.handouts.language import Text, languages
 from derive.handouts.latex_writer import latex
 from derive.robot.load import catalogue_names

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from derive.handouts.assemble import context_of, document, exercise, solutions
+from derive.handouts.assemble import context_of, document
+from derive.handouts.exercise import exercise, solutions
 from derive.handouts.language import languages
 from derive.handouts.latex_writer import latex
 from derive.robot.load import catalogue_names

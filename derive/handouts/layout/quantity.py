@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -93,7 +93,7 @@ class LaidOut:
         symmetric: Whether entries below the diagonal were left out.
         landscape: Entries that are too long for an upright page, for one turned on its side.
         values: Names and expressions of the printed entries.
-        blanks: Left sides without their values, for an exercise.
+        blanks: Left sides without their values, for an exercise; none where something is too long to print.
     """
 
     lines: tuple[str, ...]
@@ -172,7 +172,8 @@ class Layouter:
             if fits(box, len(height)):
                 values = tuple((item.name, item.write()) for item in items.values() if item.terms)
                 return LaidOut((box.tex,), values=values, blanks=(symbol.tex,))
-        return self.entries(list(items.values()), group=group, symmetric=symmetric, limit=limit)
+        laid_out = self.entries(list(items.values()), group=group, symmetric=symmetric, limit=limit)
+        return replace(laid_out, blanks=(symbol.tex,) if laid_out.blanks else ())
 
     def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> LaidOut:
         """Entries one by one, brackets that they share as named terms.
@@ -205,7 +206,7 @@ class Layouter:
             symmetric=symmetric,
             landscape=tuple(equation_lines((equations[k] for k in turned), LANDSCAPE_WIDTH)),
             values=tuple((items[index].name, written[index]) for index in chosen),
-            blanks=tuple(items[index].name.tex for index in chosen),
+            blanks=() if left else tuple(items[index].name.tex for index in chosen),
         )
 
     def _placed(self, equations: Sequence[Equation]) -> tuple[list[int], list[int]]:

@@ -6,6 +6,7 @@ the rest while the reader reads. Without scripts the LaTeX is there to be read.
 
 from __future__ import annotations
 
+import math
 import re
 from base64 import b64encode
 from collections.abc import Iterable
@@ -20,6 +21,7 @@ from derive.handouts.document import (
     Document,
     Figure,
     Formula,
+    Gap,
     Kind,
     Paragraph,
     Rows,
@@ -88,6 +90,7 @@ def _content(document: Document, text: Text, viewer: Viewer | None) -> dict[str,
         "words": {name: html_text(word) for name, word in words.items()},
         "title": html_text(document.title),
         "subtitle": writer.words(document.subtitle),
+        "form": [writer.words(word) for word in document.form],
         "sections": sections,
         "viewer": viewer.html if viewer else "",
         "steps": any(isinstance(block, Steps) for section in document.sections for block in blocks_of(section)),
@@ -139,9 +142,6 @@ def safe_style(css: str) -> str:
 
 _SUBSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _SUPERSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()iTn", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻⁼⁽⁾ⁱᵀⁿ")
-
-_MOST_SHARED = 6
-"""Blanks of an exercise that share the room of one answer."""
 
 _NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'
 """What SVG needs in a file of its own and not in a page."""
@@ -218,10 +218,9 @@ class BlockWriter:
                     written = self._displays(lines)
                 case Formula():
                     written = self._formula(block)
-                case Blank(names, lines):
-                    each = max(1, round(lines / max(1, min(len(names), _MOST_SHARED))))
-                    ruled = f'<div class=ruled style="--lines:{each}" role=presentation></div>'
-                    written = "\n".join(f"<div class=answer>{formula(name + ' =')}{ruled}</div>" for name in names)
+                case Blank(number, task, points, gaps):
+                    asked = f"<p class=task><b>{number}</b> {self.words(task)} {html_text(points)}</p>"
+                    written = "\n".join((asked, *(self._gap(gap) for gap in gaps)))
                 case Table():
                     written = self._table(block)
                 case Figure(drawing, caption):
@@ -260,6 +259,11 @@ class BlockWriter:
             tools = templating.render("page/tools.html.jinja", words=words, entries=entries, function=function)
             parts.append(tools.rstrip())
         return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
+
+    def _gap(self, gap: Gap) -> str:
+        """The left side of an answer, and lines to write on."""
+        ruled = f'<div class=ruled style="--lines:{math.ceil(gap.lines)}" role=presentation></div>'
+        return f"<div class=answer>{formula(f'{gap.name} =') if gap.name else ''}{ruled}</div>"
 
     def _table(self, block: Table) -> str:
         _ = self._text

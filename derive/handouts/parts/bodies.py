@@ -133,7 +133,11 @@ def link_jacobians(context: Context) -> Iterator[Block]:
         angular = context.entries.angular_jacobian(body.index, body.is_rotor)
         items.append(BodyItem(body.symbol("J", "v"), linear, Group.body(body.place, 1)))
         items.append(BodyItem(body.symbol("J", "\\omega"), angular, Group.body(body.place, 2)))
-    yield from body_formulas(context, items)
+    if has_rotors(context.robot):
+        task = _("Find the Jacobians of the links and of the rotors.")
+    else:
+        task = _("Find the Jacobians of the links.")
+    yield from body_formulas(context, items, task)
 
 
 # -- energies
@@ -158,14 +162,14 @@ def energies(context: Context) -> Iterator[Block]:
     if armatures:
         yield Paragraph(_("The armatures $I_{a_i}$ are inertias of rotors seen from the joint."))
         yield textbook("armature_energy")
-    yield Paragraph(_("In the rates of the joints it is a quadratic form."))
+    yield Paragraph(_("It is a quadratic form in the joint velocities."))
     yield textbook("kinetic_form", B=context.symbols.inertia_letter)
     if context.dynamics.is_compact(context.entries.B):
-        yield formula(context, context.dynamics.closed("kinetic"))
+        yield formula(context, context.dynamics.closed("kinetic"), task=_("Write the kinetic energy of this arm."))
     if context.robot.gravity is None:
         yield Paragraph(_("The robot file gives no gravity; the potential energy is zero."))
         return
-    yield Paragraph(_("The potential energy is that of the weights."))
+    yield Paragraph(_("The potential energy is that of all masses in the field of gravity."))
     yield textbook("potential_energy", rotors=rotors)
     cells = [[context.data.value(cell)] for cell in context.robot.gravity]
     names = [script(italic("g"), italic(f"0{axis}")) for axis in "xyz"]
@@ -179,7 +183,8 @@ def energies(context: Context) -> Iterator[Block]:
                 position = context.entries.body_position(body.index, body.is_rotor)
                 items.append(BodyItem(body.symbol("p"), position, Group.body(body.place, 3)))
         yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, items)))
-    yield formula(context, context.dynamics.closed("potential"), "gravity_vector")
+    task = _("Write the potential energy of this arm.")
+    yield formula(context, context.dynamics.closed("potential"), "gravity_vector", task)
 
 
 # -- inertia matrix
@@ -207,7 +212,8 @@ def inertia(context: Context) -> Iterator[Block]:
                 "$\\boldsymbol{\\tau}$ by recursions.",
                 n=context.robot.n,
                 letter=letter,
-            )
+            ),
+            is_answer=True,
         )
         return
     if context.steps:
@@ -219,7 +225,7 @@ def inertia(context: Context) -> Iterator[Block]:
             letter=letter,
         )
     )
-    yield formula(context, context.dynamics.closed("B"), "inertia_matrix")
+    yield formula(context, context.dynamics.closed("B"), "inertia_matrix", _("Find the inertia matrix."))
 
 
 def _contributions(context: Context) -> Iterator[Block]:

@@ -77,14 +77,16 @@ def example(context: Context) -> Iterator[Block]:
     chosen = configuration(robot)
     yield from _stated(context, chosen, assumed)
     yield Paragraph(_("The end effector; lengths are in metres:"))
-    yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics")
+    task = _("Compute the transform of the end effector in numbers, lengths in metres.")
+    yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics", task)
     if all(joint.is_revolute for joint in robot.joints):
         yield Paragraph(_("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:"))
     else:
         yield Paragraph(
             _("The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:")
         )
-    yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian")
+    task = _("Compute the Jacobian in numbers.")
+    yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
     if robot.has_dynamics:
         missing = _unnumbered(robot)
         yield from [_needs_numbers(context, missing)] if missing else _dynamics(context, chosen.q)
@@ -100,12 +102,11 @@ def _assumed(context: Context) -> dict[str, Expression]:
 
 
 def _needs_numbers(context: Context, missing: Sequence[str]) -> Block:
-    return Paragraph(
-        context.text(
-            "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
-            symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
-        )
+    words = context.text(
+        "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
+        symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
     )
+    return Paragraph(words, is_answer=True)
 
 
 def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expression]) -> Iterator[Block]:
@@ -161,7 +162,8 @@ def _dynamics(context: Context, q: Sequence[float]) -> Iterator[Block]:
                 square=square,
             )
         yield Paragraph(text)
-        yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix")
+        task = _("Compute the inertia matrix in numbers.")
+        yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
     yield Paragraph(_("The gravity vector:"))
     yield _gravity(context, q)
 
@@ -182,7 +184,7 @@ def _number(context: Context, value: float) -> Box:
     return concatenate(Box("-", MINUS_WIDTH), size) if rounded < 0 else size
 
 
-def _matrix(context: Context, symbol: Box, rows: Values, function: str) -> Formula:
+def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> Formula:
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
     cells = matrix([[_number(context, value) for value in row] for row in rows])
@@ -197,7 +199,7 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str) -> Formu
         )
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, python),)
-    return Formula((Rows(tuple(lines)),), note=note, function=function, entries=entries, blanks=(symbol.tex,))
+    return Formula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
 
 
 def _gravity(context: Context, q: Sequence[float]) -> Formula:
@@ -213,7 +215,8 @@ def _gravity(context: Context, q: Sequence[float]) -> Formula:
         Entry(name.tex, _number(context, value).tex, _copied(value)) for name, value in zip(names, values, strict=True)
     )
     blanks = tuple(name.tex for name in names)
-    return Formula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, blanks=blanks)
+    task = context.text("Compute the gravity vector in numbers, each component with its unit.")
+    return Formula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
 
 
 # -- the configuration

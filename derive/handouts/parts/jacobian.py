@@ -60,7 +60,7 @@ def jacobian(context: Context) -> Iterator[Block]:
         yield Steps(_("Axes, origins and columns"), tuple(_steps(context, axes)))
     name = partial(context.symbols.entry, "J")
     laid_out = context.layouter.lay_out(bold("J"), name, context.entries.J, group=Group.J)
-    yield formula(context, laid_out, "jacobian")
+    yield formula(context, laid_out, "jacobian", _("Find the geometric Jacobian."))
     end = context.entries.T
     if end.terms(1, 3) or end.terms(2, 3):  # else the angles ZYZ are singular in every configuration
         phi, theta, psi = (angle.tex.strip() for angle in euler_names(context))
@@ -105,8 +105,8 @@ def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
         yield Paragraph(_("with the opposite sign where the joint variable has a minus sign in the table."))
     summary = axes.summary()
     if fits(summary, 2):
-        yield Paragraph(_("so that for this arm"))
-        yield Rows((summary.tex,))
+        yield Paragraph(_("so that for this arm"), is_answer=True)
+        yield Rows((summary.tex,), is_answer=True)
 
 
 def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:

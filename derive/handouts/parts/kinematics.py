@@ -33,7 +33,8 @@ def transforms(context: Context) -> Iterator[Block]:
     Yields:
         The blocks of the part.
     """
-    yield Paragraph(context.text("Frame $i$ in frame $i-1$, row by row:"))
+    yield Paragraph(context.text("The transform of each row of the table, from frame $i$ to frame $i-1$:"))
+    task = context.text("Write the transform of each row of the table.")
     fitting: list[Small] = []
     for i in range(1, context.robot.n + 1):
         symbol, quantity = context.symbols.frame("A", i, i - 1), context.entries.A(i)
@@ -42,11 +43,11 @@ def transforms(context: Context) -> Iterator[Block]:
             fitting.append(one)
             continue
         if fitting:
-            yield formula(context, side_by_side(fitting), "link_transforms")
-        yield formula(context, _laid_out(context, symbol, quantity, Group.row(i)), "link_transforms")
+            yield formula(context, side_by_side(fitting), "link_transforms", task)
+        yield formula(context, _laid_out(context, symbol, quantity, Group.row(i)), "link_transforms", task)
         fitting = []
     if fitting:
-        yield formula(context, side_by_side(fitting), "link_transforms")
+        yield formula(context, side_by_side(fitting), "link_transforms", task)
 
 
 def end_effector(context: Context) -> Iterator[Block]:
@@ -70,7 +71,8 @@ def end_effector(context: Context) -> Iterator[Block]:
         yield Steps(_("The product, row by row"), tuple(_steps(context)))
     if end.omitted:
         yield from _partial_products(context)
-    yield formula(context, end, "forward_kinematics")
+    task = _("Find the transform $%(end)s$ of the end effector.", end=_END.tex)
+    yield formula(context, end, "forward_kinematics", task)
     yield Paragraph(
         _(
             "The columns of $%(end)s$: $%(n)s$, $%(s)s$ and $%(a)s$ are the axes $x$, $y$ and $z$ of the end "
@@ -140,7 +142,7 @@ def _partial_products(context: Context) -> Iterator[Block]:
     for start, end in pairwise(cuts):
         quantity = context.entries.transform(start, end)
         laid_out = _laid_out(context, frame("T", end, start), quantity, Group.factor(start))
-        yield formula(context, laid_out, "link_transforms")
+        yield formula(context, laid_out, "link_transforms", _("Multiply these transforms out."))
     yield Paragraph(_("The arm as a whole is"))
     factors = (Piece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
     yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from derive.handouts.context import Context
-from derive.handouts.document import Block, Paragraph, Rows, Steps
+from derive.handouts.document import Block, Formula, Paragraph, Rows, Steps
 from derive.handouts.formula import formula, textbook
 from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction
@@ -32,8 +33,9 @@ def christoffel(context: Context) -> Iterator[Block]:
         _("The Christoffel symbols follow from the inertia matrix; each is symmetric in its last two indices.")
     )
     yield textbook("christoffel_symbols", b=b, c=c)
+    task = _("Which Christoffel symbols are not zero? Find them.")
     if not context.entries.triples:
-        yield Paragraph(_("All are zero."))
+        yield Formula((), note=_("All are zero."), task=task, blanks=("",))
         return
     if context.steps and context.dynamics.is_compact(context.entries.Bdot):
         joints, partial, derivatives = range(1, context.robot.n + 1), Box("\\partial ", 6.0), []
@@ -46,7 +48,7 @@ def christoffel(context: Context) -> Iterator[Block]:
                 derivatives.append(Equation(symbol, tuple(context.printer.pieces(derivative.entry(1, 1)))))
         if derivatives:
             yield Steps(_("Derivatives of the inertia matrix"), (Rows(tuple(equation_lines(derivatives))),))
-    yield formula(context, context.dynamics.christoffel(), _CORIOLIS)
+    yield formula(context, context.dynamics.christoffel(), _CORIOLIS, task)
 
 
 def coriolis(context: Context) -> Iterator[Block]:
@@ -65,11 +67,12 @@ def coriolis(context: Context) -> Iterator[Block]:
     yield textbook("coriolis_matrix", c=context.symbols.christoffel("i", "j", "k").tex)
     if not context.dynamics.is_compact(context.entries.C):
         yield Paragraph(_("With the Christoffel symbols above:"))
-        yield formula(context, context.dynamics.rate_sums("C"), _CORIOLIS)
+        task = _("Write the Coriolis matrix with the Christoffel symbols.")
+        yield formula(context, context.dynamics.rate_sums("C"), _CORIOLIS, task)
         return
     if context.steps and context.entries.triples:
         yield Steps(_("By Christoffel symbols"), (Rows(context.dynamics.rate_sums("C").lines),))
-    yield formula(context, context.dynamics.closed("C"), _CORIOLIS)
+    yield formula(context, context.dynamics.closed("C"), _CORIOLIS, _("Find the Coriolis matrix."))
 
 
 def skew(context: Context) -> Iterator[Block]:
@@ -88,24 +91,29 @@ def skew(context: Context) -> Iterator[Block]:
         _(
             "The derivatives of the inertia matrix are sums of Christoffel symbols; hence "
             "$\\mathbf{N}^T = -\\mathbf{N}$."
-        )
+        ),
+        is_answer=True,
     )
-    yield textbook("skew_symmetry", b=letter.lower(), c_ijk=c("i", "j", "k").tex, c_jik=c("j", "i", "k").tex)
+    proof = textbook("skew_symmetry", b=letter.lower(), c_ijk=c("i", "j", "k").tex, c_jik=c("j", "i", "k").tex)
+    yield replace(proof, is_answer=True)
+    task = _("Find $\\mathbf{N}$ and show that it is skew-symmetric.")
     entries, is_compact = context.entries, context.dynamics.is_compact
     if context.steps and is_compact(entries.Bdot):
         derivative = formula(context, context.dynamics.closed("Bdot"))
         yield Steps(_("Derivative of the inertia matrix with respect to time"), (derivative,))
     if is_compact(entries.C) and is_compact(entries.N):
-        yield formula(context, context.dynamics.closed("N"), _CORIOLIS)
+        yield formula(context, context.dynamics.closed("N"), _CORIOLIS, task)
     else:
-        yield Paragraph(_("The entries above the diagonal; those below are their opposites, those on it are zero."))
-        yield formula(context, context.dynamics.rate_sums("N"), _CORIOLIS)
+        words = _("The entries above the diagonal; those below are their opposites, those on it are zero.")
+        yield Paragraph(words, is_answer=True)
+        yield formula(context, context.dynamics.rate_sums("N"), _CORIOLIS, task)
     if entries.is_skew(context.policy.compact_terms):
         yield Paragraph(
             _(
                 "Check: multiplied out, the entries of $\\mathbf{N} + \\mathbf{N}^T$ cancel one by one, so that "
                 "$\\mathbf{N} + \\mathbf{N}^T = \\mathbf{0}$."
-            )
+            ),
+            is_answer=True,
         )
 
 
@@ -120,11 +128,11 @@ def gravity(context: Context) -> Iterator[Block]:
     """
     _ = context.text
     if context.robot.gravity is None:
-        yield Paragraph(_("The robot file gives no gravity: $\\mathbf{g} = \\mathbf{0}$."))
+        yield Paragraph(_("The robot file gives no gravity: $\\mathbf{g} = \\mathbf{0}$."), is_answer=True)
         return
     yield Paragraph(_("The gradient of the potential energy."))
     yield textbook("gravity_vector", rotors=has_rotors(context.robot))
-    yield formula(context, context.dynamics.closed("g"), "gravity_vector")
+    yield formula(context, context.dynamics.closed("g"), "gravity_vector", _("Find the gravity vector."))
 
 
 def equations_of_motion(context: Context) -> Iterator[Block]:
@@ -143,14 +151,16 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     if is_compact(entries.C) and is_compact(entries.tau):
         if context.steps:
             yield Steps(_("With the entries and symbols above"), (Rows(context.dynamics.named_torque().lines),))
-        yield formula(context, context.dynamics.closed("tau"), _TORQUE)
+        yield formula(context, context.dynamics.closed("tau"), _TORQUE, _("Write the equations of motion."))
     elif 2 * len(entries.triples) > context.policy.named_products * context.robot.n:
         yield Paragraph(
             _(
                 "Written out, even with the entries and symbols above, they are too long to print; `inverse_dynamics` "
                 "in `model_numpy.py` computes them."
-            )
+            ),
+            is_answer=True,
         )
     else:
         yield Paragraph(_("With the entries and symbols above:"))
-        yield formula(context, context.dynamics.named_torque(), _TORQUE)
+        task = _("Write the equations of motion with these entries and symbols.")
+        yield formula(context, context.dynamics.named_torque(), _TORQUE, task)

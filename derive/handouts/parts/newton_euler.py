@@ -173,7 +173,8 @@ def _link_data(context: Context, recursion: Recursion, i: int) -> Formula:
         for name, cell in constant.named
     )
     blanks = tuple(constant.symbol.tex for constant in constants)
-    return Formula((Rows((*pack(shared), *lines)),), entries=tuple(entries), blanks=blanks)
+    task = context.text("Write the constants of each link that the recursion needs.")
+    return Formula((Rows((*pack(shared), *lines)),), entries=tuple(entries), task=task, blanks=blanks)
 
 
 def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Constant]:

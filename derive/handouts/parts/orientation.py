@@ -63,7 +63,7 @@ def orientation(context: Context) -> Iterator[Block]:
         names = [t if p.tex in context.notation.taken else p for p, t in zip(letters, entries, strict=True)]
         group = Group.row(context.robot.n + 1)
         laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
-        yield formula(context, laid_out, "forward_kinematics")
+        yield formula(context, laid_out, "forward_kinematics", _("Find the position of the end effector."))
     else:
         yield Rows((concatenate(bold("p"), EQUALS, matrix([[entry] for entry in entries])).tex,))
     yield from _roll_pitch_yaw(context)
@@ -79,15 +79,15 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     yield Paragraph(
         _(
             "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: "
-            "$\\mathbf{R} = %(product)s$. With the entries $t_{ij}$ of $%(end)s$:",
+            "$\\mathbf{R} = %(product)s$.",
             product=_rotations("zyx", names[::-1]),
-            end=_END,
         )
     )
+    task = _("Find roll, pitch and yaw of the end effector.")
     if not _terms(context, (1, 1), (2, 1)):
         pitch_by_entry = (Piece(_minus(concatenate(_RIGHT_ANGLE, _t(context, 3, 1)))),)
         angles: Angles = (Piece(italic("0")),), pitch_by_entry, _atan2(_minus(_t(context, 1, 2)), _t(context, 2, 2))
-        yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy)
+        yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy, task)
         yield Paragraph(
             _(
                 "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
@@ -95,7 +95,8 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
                 roll=roll,
                 pitch=pitch,
                 yaw=yaw,
-            )
+            ),
+            is_answer=True,
         )
         return
     angles = (
@@ -104,7 +105,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         _atan2(_t(context, 2, 1), _t(context, 1, 1)),
     )
     used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
-    yield from _angles(context, names, angles, used, context.entries.rpy)
+    yield from _angles(context, names, angles, used, context.entries.rpy, task)
     if not _terms(context, (3, 1)):
         yield _never_singular(context, _t(context, 3, 1))
         return
@@ -117,7 +118,8 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
             pitch=pitch,
             yaw=yaw,
             right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
-        )
+        ),
+        is_answer=True,
     )
 
 
@@ -149,11 +151,12 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
             product=_rotations("zyz", names),
         )
     )
+    task = _("Find the Euler angles ZYZ of the end effector.")
     if not _terms(context, (1, 3), (2, 3)):
         signed = [concatenate(cosine, _t(context, i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
         angles: Angles = _atan2(*signed), (Piece(concatenate(_RIGHT_ANGLE, inside)),), (Piece(italic("0")),)
-        yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz)
+        yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz, task)
         yield Paragraph(
             _(
                 "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
@@ -161,7 +164,8 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
                 "zero.",
                 first=first,
                 third=third,
-            )
+            ),
+            is_answer=True,
         )
         return
     angles = (
@@ -170,7 +174,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         _atan2(_t(context, 3, 2), _minus(_t(context, 3, 1))),
     )
     used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
-    yield from _angles(context, names, angles, used, context.entries.euler_zyz)
+    yield from _angles(context, names, angles, used, context.entries.euler_zyz, task)
     if not _terms(context, (3, 3)):
         yield _never_singular(context, cosine)
         return
@@ -183,12 +187,14 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
             second=second,
             third=third,
             straight="180^{\\circ}" if context.notation.degrees else "\\pi",
-        )
+        ),
+        is_answer=True,
     )
 
 
 def _never_singular(context: Context, zero: Box) -> Paragraph:
-    return Paragraph(context.text("They are never singular for this arm, for %(zero)s.", zero=f"${zero.tex} = 0$"))
+    words = context.text("They are never singular for this arm, for %(zero)s.", zero=f"${zero.tex} = 0$")
+    return Paragraph(words, is_answer=True)
 
 
 def _rotations(axes: str, names: Sequence[Box]) -> str:
@@ -202,10 +208,14 @@ def _angles(
     by_entries: Angles,
     used: Sequence[Place],
     quantity: Entries,
+    task: str,
 ) -> Iterator[Block]:
-    """The angles by entries of T, then written out if those entries are short."""
-    yield Rows(tuple(equation_lines(map(Equation, names, by_entries))))
-    if _terms(context, *used) > SHORT_ANGLES:
+    """The angles by entries of T, then written out if those entries are short, which an exercise asks for."""
+    is_short = _terms(context, *used) <= SHORT_ANGLES
+    words = context.text("With the entries $t_{ij}$ of $%(end)s$:", end=_END)
+    yield Paragraph(words, is_answer=is_short)
+    yield Rows(tuple(equation_lines(map(Equation, names, by_entries))), is_answer=is_short)
+    if not is_short:
         return
     values = [quantity.entry(i, 1) for i in (1, 2, 3)]
     written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(names, values, strict=True)]
@@ -215,7 +225,7 @@ def _angles(
         values=tuple(zip(names, values, strict=True)),
         blanks=tuple(name.tex for name in names),
     )
-    yield formula(context, laid_out)
+    yield formula(context, laid_out, task=task)
 
 
 # -- entries of T

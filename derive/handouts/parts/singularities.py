@@ -75,49 +75,53 @@ def singularities(context: Context) -> Iterator[Block]:
 def _determinant(context: Context, found: Singularities) -> Iterator[Block]:
     _ = context.text
     formulas = _SingularFormulas(context, found)
-    yield from (Paragraph(text) for text in _introduction(context, found))
+    yield from _introduction(context, found)
     if context.steps:
-        title = _("The blocks") if len(found.blocks) > 1 else _("The block")
+        title = _("The blocks of the Jacobian") if len(found.blocks) > 1 else _("The matrix of the determinant")
         yield Steps(title, tuple(_matrices(context, found)))
     yield formulas.determinant()
     if found.outcome is Outcome.NEVER:
-        yield Paragraph(_("It does not depend on the configuration: as long as it is not zero, no rank is ever lost."))
+        words = _("It does not depend on the configuration: as long as it is not zero, no rank is ever lost.")
+        yield Paragraph(words, is_answer=True)
         return
-    yield Paragraph(_("Rank is lost where a factor is zero."))
+    yield Paragraph(_("Rank is lost where a factor is zero."), is_answer=True)
     yield formulas.conditions()
 
 
-def _introduction(context: Context, found: Singularities) -> Iterator[str]:
+def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]:
     """Which rows of J, about which point and in which axes."""
     _ = context.text
     block = found.blocks[0]
     frame, origin = block.reference.frame, f"\\mathbf{{o}}_{{{block.reference.point}}}"
     if len(found.blocks) > 1:
-        yield _(
+        words = _(
             "Axes 4, 5 and 6 meet in the wrist centre $%(centre)s$. For the velocity of that point "
             "$\\mathbf{J}_{12} = \\mathbf{0}$, hence $\\det\\mathbf{J} = \\det\\mathbf{J}_{11} "
             "\\det\\mathbf{J}_{22}$. The choice of the point and of the axes changes neither determinant.",
             centre=origin,
         )
+        yield Paragraph(words)
         return
     if context.robot.n == 6:
-        yield _("$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes.")
+        words = _("$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes.")
+        yield Paragraph(words)
         return
     rows = ", ".join(map(str, block.rows))
-    if block.others_are_zero:
-        yield _("Let $\\mathbf{J}'$ be rows %(rows)s of $\\mathbf{J}$; the others are zero.", rows=rows)
-    elif block.rows == (1, 2, 3):
-        yield _("Let $\\mathbf{J}'$ be rows 1, 2, 3 of $\\mathbf{J}$, the linear velocity.")
+    if block.rows == (1, 2, 3):
+        words = _("Let $\\mathbf{J}'$ be rows 1, 2, 3 of $\\mathbf{J}$, the linear velocity.")
     else:
-        yield _(
+        words = _(
             "Let $\\mathbf{J}'$ be rows %(rows)s of $\\mathbf{J}$: a task of as many coordinates as the arm has "
             "joints.",
             rows=rows,
         )
     if block.reference.point is not None:
-        yield _("Its point is $%(origin)s$.", origin=origin)
+        words += " " + _("It is that of the point $%(origin)s$.", origin=origin)
     if frame is not None:
-        yield _("It is written in the axes of frame %(frame)s.", frame=frame)
+        words += " " + _("It is written in the axes of frame %(frame)s.", frame=frame)
+    yield Paragraph(words)
+    if block.others_are_zero:
+        yield Paragraph(_("The other rows are zero."), is_answer=True)
 
 
 def _matrices(context: Context, found: Singularities) -> Iterator[Block]:
@@ -178,7 +182,9 @@ class _SingularFormulas:
             terms = sum(expanded_terms(f.expression) for f in self.found.factors) or int(value not in (None, 0))
             item, limit = Item(left, terms, lambda: value), self.context.policy.grouped_terms
             group = Group.DETERMINANT + 1
-            return formula(self.context, self.context.layouter.entries([item], group=group, limit=limit))
+            laid_out = self.context.layouter.entries([item], group=group, limit=limit)
+            task = self.context.text("Find $%(determinant)s$ in factors.", determinant=left.tex)
+            return formula(self.context, laid_out, task=task)
         product = sympy.Mul(*(self._short(f) ** f.exponent for f in self.found.factors))
         lines = break_lines(concatenate(left, EQUALS), self._printer.pieces(product))
         word = self.context.layouter.terms_word
@@ -190,16 +196,17 @@ class _SingularFormulas:
             )
             for symbol, f in self._long.items()
         )
-        return Formula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)), blanks=(left.tex,))
+        return Formula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)))
 
     def conditions(self) -> Formula:
         """Where each factor that moves with the arm is zero."""
         moving = [f for f in self.found.factors if f.condition is not None]
         lines = [line for f in moving for line in break_lines(EMPTY, list(self._zero(f)))]
-        left = concatenate(_DETERMINANT, _symbol(self.context, self.found), _IS_ZERO.box, _IF_AND_ONLY_IF.box)
         present = [f.condition.posture for f in moving if f.condition is not None]
         note = " ".join(meaning for posture, (_word, meaning) in self._words.items() if posture in present)
-        return Formula(rows=(Rows(tuple(lines)),), note=note, blanks=(left.tex.strip(),))
+        symbol = _symbol(self.context, self.found).tex
+        task = self.context.text("In which configurations does $%(matrix)s$ lose rank?", matrix=symbol)
+        return Formula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
 
     def _zero(self, factor: SingularFactor) -> Iterator[Piece]:
         """``s_5 = 0 <=> q_5 = 0 or pi (wrist)``."""

@@ -9,6 +9,7 @@ from derive.handouts.document import (
     Entry,
     Figure,
     Formula,
+    Gap,
     Paragraph,
     Rows,
     Section,
@@ -56,7 +57,7 @@ def blocks() -> tuple[Block, ...]:
         table,
         result(),
         steps,
-        Blank((r"b_{11}", r"b_{12}"), 6),
+        Blank("1.", "Find $b_{11}$ and $b_{12}$.", "(2 points)", (Gap(r"b_{11}", 3.0), Gap("", 2.0))),
     )
 
 

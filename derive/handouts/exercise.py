@@ -1,0 +1,168 @@
+"""From a handout to an exercise and its solutions.
+
+A formula that answers a task becomes a question with room for the answer; what belongs to an answer is left out, and so
+are derivations and whatever is too long to be worked out by hand. A matrix is asked for as a whole, so that no entry
+tells by its absence that it is zero. Room and points follow the symbols and numbers of the answer in print.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from derive.handouts.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Section, Steps
+from derive.handouts.language import Text
+
+_LEAST_LINES = 2.0
+_MOST_LINES = 24.0
+"""Lines of room for one answer: less than half a page, however long the solution is."""
+
+_HANDWRITING = 1.5
+"""Lines by hand for one in print."""
+
+_SYMBOL = re.compile(r"[A-Za-z}]_\{|\d(?:\.|\{,\})\d")
+"""A symbol with an index, or a number with decimals."""
+
+_SYMBOLS_OF_A_LINE = 6
+"""By hand."""
+
+_SYMBOLS_OF_A_POINT = 6
+_MOST_POINTS = 10
+
+_GIVEN = frozenset({"figure", "table", "convention", "parameters"})
+"""Parts with data, which an exercise keeps though nothing is asked there."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """Neighbouring formulas that answer the same task.
+
+    Attributes:
+        number: From 1, through the whole sheet.
+        formulas: The answers.
+    """
+
+    number: int
+    formulas: tuple[Formula, ...]
+
+    @property
+    def points(self) -> int:
+        """What the answers are worth."""
+        symbols = sum(map(_symbols, self.formulas))
+        return max(1, min(_MOST_POINTS, math.ceil(symbols / _SYMBOLS_OF_A_POINT)))
+
+    def blank(self, text: Text) -> Blank:
+        """The question with room for its answers.
+
+        Args:
+            text: The language.
+        """
+        gaps = []
+        for formula in self.formulas:
+            lines = max(_HANDWRITING * _rows(formula), _symbols(formula) / _SYMBOLS_OF_A_LINE)
+            each = max(_LEAST_LINES, lines) / len(formula.blanks)
+            gaps += [Gap(name, each) for name in formula.blanks]
+        room = sum(gap.lines for gap in gaps)
+        share = min(1.0, _MOST_LINES / room)  # many small answers have less room each
+        gaps = [replace(gap, lines=max(_HANDWRITING, gap.lines * share)) for gap in gaps]
+        return Blank(f"{self.number}.", self.formulas[0].task, f"({_points(self.points, text)})", tuple(gaps))
+
+
+def exercise(document: Document, text: Text) -> Document:
+    """The handout with questions and room for the answers in place of the results.
+
+    Args:
+        document: The handout.
+        text: The language.
+
+    Returns:
+        The exercise.
+    """
+    sections, total = [], 0
+    for section, items in _asked(document):
+        questions = [item for item in items if isinstance(item, _Question)]
+        if questions or section.part in _GIVEN:
+            total += sum(question.points for question in questions)
+            blocks = (item.blank(text) if isinstance(item, _Question) else item for item in items)
+            sections.append(replace(section, blocks=tuple(blocks)))
+    form = (text("Name:"), text("Date:"), text("Points (of %(total)s):", total=total))
+    return replace(document, subtitle=text("Exercise"), form=form if total else (), sections=tuple(sections))
+
+
+def solutions(document: Document, text: Text) -> Document:
+    """The same handout as the sheet of solutions: the answers have the numbers and points of the questions.
+
+    Args:
+        document: The handout.
+        text: The language.
+
+    Returns:
+        The solutions.
+    """
+    numbered = {
+        id(question.formulas[0]): Paragraph(
+            text("Question %(number)s (%(points)s)", number=question.number, points=_points(question.points, text))
+        )
+        for _, items in _asked(document)
+        for question in items
+        if isinstance(question, _Question)
+    }
+    sections = []
+    for section in document.sections:
+        blocks: list[Block] = []
+        for block in section.blocks:
+            if id(block) in numbered:
+                lead_in = [blocks.pop()] if blocks and _leads_in(blocks[-1]) else []
+                blocks += [numbered[id(block)], *lead_in]
+            blocks.append(block)
+        sections.append(replace(section, blocks=tuple(blocks)))
+    return replace(document, subtitle=text("Solutions"), sections=tuple(sections))
+
+
+def _asked(document: Document) -> Iterator[tuple[Section, Sequence[Block | _Question]]]:
+    """What an exercise keeps of each section, questions in place of the formulas that answer them."""
+    number = 0
+    for section in document.sections:
+        items: list[Block | _Question] = []
+        for block in section.blocks:
+            if isinstance(block, Steps) or (isinstance(block, Paragraph | Rows) and block.is_answer):
+                continue
+            if not isinstance(block, Formula):
+                items.append(block)
+                continue
+            if items and _leads_in(items[-1]):
+                items.pop()
+            if not block.task or not block.blanks:
+                continue
+            before = items[-1] if items else None
+            if isinstance(before, _Question) and before.formulas[0].task == block.task:
+                items[-1] = replace(before, formulas=(*before.formulas, block))
+            else:
+                number += 1
+                items.append(_Question(number, (block,)))
+        yield section, items
+
+
+def _leads_in(item: Block | _Question) -> bool:
+    """Whether a paragraph is the beginning of a sentence that ends with a formula."""
+    return isinstance(item, Paragraph) and item.text.endswith(":")
+
+
+def _rows(formula: Formula) -> int:
+    """Lines of a formula in print; a matrix takes one for each row."""
+    return sum(line.count("\\\\") + 1 for line in _lines(formula))
+
+
+def _symbols(formula: Formula) -> int:
+    """Symbols with an index and decimal numbers of a formula in print."""
+    return sum(len(_SYMBOL.findall(line)) for line in _lines(formula))
+
+
+def _lines(formula: Formula) -> list[str]:
+    return [*formula.named, *(line for part in formula.rows for line in part.lines)]
+
+
+def _points(points: int, text: Text) -> str:
+    return text("1 point") if points == 1 else text("%(points)s points", points=points)

@@ -1,0 +1,143 @@
+"""Exercises ask for what the handout tells, tell none of it, and have solutions that match."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from derive.handouts.assemble import context_of, document
+from derive.handouts.context import Context
+from derive.handouts.document import Blank, Block, Document, Formula, Paragraph, Rows, Steps
+from derive.handouts.exercise import exercise, solutions
+from derive.handouts.latex_writer import latex
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
+from derive.robot.style import Derivation, HandoutOptions
+from tests.handouts.latex_runner import run_latex
+
+ROBOTS = ("planar-2r-perugia", "scara-perugia", "stanford-deluca", "kuka-lwr4", "dh-general-laschi")
+ONE_ENTRY = re.compile(r"\(?[A-Za-z\\{}]+\)?_\{\d,?\d\}")
+
+SLIDERS = """
+name: sliders
+convention: standard
+joints: [{type: prismatic, alpha: pi/2}, {type: prismatic}]
+links: [{mass: m1}, {mass: m2}]
+"""
+
+
+def blocks(sheet: Document) -> list[Block]:
+    return [block for section in sheet.sections for block in section.blocks]
+
+
+def questions(sheet: Document) -> list[Blank]:
+    return [block for block in blocks(sheet) if isinstance(block, Blank)]
+
+
+def sheets(robot: Robot, language: str = "en") -> tuple[Context, Document, Document, Document]:
+    """The handout with steps, its exercise and its solutions."""
+    options = HandoutOptions(derivation=Derivation.STEPS, language=language)
+    context = context_of(robot, replace(options, notation=robot.handout.notation))
+    whole = document(context)
+    return context, whole, exercise(whole, context.text), solutions(whole, context.text)
+
+
+def asked(whole: Document) -> Iterator[Formula]:
+    """The formulas that answer a task."""
+    for block in blocks(whole):
+        if isinstance(block, Formula) and block.task and block.blanks:
+            yield block
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_question_has_a_number_a_sentence_points_and_room(name: str) -> None:
+    _, _, sheet, _ = sheets(Robot.load(name))
+    found = questions(sheet)
+    assert [question.number for question in found] == [f"{k}." for k in range(1, len(found) + 1)]
+    assert all(re.fullmatch(r"[A-Z].*[.?]", question.task) for question in found)
+    assert all(gap.lines >= 1.5 for question in found for gap in question.gaps)
+    assert all(sum(gap.lines for gap in question.gaps) <= max(25, 1.5 * len(question.gaps)) for question in found)
+    points = [int(number) for question in found for number in re.findall(r"\d+", question.points)]
+    assert len(points) == len(found)
+    assert sheet.form == ("Name:", "Date:", f"Points (of {sum(points)}):")
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_an_exercise_tells_no_answer(name: str) -> None:
+    """Neither a derivation, nor a line of a result, nor which entries are zero."""
+    context, whole, sheet, _ = sheets(Robot.load(name))
+    assert not any(isinstance(block, Steps | Formula) for block in blocks(sheet))
+    written = latex(sheet, context.text)
+    results = {line for formula in asked(whole) for rows in formula.rows for line in rows.lines}
+    assert results
+    assert not results & {line for block in blocks(sheet) if isinstance(block, Rows) for line in block.lines}
+    assert not [line for line in results if "matrix" in line and line in written]
+    assert context.text("Entries that are not listed are zero.") not in written
+    entries = [gap.name for question in questions(sheet) for gap in question.gaps if ONE_ENTRY.fullmatch(gap.name)]
+    assert not entries
+
+
+def test_what_is_all_zero_is_asked_for_too() -> None:
+    """An arm without Christoffel symbols has the questions of one that has some."""
+    _, whole, sheet, answers = sheets(Robot.from_text(SLIDERS))
+    assert "All are zero." in [block.note for block in blocks(whole) if isinstance(block, Formula)]
+    tasks = [question.task for question in questions(sheet)]
+    assert "Which Christoffel symbols are not zero? Find them." in tasks
+    assert not any(isinstance(block, Paragraph) and "zero." in block.text for block in blocks(sheet))
+    assert len(questions(sheet)) == sum(
+        isinstance(block, Paragraph) and block.text.startswith("Question ") for block in blocks(answers)
+    )
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_solutions_answer_the_questions_in_their_order(name: str) -> None:
+    """The number and the points of a question stand before the formula that answers it, and nothing is missing."""
+    _, whole, sheet, answers = sheets(Robot.load(name))
+    solved = blocks(answers)
+    heads = [k for k, block in enumerate(solved) if isinstance(block, Paragraph) and block.text.startswith("Question ")]
+    assert len(heads) == len(questions(sheet))
+    for question, k in zip(questions(sheet), heads, strict=True):
+        head, formula = solved[k], next(block for block in solved[k:] if isinstance(block, Formula))
+        assert isinstance(head, Paragraph)
+        assert head.text == f"Question {question.number.rstrip('.')} {question.points}"
+        assert formula.task == question.task
+    assert [block for k, block in enumerate(solved) if k not in heads] == blocks(whole)
+
+
+def test_neighbours_with_one_task_are_one_question() -> None:
+    """Transforms that share no line are asked for together."""
+    _, whole, sheet, _ = sheets(Robot.load("dh-general-laschi"))
+    first = questions(sheet)[0]
+    tasks = [formula.task for formula in asked(whole)]
+    assert len(first.gaps) == sum(len(f.blanks) for f in asked(whole) if f.task == first.task)
+    assert tasks.count(first.task) >= 1
+    assert not any(isinstance(block, Paragraph | Rows) and block.is_answer for block in blocks(sheet))
+
+
+def assert_at_most_twice_the_pages(name: str, language: str, derivation: Derivation, folder: Path) -> None:
+    robot = Robot.load(name)
+    context = context_of(robot, replace(robot.handout, language=language, derivation=derivation))
+    whole = document(context)
+    handout, asking, solved = (
+        run_latex(latex(sheet, context.text), folder)
+        for sheet in (whole, exercise(whole, context.text), solutions(whole, context.text))
+    )
+    assert not asking.errors
+    assert not solved.errors
+    assert asking.overfull <= 1.0
+    assert asking.pages <= 2 * handout.pages
+
+
+@pytest.mark.slow
+def test_an_exercise_has_at_most_twice_the_pages_of_the_handout(tmp_path: Path) -> None:
+    assert_at_most_twice_the_pages("stanford-deluca", "pt", Derivation.RESULT, tmp_path)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", catalogue_names())
+def test_every_exercise_has_at_most_twice_the_pages_of_the_handout(name: str, tmp_path: Path) -> None:
+    assert_at_most_twice_the_pages(name, "it", Derivation.RESULT, tmp_path)
