@@ -14,7 +14,7 @@ and Control of Robots, ch. 3).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Generic, Protocol, TypeVar
 
@@ -26,6 +26,7 @@ from derive.mechanics.vectors import (
     add,
     axial_tensor,
     column,
+    dot,
     from_matrix,
     identity,
     matmul,
@@ -156,6 +157,10 @@ class Chain(Generic[S]):
         ends: K_i of the standard convention (identity in the modified one): joint frame i to DH frame i.
         bodies: Link i with the rotors that it carries, in joint frame i; empty without dynamics.
         gravity: Acceleration of gravity in frame 0 (the base transform taken off).
+        drop: Gravity times the way from the world's origin to frame 0: what a unit mass there loses of its potential
+            energy.
+        ground: What no joint moves and yet has a potential energy, in frame 0: the rotor of joint 1, and what
+            regrouping moves to the base.
         axial: Masses at the joint frames that resist acceleration along z alone; none unless regrouping makes them.
     """
 
@@ -167,6 +172,8 @@ class Chain(Generic[S]):
     ends: tuple[Frame[S], ...]
     bodies: tuple[Body[S], ...]
     gravity: Vector[S]
+    drop: S
+    ground: Body[S]
     axial: tuple[S, ...] = ()
 
     @property
@@ -178,6 +185,25 @@ class Chain(Generic[S]):
     def null(self) -> Vector[S]:
         """The vector 0."""
         return (self.zero, self.zero, self.zero)
+
+    @property
+    def inverted(self) -> Chain[S]:
+        """The arm seen from its end: T^-1 = tool^-1 Z_n^-1 K_{n-1}^-1 ... K_0^-1 base^-1; kinematics alone."""
+        joints = self.joints[::-1]
+        unit = Frame(identity(self.zero, self.one), self.null)
+        fixed = [unit, *(joint.fixed.inverse for joint in joints)]
+        return replace(
+            self,
+            base=self.tool.inverse,
+            joints=tuple(
+                replace(joint, sign=-joint.sign, fixed=before, sine=-joint.sine, offset=-joint.offset)
+                for joint, before in zip(joints, fixed[:-1], strict=True)
+            ),
+            tool=fixed[-1] @ self.base.inverse,
+            ends=(unit,) * self.n,
+            bodies=(),
+            axial=(),
+        )
 
     def row(self, i: int, convention: Convention) -> Frame[S]:
         """A_i, the DH transform of row i: DH frame i in DH frame i-1.
@@ -214,11 +240,12 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
     links = robot.links or [Link()] * robot.n
     joints = tuple(_chain_joint(*each, domain) for each in zip(range(robot.n), robot.joints, links, fixed, strict=True))
     tool = ends[-1] @ _constant_frame(robot.tool, domain)
-    bodies = _bodies(robot, fixed, ends, domain) if robot.links else []
-    gravity = (zero, zero, zero)
+    ground, *bodies = _bodies(robot, fixed, ends, domain)
+    gravity, drop = (zero, zero, zero), zero
     if robot.gravity is not None:
-        gravity = multiply(transpose(base.rotation), constant_vector(robot.gravity, domain))
-    return Chain(zero, one, base, joints, tool, tuple(ends), tuple(bodies), gravity)
+        in_world = constant_vector(robot.gravity, domain)
+        gravity, drop = multiply(transpose(base.rotation), in_world), dot(in_world, base.position)
+    return Chain(zero, one, base, joints, tool, tuple(ends), tuple(bodies), gravity, drop, ground)
 
 
 def constant_vector(cells: tuple[Expression, Expression, Expression], domain: Domain[S]) -> Vector[S]:
@@ -273,19 +300,20 @@ def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: 
 
 
 def _bodies(robot: Robot, fixed: Sequence[Frame[S]], ends: Sequence[Frame[S]], domain: Domain[S]) -> list[Body[S]]:
-    """Every link about the origin of its joint frame, with the rotor of the next joint as a rigid part of it.
+    """Base and links about the origins of their joint frames, each with the rotor of the next joint as a part of it.
 
     ``ends`` lead from joint frames to DH frames. A rotor's own spin is in `ChainJoint`; it sits at o_{i-1} in the
     standard convention, at o_i, d_i further on the axis, in the modified one.
     """
-    bodies = []
-    for link, end in zip(robot.links, ends, strict=True):
+    null = domain.number(0)
+    bodies = [Body(null, (null, null, null), Symmetric(null, null, null, null, null, null))]
+    for link, end in zip(robot.links, ends[: len(robot.links)], strict=True):
         mass = domain.constant(link.mass)
         r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
         turned = matmul(matmul(end.rotation, central_inertia(link, domain).matrix), transpose(end.rotation))
         bodies.append(Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r)))
-    for i in range(1, len(bodies)):
-        motor = robot.links[i].motor
+    for i, link in enumerate(robot.links):
+        motor = link.motor
         if motor is None:
             continue
         u, place = column(fixed[i].rotation, 2), fixed[i].position
@@ -293,5 +321,5 @@ def _bodies(robot: Robot, fixed: Sequence[Frame[S]], ends: Sequence[Frame[S]], d
             place = add(place, scale(domain.constant(robot.joints[i].d), u))
         mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
         rotor = Body(mass, scale(mass, place), axial_tensor(inertia, u) + steiner(mass, place))
-        bodies[i - 1] = bodies[i - 1] + rotor
+        bodies[i] = bodies[i] + rotor
     return bodies

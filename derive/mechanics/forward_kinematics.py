@@ -4,6 +4,9 @@
 and (z_i, 0) for a prismatic one, times the sign of the joint's variable; the linear rows come first (Siciliano et al.,
 Robotics, section 3.1).
 
+*In the axes of the end effector* both are those of the arm seen from there: an arm whose base is the end effector and
+whose joints follow in the other order, with opposed motions.
+
 *Its rate*: with z the axis of a revolute joint, r the lever from it to the end effector and omega the angular velocity
 of the link before the joint, dz/dt = omega x z and d(z x r)/dt = zdot x r + z x rdot, where rdot is the velocity of the
 end effector less that of the joint's origin. A prismatic joint's column is its axis (Siciliano et al., Robotics,
@@ -80,6 +83,24 @@ def jacobian(chain: Chain[S]) -> list[list[S]]:
         entries = [*cross(z, subtract(end, pose.position)), *z] if joint.revolute else [*z, *chain.null]
         columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
     return [[entries[row] for entries in columns] for row in range(6)]
+
+
+def jacobian_end(chain: Chain[S]) -> list[list[S]]:
+    """J(q) in the axes of the end effector: (v, omega) = J qd for its origin, by recursion from there to the base.
+
+    Args:
+        chain: The arm; base and tool are rotations.
+
+    Returns:
+        6xn, row by row, linear rows first.
+    """
+    columns: list[list[S]] = []
+    inverted = chain.inverted
+    for joint, pose in zip(inverted.joints, joint_poses(inverted), strict=True):
+        z = column(pose.rotation, 2)
+        entries = [*cross(pose.position, z), *z] if joint.revolute else [*z, *chain.null]
+        columns.append([-entry for entry in entries] if joint.sign > 0 else entries)
+    return [[entries[row] for entries in reversed(columns)] for row in range(6)]
 
 
 def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:

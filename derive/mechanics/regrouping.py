@@ -49,6 +49,7 @@ def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) 
     if not bodies:
         return chain
     axial = [chain.zero] * chain.n
+    ground = chain.ground
     for i in range(chain.n - 1, -1, -1):
         joint, body, rule = chain.joints[i], bodies[i], rules[i] if rules else Rule()
         if rule.axial and i:
@@ -64,7 +65,11 @@ def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) 
             moved = replace(still, inertia=tensor_to_parent(joint, body.inertia))
         if i:
             bodies[i - 1] = bodies[i - 1] + moved
-    return replace(chain, bodies=tuple(bodies), axial=tuple(axial) if any(rule.axial for rule in rules) else ())
+        else:
+            ground = ground + moved
+    return replace(
+        chain, bodies=tuple(bodies), ground=ground, axial=tuple(axial) if any(rule.axial for rule in rules) else ()
+    )
 
 
 def _massless(chain: Chain[S]) -> Body[S]:

@@ -16,6 +16,7 @@ from itertools import product
 from typing import NamedTuple
 
 from derive.mechanics.chain import Chain
+from derive.mechanics.forward_kinematics import joint_poses
 from derive.mechanics.vectors import (
     Frame,
     Matrix,
@@ -193,6 +194,42 @@ def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
             spin = scale(direction, z) if joint.revolute else (chain.zero,) * 3
             columns.append([*scale(direction, linear), *spin])
     return [[column[row] for column in columns] for row in range(6)]
+
+
+def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
+    """J, the geometric Jacobian of the end effector in its own axes.
+
+    Args:
+        stations: Of the inverted arm, `derive.mechanics.chain.Chain.inverted`, whose world is the end effector.
+
+    Returns:
+        6xn, rows first: as `derive.mechanics.forward_kinematics.jacobian_end`.
+    """
+    chain, zero = stations.chain, stations.chain.zero
+    groups: list[Ways] = []
+    poses = iter(joint_poses(chain))
+    arm = multiply(transpose(chain.base.rotation), chain.base.position)
+    for r, run in enumerate(stations.runs):
+        start = add(multiply(transpose(stations.constants[r]), arm), stations.entries[r])
+        arm = about_z(run.last.cosine, -run.last.sine, add(start, run.last.origin))
+        meetings = _meetings(stations, r)
+        axes = [stations.world(r, _unit(stations, 2), meeting) for meeting in meetings]
+        groups.append(axes)
+        for place, joint, pose in zip(run.placements, chain.joints[run.first :], poses, strict=False):
+            x, y, _ = add(start, place.origin)
+            own = (y, -x, zero) if joint.revolute else place.axis()
+            ways = [stations.world(r, own, meeting) for meeting in meetings]
+            crossed = [cross(pose.position, z) for z in axes] if joint.revolute else []
+            groups.append(ways + crossed)
+    chosen = iter(_chosen(groups))
+    columns: list[list[Value]] = []
+    for run in stations.runs:
+        z = next(chosen)
+        for place, joint in zip(run.placements, chain.joints[run.first :], strict=False):
+            direction = -joint.sign * place.direction if joint.revolute else -joint.sign
+            spin = scale(direction, z) if joint.revolute else (zero,) * 3
+            columns.append([*scale(direction, next(chosen)), *spin])
+    return [[column[row] for column in reversed(columns)] for row in range(6)]
 
 
 def cheapest_links(stations: Stations) -> list[Frame[Value]]:

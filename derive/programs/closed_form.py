@@ -16,6 +16,7 @@ from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import ExpressionError
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.programs.search_policy import POLICY
@@ -87,10 +88,17 @@ def _torques(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Pol
     return inverse_dynamics(chain, rates, [domain.acceleration(i) for i in range(chain.n)])
 
 
+def _kinetic(domain: PolynomialDomain, chain: Chain[Polynomial]) -> Sequence[Polynomial]:
+    rates = [domain.rate(i) for i in range(chain.n)]
+    return [kinetic_energy(chain, rates, domain.number(Fraction(1, 2)))]
+
+
 CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial]], Sequence[Polynomial]]] = {
     "inertia_matrix": lambda domain, chain: [entry for row in inertia_matrix(chain) for entry in row],
     "coriolis_matrix": _coriolis,
     "gravity_vector": lambda domain, chain: gravity_vector(chain),
+    "kinetic_energy": _kinetic,
+    "potential_energy": lambda domain, chain: [potential_energy(chain)],
     "inverse_dynamics": _torques,
 }
 """The functions that have one."""

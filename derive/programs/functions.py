@@ -1,8 +1,7 @@
 """The generated functions, one row each, and the program of a robot: every function's cheapest formulation, as a tape.
 
-A further function is one more row here, with what traces it in `derive.programs.formulations`; documentation of every
-target and the yardstick of its errors follow from the row. The oracle of `derive.verification` keeps a table of its
-own, so that no mistake is made twice.
+A further function is one more row here, with what traces it in `derive.programs.formulations`; documentation and the
+yardstick of its errors follow. The oracle of `derive.verification` has its own table, lest a mistake is made twice.
 """
 
 from __future__ import annotations
@@ -107,6 +106,19 @@ ROWS = (
     ),
     Row(
         interface=Interface(
+            "jacobian_end",
+            ("q",),
+            (6, "n"),
+            "J_end",
+            "Geometric Jacobian at the end effector, in the end effector's axes.",
+            "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
+            Magnitude.JACOBIAN,
+        ),
+        formulations=kinematics.end_jacobians,
+        margin=POLICY.kinematics_margin,
+    ),
+    Row(
+        interface=Interface(
             "jacobian_dot",
             ("q", "qd"),
             (6, "n"),
@@ -184,6 +196,34 @@ ROWS = (
             Magnitude.GRAVITY,
         ),
         formulations=dynamics.gravity_vectors,
+        exists=_has_links,
+        margin=POLICY.dynamics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "kinetic_energy",
+            ("q", "qd"),
+            (),
+            "T",
+            "Kinetic energy, rotors and armatures included.",
+            "qd^T B qd / 2 [J]",
+            Magnitude.KINETIC_ENERGY,
+        ),
+        formulations=dynamics.kinetic_energies,
+        exists=_has_links,
+        margin=POLICY.dynamics_margin,
+    ),
+    Row(
+        interface=Interface(
+            "potential_energy",
+            ("q",),
+            (),
+            "U",
+            "Potential energy of links and rotors in the field of gravity.",
+            "the sum of -m g . p [J], which is zero at the origin of the world frame",
+            Magnitude.POTENTIAL_ENERGY,
+        ),
+        formulations=dynamics.potential_energies,
         exists=_has_links,
         margin=POLICY.dynamics_margin,
     ),
@@ -306,7 +346,7 @@ R = TypeVar("R")
 
 
 class Spread(Protocol):
-    """How pieces of work that do not depend on each other are done: one by one, or several at once."""
+    """How pieces of work that do not depend on each other are done at once."""
 
     def __call__(self, work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
         """Do the work.
@@ -321,26 +361,12 @@ class Spread(Protocol):
         """
 
 
-def one_by_one(work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
-    """The `Spread` over one process.
-
-    Args:
-        work: Done with each piece.
-        pieces: The pieces.
-        sizes: Of no interest.
-
-    Returns:
-        The result of each piece.
-    """
-    return [work(piece) for piece in pieces]
-
-
 def build_program(
     robot: Robot,
     effort: Effort = Effort.FULL,
     *,
     names: Container[str] = frozenset(INTERFACES),
-    spread: Spread = one_by_one,
+    spread: Spread | None = None,
 ) -> Program:
     """The functions of a robot: kinematics, and dynamics where the file has links.
 
@@ -350,7 +376,7 @@ def build_program(
         robot: The robot.
         effort: How long the cheapest programs are looked for.
         names: Only the functions of these names.
-        spread: How the choices are spread over processes; the program does not depend on it.
+        spread: How the choices are spread over processes, None for this one; the program does not depend on it.
 
     Returns:
         The program.
@@ -361,7 +387,8 @@ def build_program(
     trace = Trace(robot, effort)
     rows = [row for row in ROWS if row.interface.name in names and row.exists(robot)]
     traced = [_Traced.of(row, trace) for row in rows]
-    functions = spread(_Traced.function, traced, [function.size for function in traced])
+    sizes = [function.size for function in traced]
+    functions = spread(_Traced.function, traced, sizes) if spread else map(_Traced.function, traced)
     return Program(tuple(function for function in functions if function is not None), free_symbols(robot))
 
 

@@ -28,6 +28,8 @@ class Magnitude(Enum):
     INERTIA = auto()
     CORIOLIS = auto()
     GRAVITY = auto()
+    KINETIC_ENERGY = auto()
+    POTENTIAL_ENERGY = auto()
     TORQUE = auto()
     VELOCITY_TORQUE = auto()
     TORQUE_BY_POSITION = auto()
@@ -43,7 +45,8 @@ class Interface:
     Attributes:
         name: For instance ``inverse_dynamics``.
         arguments: Its arguments, in order, of `ARGUMENTS`; empty for what depends on parameters alone.
-        shape: Of the result for one configuration; ``n`` is the number of joints, ``p`` that of the columns.
+        shape: Of the result for one configuration; ``n`` is the number of joints, ``p`` that of the columns; nothing
+            for a scalar.
         symbol: How the notes write the result.
         summary: One line.
         result: What the entries of the result are, with their units.

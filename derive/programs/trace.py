@@ -18,7 +18,7 @@ from derive.programs.frame_choice import (
     arrange,
     starting_choices,
 )
-from derive.programs.parallel_axes import Run, parallel_runs
+from derive.programs.parallel_axes import Run, Turn, parallel_runs
 from derive.programs.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph, Ref, Value
 from derive.programs.tape.scalars import QD, TapeDomain
@@ -99,6 +99,18 @@ class Trace:
     def stations(self) -> Stations | None:
         """Where vectors come from on their way to the world; None where base or tool is a rotation only nearly."""
         return Stations(self.chain, self.runs) if has_exact_rotations(self.robot) else None
+
+    @cached_property
+    def end_stations(self) -> Stations | None:
+        """The same on their way to the end effector; None where base or tool is a rotation only nearly."""
+        if self.stations is None:
+            return None
+        inverted = self.chain.inverted
+
+        def _total(turns: Sequence[Turn]) -> tuple[Value, Value]:
+            return self.domain.cosine_sine_of_sum([(self.n - 1 - k, -direction) for k, direction in turns])
+
+        return Stations(inverted, parallel_runs(inverted, _total))
 
     @cached_property
     def shortest_pose(self) -> Frame[Value] | None:

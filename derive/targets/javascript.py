@@ -33,6 +33,7 @@ class JavaScriptFunction:
         constants: Lines of the names of the values on parameters alone.
         body: Statements.
         results: Lines of nested array literals.
+        scalar: The result where it is one number, else nothing.
     """
 
     name: str
@@ -48,6 +49,7 @@ class JavaScriptFunction:
     constants: tuple[str, ...]
     body: tuple[str, ...]
     results: tuple[str, ...]
+    scalar: str
 
 
 def render_javascript(source: Source) -> dict[str, str]:
@@ -135,7 +137,8 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> Jav
         checks=_checks(function, kernel, joints),
         constants=wrapped(kernel.constants),
         body=kernel.body,
-        results=_nested(kernel.results, function.shape),
+        results=_nested(kernel.results, function.shape) if function.shape else (),
+        scalar="" if function.shape else kernel.results[0],
     )
 
 
@@ -168,13 +171,13 @@ def _nested(results: Sequence[str], shape: Sequence[int]) -> tuple[str, ...]:
 
 def _documentation(function: Function) -> tuple[str, ...]:
     """The lines of a function's comment."""
-    wording = function.interface
+    wording, kind = function.interface, "Array" if function.shape else "number"
     lines = (
         wording.summary,
         "",
         *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments),
         "@param {Object|number[]} [params] Numbers of the free parameters.",
-        f"@returns {{Array}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
+        f"@returns {{{kind}}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
         "",
         *function.notes,
     )

@@ -43,7 +43,7 @@ class Loop:
         result_place: Place of the result.
         result_core: Place of the bytes between its entries, one for each axis.
         axes: Axes of the result.
-        dimensions: Its shape, as the inside of an array.
+        dimensions: Its shape, as the inside of an array, which has an entry even for a scalar.
         lengths: Lengths of the inputs and of the result, as the inside of an array.
         buffer_count: Inputs and the result.
         starts: Arguments of the call for one configuration.
@@ -106,7 +106,7 @@ def _loop(function: Function, text: CFunction, joints: int) -> Loop:
         result_place=count,
         result_core=2 * count + 1,
         axes=len(function.shape),
-        dimensions=", ".join(map(str, function.shape)),
+        dimensions=", ".join(map(str, function.shape or (1,))),
         lengths=", ".join(map(str, lengths)),
         buffer_count=count + 1,
         starts=", ".join(f"starts[{i}]" for i in range(count + 1)),

@@ -34,6 +34,7 @@ class PythonFunction:
         argument_names: These names quoted, as the inside of a tuple.
         symbol: How the notes write its result.
         shape: As a Python tuple.
+        is_scalar: Whether the result is one number.
         parameter_places: Indices of the run-time parameters that it needs, in lines.
         hoists: Whether it needs any.
         unpack_parameters: Statement that names the parameters.
@@ -57,6 +58,7 @@ class PythonFunction:
     argument_names: str
     symbol: str
     shape: str
+    is_scalar: bool
     parameter_places: tuple[str, ...]
     hoists: bool
     unpack_parameters: str
@@ -164,6 +166,7 @@ def python_context(source: Source) -> dict[str, object]:
 def _python_function(function: Function, parameters: Sequence[str], joints: int) -> PythonFunction:
     """The texts of one function of a robot with so many joints."""
     kernel = write_kernel(function.tape, PYTHON, parameters)
+    length = function.shape[-1] if function.shape else 1
     unpack = [_unpacking([f"{kind}{i + 1}" for i in range(joints)], kind) for kind in kernel.arguments]
     if kernel.constants:
         unpack.append(_unpacking(kernel.constants, "k"))
@@ -176,6 +179,7 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
         argument_names=_tuple([f'"{name}"' for name in function.arguments]),
         symbol=function.interface.symbol,
         shape=str(function.shape),
+        is_scalar=not function.shape,
         parameter_places=wrapped([str(index) for index in kernel.parameters]),
         hoists=bool(kernel.parameters),
         unpack_parameters=_unpacking([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
@@ -184,7 +188,7 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
         hoisted_calls=kernel.hoisted_calls,
         unpack=tuple(unpack),
         body=kernel.body,
-        results=tuple(row for columns in rows_of(kernel.results, function.shape[-1]) for row in wrapped(columns)),
+        results=tuple(row for columns in rows_of(kernel.results, length) for row in wrapped(columns)),
         calls=kernel.calls,
         summary=function.interface.summary,
         documentation=_documentation(function),
@@ -203,7 +207,7 @@ def _unpacking(names: Sequence[str], source: str) -> str:
 def _documentation(function: Function) -> tuple[str, ...]:
     """The lines of a docstring after its first."""
     wording = function.interface
-    shape = ", ".join(str(k) for k in function.shape)
+    shape = ", ".join(("...", *map(str, function.shape)))
     lines = (
         "Args:",
         *(f"    {name}: {ARGUMENTS[name]}, (..., n)." for name in function.arguments),
@@ -211,7 +215,7 @@ def _documentation(function: Function) -> tuple[str, ...]:
         "    out: Where to write the result, if not to a new array.",
         "",
         "Returns:",
-        f"    {wording.symbol}, (..., {shape}):",
+        f"    {wording.symbol}, ({shape}):",
         f"    {wording.result}.",
         "",
         *function.notes,

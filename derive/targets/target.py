@@ -74,9 +74,9 @@ def shape_text(shape: tuple[int, ...]) -> str:
         shape: Lengths of the axes.
 
     Returns:
-        For instance ``6 x 6``.
+        For instance ``6 x 6``, or ``scalar``.
     """
-    return " x ".join(map(str, shape))
+    return " x ".join(map(str, shape)) or "scalar"
 
 
 def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:

@@ -148,8 +148,8 @@ class CasadiModel:
         axes = FUNCTIONS[function].axes
         if axes == 3:
             blocks = blocks.reshape(count, 4, -1, 4).transpose(0, 2, 1, 3)
-        elif axes == 1 and blocks.shape[2] == 1:
-            blocks = blocks[:, :, 0]
+        elif axes < 2 and blocks.shape[2] == 1:
+            blocks = blocks[:, :, 0] if axes else blocks[:, 0, 0]
         return blocks if arguments and arguments[0].ndim > 1 else blocks[0]
 
 
@@ -217,9 +217,9 @@ class CModel:
         """Shapes of the results, from the functions' comments."""
         shapes = {}
         for comment, name in re.findall(r"/\*\*\n((?: \*.*\n)+?) \*/\nvoid (\w+)\(", self.header):
-            shape = re.search(r"@param\[out\] result +\S+, ([0-9]+(?: x [0-9]+)*)", comment)
+            shape = re.search(r"@param\[out\] result +\S+, (scalar|[0-9]+(?: x [0-9]+)*)", comment)
             if shape:
-                shapes[name] = tuple(map(int, shape[1].split(" x ")))
+                shapes[name] = tuple(map(int, re.findall("[0-9]+", shape[1])))
         return shapes
 
 

@@ -78,6 +78,7 @@ class Bounds:
         revolute: (n,) whether joint i turns.
         inertia: (n,) bound of B_ii.
         gravity: (n,) bound of g_i.
+        potential: () bound of U.
         friction: (2, n) viscous and Coulomb coefficients, absolute values.
     """
 
@@ -87,6 +88,7 @@ class Bounds:
     revolute: Array
     inertia: Array
     gravity: Array
+    potential: Array
     friction: Array
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
@@ -120,6 +122,10 @@ class Bounds:
                 size = self.coriolis_matrix(rates[0]) @ rates[0]
             case Magnitude.GRAVITY:
                 size = self.gravity
+            case Magnitude.KINETIC_ENERGY:
+                size = 0.5 * (rates[0] @ self.inertia_matrix @ rates[0])
+            case Magnitude.POTENTIAL_ENERGY:
+                size = self.potential
             case Magnitude.TORQUE:
                 size = self.torque(*rates)
             case Magnitude.TORQUE_BY_POSITION:  # an angle changes no term by more than the term's size
@@ -192,7 +198,7 @@ class Bounds:
         Returns:
             The distance relative to the natural size.
         """
-        steps = {"jacobian": 4.0, "jacobian_dot": 8.0, **dict.fromkeys(ANGLES, 8.0)}
+        steps = {"jacobian": 4.0, "jacobian_end": 8.0, "jacobian_dot": 8.0, **dict.fromkeys(ANGLES, 8.0)}
         return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 
 
@@ -223,6 +229,9 @@ def bounds(oracle: Oracle, q: Array) -> Bounds:
         revolute=arm.revolute,
         inertia=np.where(arm.revolute, turning, mass) + (arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)),
         gravity=np.where(arm.revolute, force * lever, force),
+        potential=(np.abs(arm.mass).sum() + np.abs(arm.rotor_mass).sum())
+        * np.linalg.norm(arm.gravity)
+        * (reach[0] + np.linalg.norm(arm.base[:3, 3])),
         friction=np.abs([arm.viscous, arm.coulomb]),
     )
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics, link_motions
@@ -46,6 +47,15 @@ def test_gravity_and_torques(arm: Arm) -> None:
     assert_close(found + friction(arm), arm.expected("inverse_dynamics", arm.q, arm.qd, arm.qdd))
 
 
+def test_energies_are_those_of_links_rotors_and_armatures(arm: Arm) -> None:
+    found = kinetic_energy(arm.chain, arm.qd.tolist(), 0.5)
+    assert_close(found, arm.expected("kinetic_energy", arm.q, arm.qd))
+    assert found > 0
+    wanted = arm.expected("potential_energy")
+    for meeting in range(arm.robot.n + 1):
+        assert_close(potential_energy(arm.chain, meeting), wanted)
+
+
 def test_the_base_is_accelerated_against_gravity(arm: Arm) -> None:
     still = [0.0] * arm.robot.n
     motions = link_motions(arm.chain, still, still)
@@ -81,6 +91,8 @@ def test_regrouped_bodies_move_alike(arm: Arm, second_moments: bool) -> None:
     assert_close(inertia_matrix(grouped), inertia_matrix(chain))
     assert_close(coriolis_matrix(grouped, qd, 0.5), coriolis_matrix(chain, qd, 0.5))
     assert_close(inverse_dynamics(grouped, qd, qdd), inverse_dynamics(chain, qd, qdd))
+    assert_close(kinetic_energy(grouped, qd, 0.5), kinetic_energy(chain, qd, 0.5))
+    assert_close(potential_energy(grouped), potential_energy(chain))
     assert not any(body.mass for body, joint in zip(grouped.bodies, grouped.joints, strict=True) if joint.revolute)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.programs.closed_form import CLOSED_FORMS, ClosedForm
@@ -33,12 +34,14 @@ links:
 
 
 def recursions(trace: Trace) -> list[list[Value]]:
-    """B, C, g and tau without friction."""
+    """B, C, g, both energies, and tau without friction."""
     chain, rates = trace.chain, trace.arguments(QD)
     return [
         flat(inertia_matrix(chain)),
         flat(coriolis_matrix(chain, rates, trace.half)),
         gravity_vector(chain),
+        [kinetic_energy(chain, rates, trace.half)],
+        [potential_energy(chain)],
         inverse_dynamics(chain, rates, trace.arguments(QDD)),
     ]
 

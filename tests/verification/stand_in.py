@@ -44,7 +44,7 @@ def _value(name, arguments, params):
         found = _evaluated(name, dict(zip(numbers, chosen)), rows[mine, len(numbers) :])
         values = np.empty((len(rows), *found.shape[1:])) if values is None else values
         values[mine] = found
-    return values[places.reshape(-1)].reshape(*batch, *values.shape[1:])
+    return values[places.reshape(-1)].reshape((*batch, *values.shape[1:]))
 
 
 @cache

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 
 from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
@@ -67,6 +68,43 @@ def gravity_vectors(trace: Trace) -> Iterator[Formulation]:
     words = f"composite first moments {_BASE}"
     yield from _searched(trace, "gravity", words, lambda choices: gravity_vector(trace.arranged(choices)))
     yield from _closed(trace, "gravity_vector")
+
+
+def kinetic_energies(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of the kinetic energy.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        One value.
+    """
+    rates = trace.arguments(QD)
+
+    def _values(choices: FrameChoices) -> list[Value]:
+        return [kinetic_energy(trace.arranged(choices, axial=True), rates, trace.half)]
+
+    yield from _searched(trace, "kinetic", f"velocities of the links {_BASE}", _values)
+    yield from _closed(trace, "kinetic_energy")
+
+
+def potential_energies(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of the potential energy.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        One value.
+    """
+
+    def _values(choices: FrameChoices, meeting: int = 0) -> list[Value]:
+        return [potential_energy(trace.arranged(choices), meeting)]
+
+    for chosen in trace.cheapest_choices("potential", _values):
+        cheapest = min(range(trace.n + 1), key=lambda link: trace.choice.price([_values(chosen, link)[0].ref]).body)
+        yield Formulation(f"gravity on composite first moments {_BASE}", partial(_values, chosen, cheapest))
+    yield from _closed(trace, "potential_energy")
 
 
 def torques(trace: Trace) -> Iterator[Formulation]:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
-from derive.mechanics.vectors import Frame, column
-from derive.programs.cheapest_kinematics import cheapest_links
+from derive.mechanics.vectors import Frame, column, multiply, transpose
+from derive.programs.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
 from derive.programs.formulation_choice import Formulation
 from derive.programs.optimise.improve import improved_values
 from derive.programs.tape.derivative import derivative
@@ -62,6 +62,31 @@ def jacobians(trace: Trace) -> Iterator[Formulation]:
     yield Formulation("geometric, from axes and origins", lambda: flat(recursion.jacobian(trace.chain)))
     if (matrix := trace.shortest_jacobian) is not None:
         yield Formulation(f"geometric, columns by {_SHORTEST}", lambda: flat(matrix))
+
+
+def end_jacobians(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of J in the axes of the end effector.
+
+    Args:
+        trace: Of the robot.
+
+    Yields:
+        Row by row.
+    """
+    chain = trace.chain
+    if (stations := trace.end_stations) is None:  # rotations that are none have no inverse as easy as theirs
+
+        def _turned() -> list[Value]:
+            rows, back = recursion.jacobian(chain), transpose(recursion.forward_kinematics(chain).rotation)
+            both = [((vx, vy, vz), (wx, wy, wz)) for vx, vy, vz, wx, wy, wz in zip(*rows, strict=True)]
+            columns = [[*multiply(back, velocity), *multiply(back, spin)] for velocity, spin in both]
+            return flat(list(zip(*columns, strict=True)))
+
+        yield Formulation("geometric Jacobian in the world frame, turned", _turned)
+        return
+    yield Formulation("geometric, from axes and origins", lambda: flat(recursion.jacobian_end(chain)))
+    words = "the shortest ways to the end effector, turned by sums of angles of parallel joints"
+    yield Formulation(f"geometric, columns by {words}", lambda: flat(cheapest_end_jacobian(stations)))
 
 
 def jacobian_rates(trace: Trace) -> Iterator[Formulation]:

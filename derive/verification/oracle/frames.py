@@ -287,6 +287,21 @@ def jacobian(arm: Arm, q: Array) -> Array:
     return np.concatenate([linear, angular], axis=-2)
 
 
+def jacobian_end(arm: Arm, q: Array) -> Array:
+    """Geometric Jacobian of the end effector in its own axes, linear rows first: R^T times both halves of the other.
+
+    Args:
+        arm: The arm.
+        q: (..., n) configurations [rad, m].
+
+    Returns:
+        (..., 6, n).
+    """
+    back = np.swapaxes(forward_kinematics(arm, q)[..., :3, :3], -1, -2)
+    in_world = jacobian(arm, q)
+    return np.concatenate([back @ in_world[..., :3, :], back @ in_world[..., 3:, :]], axis=-2)
+
+
 def cross(u: Array, v: Array) -> Array:
     """Vector product over the last axis.
 

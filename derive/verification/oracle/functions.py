@@ -24,7 +24,8 @@ class Definition:
         arguments: Names of its arguments, each of shape (..., n); none for what depends on parameters alone.
         dynamic: Whether it needs link parameters.
         function: Its independent evaluation, from an arm and the arguments.
-        axes: Axes of its value for one configuration: 1 for a vector, 2 for a matrix, 3 for one matrix a link.
+        axes: Axes of its value for one configuration: 0 for a scalar, 1 for a vector, 2 for a matrix, 3 for one matrix
+            a link.
         identifies: Whether it needs to know which parameters are base parameters: its first argument is then an
             `Identification`.
     """
@@ -61,12 +62,15 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
         "link_transforms": Definition(("q",), False, frames.link_transforms, axes=3),
         "jacobian": Definition(("q",), False, frames.jacobian),
+        "jacobian_end": Definition(("q",), False, frames.jacobian_end),
         "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
         "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
         "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
         "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
         "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
         "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1),
+        "kinetic_energy": Definition(("q", "qd"), True, lagrange.kinetic_energy, axes=0),
+        "potential_energy": Definition(("q",), True, lagrange.potential_energy, axes=0),
         "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1),
         "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics, axes=1),
         "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1),

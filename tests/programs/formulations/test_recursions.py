@@ -16,7 +16,7 @@ from derive.programs.program import Program
 from derive.programs.tape.tape import Op, Operations
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
-from tests.programs.recursion_values import State, derivative, random_state, value
+from tests.programs.recursion_values import STEP, State, derivative, random_state, value
 from tests.random_robots import RandomRobot, random_robot, seeds
 
 TOLERANCE = 1e-11
@@ -134,6 +134,23 @@ def test_the_work_of_inertia_and_coriolis_torques_is_the_rate_of_kinetic_energy(
     rate = state.qd @ value(program, "inertia_matrix", state) @ state.qdd
     rate += state.qd @ derivative(program, "inertia_matrix", state, state.qd) @ state.qd / 2
     assert_close(np.array([state.qd @ torque]), np.array([rate]))
+
+
+def test_the_rate_of_the_energies_is_the_work_of_the_torques_less_friction(case: Case) -> None:
+    program, state = case.program, case.state
+    moved = {"q": state.q + 1j * STEP * state.qd, "qd": state.qd + 1j * STEP * state.qdd}
+    rate = (
+        value(program, "kinetic_energy", state, **moved) + value(program, "potential_energy", state, q=moved["q"])
+    ).imag
+    torque = value(program, "inverse_dynamics", state)
+    friction = torque - value(program, "inverse_dynamics", state, qd=-state.qd)
+    assert_close(rate / STEP, state.qd @ (torque - friction / 2))
+
+
+def test_the_jacobian_of_the_end_effector_is_the_other_turned(case: Case) -> None:
+    program, state = case.program, case.state
+    back = value(program, "forward_kinematics", state)[:3, :3].T
+    assert_close(value(program, "jacobian_end", state), np.kron(np.eye(2), back) @ value(program, "jacobian", state))
 
 
 SINGULAR = """

@@ -71,11 +71,27 @@ class Reference:
         """Geometric Jacobian of the end effector, world axes, linear rows first, (6, n)."""
         data = self.model.createData()
         pin.computeJointJacobians(self.model, data, self.map @ q)
+        turn = data.oMi[self.joints[-1]].rotation @ (self.ends[-1] * self.tool).rotation
+        return np.array(np.kron(np.eye(2), turn) @ self.jacobian_end(q))
+
+    def jacobian_end(self, q: Array) -> Array:
+        """The same in the axes of the end effector, (6, n)."""
+        data = self.model.createData()
+        pin.computeJointJacobians(self.model, data, self.map @ q)
         local = np.reshape(pin.getJointJacobian(self.model, data, self.joints[-1], pin.LOCAL), (6, -1))
-        end = self.ends[-1] * self.tool
-        turn = data.oMi[self.joints[-1]].rotation @ end.rotation
-        at_end = end.toActionMatrixInverse() @ local
-        return np.array(np.kron(np.eye(2), turn) @ at_end @ self.map)
+        return np.array((self.ends[-1] * self.tool).toActionMatrixInverse() @ local @ self.map)
+
+    def kinetic_energy(self, q: Array, qd: Array) -> Array:
+        """That of links, rotors and armatures, ()."""
+        rates, bare = self.map @ qd, self.model.copy()
+        bare.armature = np.zeros_like(rates)  # not every version of Pinocchio counts it
+        links = pin.computeKineticEnergy(bare, bare.createData(), self.map @ q, rates)
+        return np.array(links + rates @ (self.model.armature * rates) / 2)
+
+    def potential_energy(self, q: Array) -> Array:
+        """That of links and rotors, ()."""
+        data = self.model.createData()
+        return np.array(pin.computePotentialEnergy(self.model, data, self.map @ q))
 
     def inertia_matrix(self, q: Array) -> Array:
         """B = G' B_ext G, (n, n)."""
