@@ -74,6 +74,8 @@ class _Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse; a formula or an angle that begins with a minus sign is the value of the option before it.
 
+        Options may stand anywhere, also between a robot and its quantities.
+
         Args:
             args: Arguments as typed.
             namespace: Where values are put.
@@ -83,16 +85,23 @@ class _Parser(argparse.ArgumentParser):
         """
         typed = list(sys.argv[1:] if args is None else args)
         known = self._option_string_actions
-        joined: list[str] = []
+        options: list[str] = []
+        others: list[str] = []
+        without_value: list[str] = []
         while typed:
             text = typed.pop(0)
             if text == "--":
-                return super().parse_known_args([*joined, text, *typed], namespace)
-            takes_one = text in known and known[text].nargs is None
-            if takes_one and typed and typed[0].startswith("-") and typed[0] not in {*known, "--"}:
+                others += [text, *typed]
+                break
+            # what follows a command is its own parser's to put in order
+            is_option = text.partition("=")[0] in known and not (self._subparsers and others)
+            if is_option and text in known and known[text].nargs is None:
+                if not typed or typed[0] in {*known, "--"}:
+                    without_value.append(text)
+                    continue
                 text = f"{text}={typed.pop(0)}"
-            joined.append(text)
-        return super().parse_known_args(joined, namespace)
+            (options if is_option else others).append(text)
+        return super().parse_known_args([*options, *others, *without_value], namespace)
 
     def error(self, message: str) -> NoReturn:
         """Refuse the arguments.

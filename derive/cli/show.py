@@ -17,6 +17,7 @@ from derive.errors import QuantityError
 from derive.robot.rounding import DIGITS, number_text
 
 if TYPE_CHECKING:
+    from derive.model.model import Model
     from derive.robot.robot import Robot
 
 SUMMARY = "print quantities of a robot: T, J, B, C, g, A[1], ..."
@@ -31,7 +32,7 @@ understood too: M, 'mass matrix', T06, 'det(J)', coriolis.
 
 With --at it prints numbers; symbols without a number stay:
 
-  derive show puma560-corke T J --at '0, pi/4, 0, 0, pi/2, 0'
+  derive show puma560-corke T J --at '0, 45, 0, 0, 90, 0'
   derive show scara-perugia Cqd --at '0, pi/4, 0.1, 0, a1=0.4' --rates '1, 0, 0, 0'
 """
 FORMATS = ("text", "latex", "python", "json")
@@ -116,8 +117,28 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"{COMMENTS[form]} {remark}")
     if loses and form in ("text", "latex"):
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
-    print("\n\n".join("\n".join(_lines(form, name, value, printer)) for name, value in shown))
+    blocks = [_lines(form, name, value, printer) for name, value in shown]
+    if form == "text" and not with_numbers:
+        for (name, _), lines in zip(shown, blocks, strict=True):
+            lines += _zeros(model, name, printer)
+    print("\n\n".join(map("\n".join, blocks)))
     return 0
+
+
+def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
+    """Where the determinant that decides the rank of J is zero, and what the arm looks like there."""
+    from derive.model.quantities import REGISTRY, parse
+
+    lines = []
+    for zero in model.singularities.conditions if parse(model, name)[0] is REGISTRY["singularities"] else ():
+        is_plain = zero.expression == zero.variable
+        solved = (
+            f": {printer(zero.variable)} = {' or '.join(map(printer, zero.values))}"
+            if zero.values and not is_plain
+            else ""
+        )
+        lines.append(f"  {printer(zero.expression)} = 0{solved}{f' ({zero.posture.value})' if zero.posture else ''}")
+    return lines
 
 
 def _usual(robot: Robot, arguments: argparse.Namespace) -> list[str]:

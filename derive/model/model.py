@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal
+from derive.model.point import at_point
 from derive.model.quantities import evaluate, parse
+from derive.robot.cells import typed_point
 
 
 class Model(DynamicModel):
@@ -62,6 +64,39 @@ class Model(DynamicModel):
             QuantityError: No such quantity or entry.
         """
         return evaluate(self, name)
+
+    def at(
+        self,
+        quantity: str,
+        q: Sequence[float | str] = (),
+        *,
+        qd: Sequence[float | str] = (),
+        qdd: Sequence[float | str] = (),
+        values: Mapping[str, float | str] | None = None,
+        exact: bool = False,
+    ) -> Expr:
+        """A quantity in numbers, as ``derive show --at`` prints it; for many points generated functions are faster.
+
+        Args:
+            quantity: Its name, as `quantity` takes it.
+            q: Joint values, numbers or cells such as ``"pi/4"``, in the units of the robot file.
+            qd: Velocities, in these units per second.
+            qdd: Accelerations, likewise.
+            values: Numbers by name: parameters [SI units], single joints, rates. Parameters that the file gives a
+                number have it.
+            exact: Whether roots and pi stay what they are.
+
+        Returns:
+            The matrix or expression; symbols without a number stay. Numbers are rationals of thirty digits.
+
+        Raises:
+            DeriveError: Not one value per joint, a name that the robot has not, or a value that is no number.
+            QuantityError: No such quantity, or it has no finite real value there.
+        """
+        orders = [",".join(map(str, order)) for order in (q, qd, qdd)]
+        named = [f"{name}={value}" for name, value in (values or {}).items()]
+        point = typed_point(self.robot, [*filter(None, orders[:1]), *named], *orders[1:])
+        return at_point(self.quantity(quantity), point, name=quantity, exact=exact)
 
     def equal(self, quantity: str, expression: object) -> bool:
         """Whether an expression equals a scalar quantity identically.

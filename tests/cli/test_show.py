@@ -135,3 +135,19 @@ def test_the_list_says_shape_and_unit_for_this_robot(folder: Path) -> None:
 def test_names_of_books_stand_before_what_they_ask_for(folder: Path) -> None:
     assert printed(folder, "M_11", "--exact") == ["M_11 = 15308702789/200000000000"]
     assert printed(folder, "mass matrix", "--digits", "3")[1:] == ["mass matrix =", "  0.0765"]
+
+
+def test_singularities_say_where_they_are(tmp_path: Path) -> None:
+    outcome = derive("show", "planar-2r-perugia", "singularities", folder=tmp_path)
+    assert outcome.stdout.splitlines() == ["singularities = a1*a2*s2", "  s2 = 0: q2 = 0 or pi"]
+
+
+def test_options_stand_anywhere(folder: Path) -> None:
+    expected = printed(folder, "B", "p", "--at", "-1", "--digits", "3")
+    assert printed(folder, "--at", "-1", "B", "--digits=3", "p") == expected
+    assert printed(folder, "B", "--at=-1", "--digits", "3", "p") == expected
+    outcome = derive("show", "--at", "-1", "--digits", "3", "rod.yaml", "B", "p", folder=folder)
+    assert outcome.stdout.splitlines() == expected
+    missing = derive("show", "rod.yaml", "B", "--format", folder=folder)
+    assert missing.status == 2
+    assert "expected one argument" in missing.stderr

@@ -78,6 +78,19 @@ def test_all_digits_keep_roots() -> None:
     assert at_point(a * sympy.cos(q), {"q": quarter}, exact=True) == sympy.sqrt(2) * a / 2
 
 
+def test_a_model_gives_the_same_numbers() -> None:
+    robot = Robot.load("planar-2r-perugia")
+    typed = typed_point(robot, ["0.3, pi/4", "a1=0.5,a2=0.4"], "1, -2")
+    model = Model(robot)
+    found = model.at("J_dot", [0.3, "pi/4"], qd=[1, -2], values={"a1": 0.5, "a2": "2/5"})
+    assert found == at_point(model.J_dot, typed)
+    assert (
+        model.at("det(J)", values={"q2": "pi/4"}, exact=True) == sympy.sqrt(2) * sympy.prod(sympy.symbols("a1 a2")) / 2
+    )
+    with pytest.raises(DeriveError):
+        model.at("T", [0.3])
+
+
 def test_parameters_of_the_file_have_their_numbers_unless_others_are_typed() -> None:
     robot = Robot.load("puma560-corke")
     assert typed_point(robot, ["[1, 2, 3, 4, 5, 6]"])["a2"] == value("0.4318")
