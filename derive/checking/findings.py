@@ -264,11 +264,18 @@ def same_form(a: Expression, b: Expression) -> bool:
         a: A tree.
         b: Another.
     """
-    return _form(a) == _form(b)
+    return form_of(a) == form_of(b)
 
 
-def _form(e: Expression) -> tuple[Fraction, Shape]:
-    """The rational factor of an expression and the shape of the rest."""
+def form_of(e: Expression) -> tuple[Fraction, Shape]:
+    """The form of an expression: two that have the same one are equal values.
+
+    Args:
+        e: A tree.
+
+    Returns:
+        The rational factor of the expression and the shape of the rest.
+    """
     match e:
         case Number(value):
             return value, ONE
@@ -281,14 +288,14 @@ def _form(e: Expression) -> tuple[Fraction, Shape]:
         case Product() | Power():
             return _product(e)
         case Call(function, arguments):
-            return Fraction(1), ("call", function, *(_form(a) for a in arguments))
+            return Fraction(1), ("call", function, *(form_of(a) for a in arguments))
 
 
 def _product(e: Product | Power) -> tuple[Fraction, Shape]:
     factor = Fraction(1)
     factors: dict[Shape, int] = {}
     for base, exponent in _flat_factors(e, 1):
-        k, shape = _form(base)
+        k, shape = form_of(base)
         factor *= k**exponent if k else Fraction(0)
         inner = shape[1:] if shape[0] == "*" else ((shape, 1),)
         for part, power in inner:
@@ -311,7 +318,7 @@ def _flat_factors(e: Expression, exponent: int) -> list[tuple[Expression, int]]:
 def _sum(e: Sum) -> tuple[Fraction, Shape]:
     terms: list[tuple[Fraction, Shape]] = []
     for term in e.terms:
-        k, shape = _form(term)
+        k, shape = form_of(term)
         if shape[0] == "+":
             terms.extend((k * inner, s) for inner, s in shape[1:])
         elif k:

@@ -10,13 +10,13 @@ decides stays as in the set that fits best.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from enum import StrEnum
 from functools import cached_property
 from itertools import combinations, product
-from typing import Any
 
 from derive.algebra.angles import contracted_groups
-from derive.checking.findings import Outcome, same_form
+from derive.checking.findings import Outcome, form_of
 from derive.checking.printed import CorpusFile
 from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
@@ -36,9 +36,9 @@ from derive.robot.expression import (
 )
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
-from derive.robot.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Style
+from derive.robot.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 
-_BODIES = ("products", "factors")
+_BODIES = ("products", "factors", "brackets")
 _GRAVITY = (*_BODIES, "g")
 
 OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
@@ -50,13 +50,12 @@ OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "C": ("christoffel", *_BODIES, "coriolis"),
     "N": ("christoffel", *_BODIES, "coriolis"),
     "Bdot": ("christoffel", *_BODIES, "coriolis"),
-    "B_qdd": ("inertia", *_BODIES, "accelerations"),
-    "Cqd": ("christoffel", *_BODIES, "velocities"),
+    "B_qdd": ("inertia", *_BODIES, "accelerations", "torques"),
+    "Cqd": ("christoffel", *_BODIES, "velocities", "torques"),
     "g": ("gravity", *_GRAVITY),
 }
-"""The options that decide how a dynamic quantity is written; kinematic ones depend on those of `_KINEMATIC`."""
+"""The options that decide how a dynamic quantity is written; kinematic ones depend on what they contain."""
 
-_KINEMATIC = ("rotations", "positions", "short")
 _TORQUE_PARTS = {"accelerations": "B_qdd", "velocities": "Cqd", "gravity": "g", "friction": "friction"}
 """What the terms of an equation of motion are, and the quantity that they are."""
 
@@ -163,10 +162,10 @@ class StyleEvidence:
 
     def __init__(self, examples: Iterable[Example]) -> None:
         self.examples = tuple(examples)
-        robots: dict[int, _Robot] = {}
+        self._robots: dict[int, _Robot] = {}
         self._parts: list[tuple[_Part, ...]] = []
         for example in self.examples:
-            known = robots.setdefault(id(example.robot), _Robot(example.robot))
+            known = self._robots.setdefault(id(example.robot), _Robot(example.robot))
             self._parts.append(tuple(_parts(known, example)))
 
     def best_style(self, without: int | None = None) -> Style:
@@ -179,25 +178,8 @@ class StyleEvidence:
             The style; of equally good ones that with the fewest changes of a named set.
         """
         known = [parts for i, parts in enumerate(self._parts) if i != without]
-        found = [self._improved(start, known) for start in NAMED_STYLES.values()]
+        found = [_improved(start, known) for start in NAMED_STYLES.values()]
         return max(found, key=lambda style: (*_score(style, known), -len(style.options())))
-
-    def _improved(self, style: Style, known: Sequence[tuple[_Part, ...]]) -> Style:
-        """Options changed as long as that helps, one at a time and then two."""
-        for count in (1, 2):
-            again = True
-            while again:
-                again = False
-                for names_of in combinations(STYLE_OPTIONS, count):
-                    concerned = [parts for parts in known if any(set(names_of) & set(part.options) for part in parts)]
-                    if all(part.fits(style) for parts in concerned for part in parts):
-                        continue
-                    before = _score(style, concerned)
-                    trials = (replace(style, **values) for values in _choices(names_of))
-                    best = max(trials, key=lambda trial: _score(trial, concerned))
-                    if _score(best, concerned) > before:
-                        style, again = best, True
-        return style
 
     def finding(self, style: Style) -> StyleFinding:
         """What a style makes of the examples.
@@ -210,14 +192,25 @@ class StyleEvidence:
         """
         return StyleFinding(
             style,
-            tuple(_finding(example, parts, style) for example, parts in zip(self.examples, self._parts, strict=True)),
+            tuple(
+                _finding(example, parts, style, self._robots[id(example.robot)].model(style))
+                for example, parts in zip(self.examples, self._parts, strict=True)
+            ),
         )
 
 
-def _choices(options: Iterable[str]) -> Iterator[dict[str, Any]]:
-    """All values of some options."""
-    chosen = tuple(options)
-    return (dict(zip(chosen, values, strict=True)) for values in product(*(STYLE_OPTIONS[name] for name in chosen)))
+def _improved(style: Style, known: Sequence[tuple[_Part, ...]]) -> Style:
+    """Options changed as some part asks for it, as long as that makes more parts and examples come out as printed."""
+    best = _score(style, known)
+    while True:
+        different = [part for parts in known for part in parts if not part.fits(style)]
+        moves = {move for part in different for move in part.remedies(style)}
+        # in a fixed order, so that of equally good moves the same is made everywhere
+        trials = [(_score(move, known), -len(move.options()), str(move), move) for move in moves]
+        score, _, _, improved = max(trials, key=lambda trial: trial[:3], default=(best, 0, "", style))
+        if score <= best:
+            return style
+        best, style = score, improved
 
 
 def _score(style: Style, known: Iterable[tuple[_Part, ...]]) -> tuple[int, int]:
@@ -236,12 +229,21 @@ class _Robot:
         self.robot = robot
         self._models: dict[Style, Model] = {}
         self._exact: dict[Contraction, Model] = {}
-        self._written: dict[tuple[str, Style], Expression] = {}
+        self._forms: dict[tuple[str, Style], object] = {}
 
     @cached_property
     def opposed(self) -> bool:
         """Whether axes that are parallel but opposed could be contracted."""
         return contracted_groups(self.robot, Contraction.OPPOSED) != contracted_groups(self.robot, Contraction.ALIGNED)
+
+    @cached_property
+    def lengths(self) -> frozenset[str]:
+        """Symbols of the table and prismatic variables, all that is no angle in a kinematic formula."""
+        angles = {joint.variable for joint in self.robot.joints if joint.is_revolute}
+        cells = [cell for joint in self.robot.joints for cell in (joint.a, joint.d)]
+        cells += [cell for link in self.robot.links for cell in link.com]
+        cells += [row[3] for matrix in (self.robot.base, self.robot.tool) for row in matrix]
+        return frozenset(name for cell in cells for name in names(cell)) - angles
 
     def model(self, style: Style) -> Model:
         """The model in a style."""
@@ -251,19 +253,18 @@ class _Robot:
             self._models[style] = self._exact[style.contraction].with_style(style)
         return self._models[style]
 
-    def written(self, quantity: str, style: Style) -> Expression:
-        """A scalar quantity in a style."""
+    def form(self, quantity: str, style: Style) -> object:
+        """The form of a scalar quantity in a style."""
         key = (quantity, style)
-        if key not in self._written:
-            self._written[key] = expression_from_sympy(scalar_quantity(self.model(style), quantity))
-        return self._written[key]
+        if key not in self._forms:
+            self._forms[key] = form_of(expression_from_sympy(scalar_quantity(self.model(style), quantity)))
+        return self._forms[key]
 
 
-@dataclass
 class _Part:
     """A part of an example that is written independently of the others.
 
-    Attributes:
+    Args:
         title: What it is, for reasons; empty for the whole.
         printed: What the book prints.
         robot: Whose part it is.
@@ -271,29 +272,42 @@ class _Part:
         options: The options that decide how it is written.
     """
 
-    title: str
-    printed: Expression
-    robot: _Robot
-    quantity: str
-    options: tuple[str, ...]
-    known: dict[tuple[str, ...], bool] = field(default_factory=dict)
+    def __init__(self, title: str, printed: Expression, robot: _Robot, quantity: str, options: tuple[str, ...]) -> None:
+        self.title, self.options = title, options
+        self._form, self._robot, self._quantity = form_of(printed), robot, quantity
+        self._fits: dict[tuple[StrEnum, ...], bool] = {}
 
     def fits(self, style: Style) -> bool:
         """Whether it comes out as printed."""
         key = tuple(getattr(style, name) for name in self.options)
-        if key not in self.known:
-            plain = replace(Style(), **dict(zip(self.options, key, strict=True)))
-            self.known[key] = same_form(self.printed, self.robot.written(self.quantity, plain))
-        return self.known[key]
+        if key not in self._fits:
+            alone = _effective(Style().changed(dict(zip(self.options, key, strict=True))), self.options)
+            self._fits[key] = self._robot.form(self._quantity, alone) == self._form
+        return self._fits[key]
 
-    def remedies(self, style: Style) -> dict[str, Any] | None:
-        """The fewest changes of options, one or two, with which it comes out as printed; None where none do."""
-        for count in (1, 2, 3):
-            for names_of in combinations(self.options, count):
-                for values in _choices(names_of):
-                    if self.fits(replace(style, **values)):
-                        return values
-        return None
+    def remedies(self, style: Style) -> list[Style]:
+        """The styles with the fewest changes, one or two, in which it comes out as printed."""
+        for count in (1, 2):
+            chosen = (
+                style.changed(dict(zip(some, values, strict=True)))
+                for some in combinations(self.options, count)
+                for values in product(*(STYLE_OPTIONS[name] for name in some))
+            )
+            found = [trial for trial in chosen if self.fits(trial)]
+            if found:
+                return found
+        return []
+
+
+def _effective(style: Style, options: tuple[str, ...]) -> Style:
+    """A style without options that others leave without effect, so that equal forms are written once."""
+    for rates, grouping in (("accelerations", "inertia"), ("velocities", "christoffel")):
+        if rates in options and "torques" in options:
+            chosen = getattr(style, grouping) if style.torques is Grouping.USUAL else style.torques
+            if getattr(style, rates) in (Rates.TERM, Rates.GEOMETRY):
+                style, chosen = style.changed({name: getattr(Style(), name) for name in _BODIES}), Grouping.USUAL
+            style = style.changed({"torques": Grouping.USUAL, grouping: chosen})
+    return style
 
 
 def _parts(known: _Robot, example: Example) -> Iterator[_Part]:
@@ -307,7 +321,8 @@ def _parts(known: _Robot, example: Example) -> Iterator[_Part]:
             yield _Part(title, printed[title], known, whole, (*OPTIONS_OF.get(name, ()), *contraction))
         return
     is_kinematic = not quantity.dynamic or quantity.name.startswith("J")
-    options = OPTIONS_OF.get(quantity.name, _KINEMATIC if is_kinematic else ())
+    kinematic = ("positions" if known.lengths & set(names(example.formula)) else "rotations", "short")
+    options = OPTIONS_OF.get(quantity.name, kinematic if is_kinematic else ())
     yield _Part("", example.formula, known, example.quantity, (*options, *contraction))
 
 
@@ -346,8 +361,8 @@ def _addends(e: Expression) -> Iterator[Expression]:
 # -- what is said
 
 
-def _finding(example: Example, parts: tuple[_Part, ...], style: Style) -> ExampleFinding:
-    written = scalar_quantity(parts[0].robot.model(style), example.quantity)
+def _finding(example: Example, parts: tuple[_Part, ...], style: Style, model: Model) -> ExampleFinding:
+    written = scalar_quantity(model, example.quantity)
     different = [part for part in parts if not part.fits(style)]
     if not different:
         return ExampleFinding(example, Outcome.SAME_FORM, written)
@@ -358,12 +373,14 @@ def _finding(example: Example, parts: tuple[_Part, ...], style: Style) -> Exampl
 
 def _reason(part: _Part, style: Style) -> str:
     """Which options would write a part as printed."""
-    remedies = part.remedies(style)
     subject = f"the terms of {part.title}: " if part.title else ""
-    if remedies is None:
+    remedies = part.remedies(style)
+    if not remedies:
         return f"{subject}grouped as no options do"
-    changes = ", ".join(f"{name}: {value}" for name, value in remedies.items() if value != getattr(style, name))
-    return f"{subject}as printed with {changes}, which fewer of the others have"
+    remedy = min(remedies, key=lambda trial: (len(trial.options()), str(trial)))
+    values = {name: getattr(remedy, name) for name in STYLE_OPTIONS}
+    changes = ", ".join(f"{name}: {value}" for name, value in values.items() if value is not getattr(style, name))
+    return f"{subject}as printed with {changes}, which fewer of the other formulas have"
 
 
 def _has_sum(e: Expression) -> bool:

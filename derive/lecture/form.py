@@ -38,6 +38,7 @@ from derive.lecture.plan import (
 from derive.lecture.sympy_conversion import Expr, factor_to_sympy
 from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition, project
 from derive.robot.style import (
+    Brackets,
     CommonFactors,
     GravityPlace,
     Grouping,
@@ -50,6 +51,9 @@ from derive.robot.style import (
 
 MOST_SHORT_TERMS = 3
 """A kinematic sum with at most so many terms is short, see `ShortSums`."""
+
+SAVING = 2
+"""Operations that lengths inside a joint's bracket must save, see `LengthOrder.USUAL`."""
 
 MAX_CANDIDATE_TERMS = 300
 """Entries with more terms are grouped by the first rule alone: candidates would cost more time than they give sight."""
@@ -67,10 +71,14 @@ class SymbolRoles:
     Attributes:
         inertial: Masses and moments of inertia.
         gravity: Symbols of the acceleration of gravity.
+        moments: Moments of inertia alone.
+        point_masses: Whether no body has a moment of inertia.
     """
 
     inertial: frozenset[str] = frozenset()
     gravity: frozenset[str] = frozenset()
+    moments: frozenset[str] = frozenset()
+    point_masses: bool = False
 
 
 class LectureForm:
@@ -95,6 +103,8 @@ class LectureForm:
         roles, factors = roles or SymbolRoles(), list(enumerate(self.table.factors))
         symbols = {i: getattr(f.argument, "name", "") for i, f in factors if f.kind is Kind.PARAMETER}
         self.inertial: Level = frozenset(i for i, name in symbols.items() if name in roles.inertial)
+        self._moments: Level = frozenset(i for i, name in symbols.items() if name in roles.moments)
+        self._point_masses = roles.point_masses
         self._gravity: Level = frozenset(i for i, name in symbols.items() if name in roles.gravity)
         self._lengths: Level = frozenset(i for i, f in factors if f.kind in (Kind.PARAMETER, Kind.VARIABLE))
         self._sines: Level = frozenset(i for i, f in factors if f.kind in (Kind.SINE, Kind.COSINE))
@@ -148,27 +158,46 @@ class LectureForm:
         if self._stays_flat(terms):
             return flat(terms)
         match self.style.positions:
-            case LengthOrder.BASE:
-                return self._by_joints(terms, Order.BASE)
-            case LengthOrder.TOOL:
-                return self._by_joints(terms, Order.TOOL)
-            case LengthOrder.EXPANDED:
-                return flat(terms)
+            case LengthOrder.USUAL:
+                by_base, by_length = self._by_joints(terms, Order.BASE), self._by_length(terms, Order.BASE)
+                saved = by_length.operations - by_base.operations
+                return by_length if saved < SAVING and self._has_direction(terms) else by_base
             case LengthOrder.LENGTH:
-                inside, among = Order.BASE, None
+                return self._by_length(terms, Order.BASE)
             case LengthOrder.LENGTH_TOOL:
-                inside, among = Order.TOOL, None
+                return self._by_length(terms, Order.TOOL)
             case LengthOrder.LENGTH_EXPANDED:
-                inside, among = Order.EXPANDED, frozenset[int]()
+                return self._by_length(terms, Order.EXPANDED)
+            case order:
+                return self._by_joints(terms, Order(order.value))
+
+    def _has_direction(self, terms: Terms) -> bool:
+        """Whether a length multiplies a sum over the brackets of the first joint: ``d6*(c1*(...) + s1*(...))``."""
+        first = next((joint for joint in self._outwards if any(f in joint for m in terms for f, _ in m)), frozenset())
+        brackets = partition({m: c for m, c in terms.items() if project(m, first)}, self._lengths)
+        return any(len(partition(part, first)) > 1 for part in brackets.values())
+
+    def _by_length(self, terms: Terms, inside: Order) -> Plan:
+        """Each length in front of what it multiplies, a common sine or cosine in front of all."""
+        among = frozenset[int]() if inside is Order.EXPANDED else None
         by_length = partial(grouped, level=self._lengths, inside=lambda part: self._beside_length(part, inside))
         return factored(terms, by_length, among)
 
     def _by_joints(self, terms: Terms, order: Order) -> Plan:
         """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
-        if order is Order.EXPANDED:
-            return flat(terms)
-        joints, place = (self._outwards, 1) if order is Order.BASE else (self._outwards[::-1], len(self._outwards))
-        return cheapest([nested(terms, [*joints[:place], self._lengths, *joints[place:]]), flat(terms)])
+        present = {f for m in terms for f, _ in m}
+        outwards = [joint for joint in self._outwards if present & joint]
+        match order:
+            case Order.EXPANDED:
+                return flat(terms)
+            case Order.BASE_EXPANDED | Order.TOOL_EXPANDED:
+                first = outwards[:1] if order is Order.BASE_EXPANDED else outwards[-1:]
+                return grouped(terms, first[0], flat) if first else flat(terms)
+            case Order.BASE:
+                levels = [*outwards[:1], self._lengths, *outwards[1:]]
+            case Order.TOOL:
+                levels = [*outwards[::-1], self._lengths]
+        return cheapest([nested(terms, levels), flat(terms)])
 
     def _beside_length(self, terms: Terms, order: Order) -> Plan:
         return flat(terms) if self._stays_flat(terms) else self._by_joints(terms, order)
@@ -212,7 +241,8 @@ class LectureForm:
         Args:
             p: A polynomial of the domain.
         """
-        return self._with_gravity(p, self.style.gravity)
+        grouping = self.style.gravity
+        return self._with_gravity(p, Grouping.FUNCTION if grouping is Grouping.USUAL else grouping)
 
     def potential(self, p: Polynomial) -> Expr:
         """The potential energy.
@@ -220,7 +250,8 @@ class LectureForm:
         Args:
             p: A polynomial of the domain.
         """
-        return self._with_gravity(p, self.style.potential)
+        grouping = self.style.potential
+        return self._with_gravity(p, Grouping.BODY if grouping is Grouping.USUAL else grouping)
 
     def _with_gravity(self, p: Polynomial, grouping: Grouping) -> Expr:
         outside = self._gravity if self.style.g is GravityPlace.OUTSIDE else frozenset[int]()
@@ -229,9 +260,35 @@ class LectureForm:
     def _dynamic_plan(self, terms: Terms, grouping: Grouping) -> Plan:
         """A sum in masses and inertias, grouped by body, by geometry, by function of q, or expanded."""
         if grouping is Grouping.BODY:
-            return grouped(terms, self.inertial, self._geometry_inside)
+            return self._by_body(terms)
+        if self.style.factors is CommonFactors.ALL and grouping is not Grouping.EXPANDED:
+            return factored(terms, lambda rest: self._not_by_body(rest, grouping))
+        return self._not_by_body(terms, grouping)
+
+    def _not_by_body(self, terms: Terms, grouping: Grouping) -> Plan:
         products, rest = self._products_of_bodies(terms)
         return joined([*([self._grouped_plan(rest, grouping)] if rest else []), *products])
+
+    def _by_body(self, terms: Terms) -> Plan:
+        """``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``: geometry collected for each mass and moment of inertia."""
+        if self.style.brackets is Brackets.LONG:
+            bodies = partition(terms, self.inertial)
+            short = [flat(_whole(body, part)) for body, part in bodies.items() if len(part) < 3]
+            long = [_whole(body, part) for body, part in bodies.items() if len(part) > 2]
+            return joined([*short, *(grouped(part, self.inertial, self._geometry_inside) for part in long)])
+        return grouped(terms, self.inertial, self._geometry_inside)
+
+    def _usual(self, terms: Terms) -> Plan:
+        """By geometry of point masses; by body, but ``(Iy2 - Iz2 - m2*r1**2)*c2*s2`` in one bracket."""
+        if self._point_masses:
+            return self._by_geometry(terms)
+        plans, others = list[Plan](), dict(terms)
+        for function, part in partition(terms, self._sines).items():
+            signs = {coefficient > 0 for m, coefficient in part.items() if project(m, self._moments)}
+            if function and len(signs) == 2:
+                plans.append(grouped(_whole(function, part), self._sines, flat))
+                others = {m: c for m, c in others.items() if project(m, self._sines) != function}
+        return joined([*([self._by_body(others)] if others else []), *plans])
 
     def _grouped_plan(self, terms: Terms, grouping: Grouping) -> Plan:
         """`_dynamic_plan` of what is no product."""
@@ -241,8 +298,10 @@ class LectureForm:
                 return flat(terms)
             case Grouping.GEOMETRY:
                 return self._by_geometry(terms)
+            case Grouping.USUAL:
+                return self._usual(terms)
             case Grouping.FUNCTION_BODY:
-                inside = partial(grouped, level=self.inertial, inside=self._geometry_inside)
+                inside = self._by_body
             case Grouping.FUNCTION_GEOMETRY:
                 inside = self._by_geometry
         in_terms = self.style.g is GravityPlace.TERM
@@ -259,10 +318,10 @@ class LectureForm:
             return [], terms
         products, rest = list[Plan](), Terms()
         for body, part in partition(terms, self.inertial).items():
-            whole = {multiply(body, m): c for m, c in part.items()}
+            whole = _whole(body, part)
             plan = self._geometry_inside(part) if body else None
             if (isinstance(plan, Times) and project(plan.monomial, self._sines)) or _is_product(plan):
-                products.append(grouped(whole, self.inertial, self._geometry_inside))
+                products.append(self._by_body(whole))
             else:
                 rest.update(whole)
         return products, rest
@@ -302,6 +361,11 @@ class LectureForm:
             factors: A monomial in the factors of `table`.
         """
         return self._products.term(Fraction(1), factors)
+
+
+def _whole(factor: Monomial, terms: Terms) -> Terms:
+    """A sum multiplied by a monomial."""
+    return {multiply(factor, m): c for m, c in terms.items()}
 
 
 def _is_product(plan: Plan | None) -> bool:

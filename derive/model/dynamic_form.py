@@ -140,21 +140,32 @@ class DynamicForm:
             writing: How coefficients and rates are written.
         """
         known = [(p, rate) for p, rate in pairs if p]
-        if writing.rates is Rates.TERM and all(self.dynamics.expanded_size(p) <= writing.limit for p, _ in known):
-            return self._by_term(known)
-        if writing.rates in (Rates.PRODUCT, Rates.EXPANDED):
-            written = ((self.entry(p, writing.limit, writing.grouping), rate) for p, rate in known)
-            return sympy.Add(*(times_rate(value, rate, writing.rates) for value, rate in written))
+        if all(self.dynamics.expanded_size(p) <= writing.limit for p, _ in known):
+            if writing.rates is Rates.TERM:
+                return self._by_term(known)
+            if writing.rates is Rates.GEOMETRY:
+                return self._by_geometry(known)
         groups: dict[object, tuple[Polynomial, list[Expr]]] = {}
-        for p, rate in known:
-            key, opposite = p.key(), (-p).key()
-            if opposite in groups:
-                groups[opposite][1].append(-rate)
+        for number, (p, rate) in enumerate(known):
+            if not self._collects(p, writing.rates):
+                groups[number] = (p, [rate])
+            elif (-p).key() in groups:
+                groups[(-p).key()][1].append(-rate)
             else:
-                groups.setdefault(key, (p, []))[1].append(rate)
-        collect = sympy.factor_terms if writing.rates is Rates.FACTORED else sympy.sympify
-        values = ((self.entry(p, writing.limit, writing.grouping), rates) for p, rates in groups.values())
-        return sympy.Add(*(sympy.Mul(value, collect(sympy.Add(*rates))) for value, rates in values))
+                groups.setdefault(p.key(), (p, []))[1].append(rate)
+        written = []
+        for p, rates in groups.values():
+            value, rate = self.entry(p, writing.limit, writing.grouping), sympy.Add(*rates)
+            factored = sympy.factor_terms(rate) if writing.rates is Rates.FACTORED else rate
+            written.append(times_rate(value, factored, writing.rates))
+        return sympy.Add(*written)
+
+    def _collects(self, p: Polynomial, rates: Rates) -> bool:
+        """Whether the rates of a coefficient stand in one bracket."""
+        if rates is Rates.USUAL:
+            size = self.dynamics.expanded_size(p)
+            return size == 1 or (size <= self.budget.entry and len(self.form.terms(self.dynamics.expand(p))) == 1)
+        return rates in (Rates.SYMBOL, Rates.FACTORED)
 
     def _by_term(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
         """Every product of lengths once, each mass or sum of masses with its combination of rates.
@@ -176,6 +187,21 @@ class DynamicForm:
             for combination, masses in alike.items():
                 rate = sympy.Add(*(int(value) * rate for rate, value in combination))
                 parts.append(sympy.Mul(form.sympy(joined(masses)), form.monomial(geometry), rate))
+        return sympy.Add(*parts)
+
+    def _by_geometry(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
+        """Every product of lengths once, in its bracket every product of rates with its masses.
+
+        ``a1*l2*c2*((m2 + 2*m3)*qdd1 + (m2/2 + m3)*qdd2)``
+        """
+        by_geometry: dict[Monomial, dict[Expr, list[Plan]]] = {}
+        for (body, geometry), rates in self._combinations(pairs).items():
+            for rate, value in rates.items():
+                by_geometry.setdefault(geometry, {}).setdefault(rate, []).append(Term(value, body))
+        write, parts = self.form.sympy, []
+        for geometry, inside in by_geometry.items():
+            bracket = sympy.Add(*(sympy.Mul(write(joined(masses)), rate) for rate, masses in inside.items()))
+            parts.append(sympy.Mul(self.form.monomial(geometry), bracket))
         return sympy.Add(*parts)
 
     def energy(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:

@@ -16,7 +16,7 @@ from derive.model.dynamic_form import DynamicForm, RateWriting
 from derive.model.dynamics import Dynamics
 from derive.model.identification.closed_forms import IdentifiedModel
 from derive.model.matrices import aligned_latex, columns_matrix, only_body, symmetric_matrix
-from derive.robot.style import Kinetic
+from derive.robot.style import Grouping, Kinetic
 
 MAX_DYNAMIC_TERMS = 400_000
 """Budget of one entry of B; beyond it only the generated functions remain."""
@@ -255,7 +255,7 @@ class DynamicModel(IdentifiedModel):
     def B_qdd(self) -> Matrix:
         """B qdd, nx1: the part of the torques that accelerations ask for [N m or N]."""
         b, n = self.dynamics.inertia_matrix, range(self.n)
-        writing = RateWriting(self.style.accelerations, self.style.inertia, self.inertia_limit)
+        writing = RateWriting(self.style.accelerations, self._in_torques(self.style.inertia), self.inertia_limit)
         return sympy.ImmutableMatrix(
             [self.dynamic_form.rate_sum([(b[i][j], self.qdd[j]) for j in n], writing) for i in n]
         )
@@ -263,7 +263,8 @@ class DynamicModel(IdentifiedModel):
     @cached_property
     def coriolis_vector(self) -> Matrix:
         """C qd, nx1: Coriolis and centrifugal torques [N m or N]."""
-        writing = RateWriting(self.style.velocities, self.style.christoffel, self.christoffel_limit)
+        grouping = self._in_torques(self.style.christoffel)
+        writing = RateWriting(self.style.velocities, grouping, self.christoffel_limit)
         return sympy.ImmutableMatrix(
             [self.dynamic_form.rate_sum(self.velocity_pairs(i), writing) for i in range(self.n)]
         )
@@ -310,6 +311,10 @@ class DynamicModel(IdentifiedModel):
     def tau(self) -> Matrix:
         """Joint torques, nx1 [N m or N]: B qdd + C qd + g + friction (Siciliano et al., Robotics, eq. 7.42)."""
         return self.B_qdd + self.coriolis_vector + self.g + self.friction
+
+    def _in_torques(self, grouping: Grouping) -> Grouping:
+        """What is grouped first in a coefficient that stands in a torque."""
+        return grouping if self.style.torques is Grouping.USUAL else self.style.torques
 
     def velocity_pairs(self, i: int) -> list[tuple[Polynomial, Expr]]:
         """What C qd consists of: sum_jk c_ijk qd_j qd_k, each pair of joints once.

@@ -12,12 +12,12 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError
-from derive.lecture.form import LectureForm, SymbolRoles
+from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.model.kinematics import Kinematics
 from derive.model.long_chain import LongChain
-from derive.model.matrices import columns_matrix, frame_matrix, gravity_symbols, inertial_symbols
+from derive.model.matrices import columns_matrix, frame_matrix, symbol_roles
 from derive.model.singularities.determinant import Singularities, find_singularities
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
@@ -98,8 +98,7 @@ class KinematicModel:
     @cached_property
     def form(self) -> LectureForm:
         """How expressions are written."""
-        roles = SymbolRoles(inertial_symbols(self.robot), gravity_symbols(self.robot))
-        return LectureForm(self.domain, roles, self.style)
+        return LectureForm(self.domain, symbol_roles(self.robot), self.style)
 
     @cached_property
     def _long(self) -> LongChain:

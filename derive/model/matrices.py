@@ -8,10 +8,11 @@ from typing import Any
 
 import sympy
 
+from derive.lecture.form import SymbolRoles
 from derive.lecture.sympy_conversion import Matrix
 from derive.mechanics.vectors import Frame, Vector
 from derive.robot.description import Link, Motor
-from derive.robot.expression import names
+from derive.robot.expression import ZERO, Expression, names
 from derive.robot.robot import Robot
 
 Write = Callable[[Any], Any]
@@ -56,33 +57,27 @@ def symmetric_matrix(n: int, upper: Sequence[Any]) -> Matrix:
     return sympy.ImmutableMatrix([[written[min(i, j), max(i, j)] for j in range(n)] for i in range(n)])
 
 
-def inertial_symbols(robot: Robot) -> frozenset[str]:
-    """Symbols of masses and moments of inertia, by which dynamics is grouped; lengths in a moment of inertia are none.
+def symbol_roles(robot: Robot) -> SymbolRoles:
+    """Symbols of masses, moments of inertia and gravity, by which dynamics is grouped.
+
+    Lengths in a moment of inertia are none of them: of ``m*l**2/12`` the mass alone leads.
 
     Args:
         robot: The robot.
     """
     masses: set[str] = set()
-    inertias: list[set[str]] = []
+    moments: list[Expression] = []
     lengths = {name for joint in robot.joints for cell in (joint.a, joint.d) for name in names(cell)}
     for link in robot.links:
         t, motor = link.inertia, link.motor or Motor()
         lengths.update(name for cell in link.com for name in names(cell))
         masses.update(*(names(cell) for cell in (link.mass, motor.mass)))
-        cells = (t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature, motor.inertia)
-        inertias += [set(names(cell)) for cell in cells]
-    # of a moment of inertia such as m*l**2/12 the mass alone leads
-    plain = (found for found in inertias if found.isdisjoint(masses))
-    return frozenset(masses.union(*plain) - lengths)
-
-
-def gravity_symbols(robot: Robot) -> frozenset[str]:
-    """Symbols of the acceleration of gravity.
-
-    Args:
-        robot: The robot.
-    """
-    return frozenset(name for cell in robot.gravity or () for name in names(cell))
+        moments += (t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature, motor.inertia)
+    plain = [set(names(cell)) for cell in moments if masses.isdisjoint(names(cell))]
+    inertias, heavy = frozenset(set().union(*plain) - lengths), frozenset(masses - lengths)
+    gravity = frozenset(name for cell in robot.gravity or () for name in names(cell))
+    point_masses = robot.has_dynamics and all(cell == ZERO for cell in moments)
+    return SymbolRoles(heavy | inertias, gravity, inertias, point_masses)
 
 
 def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:

@@ -18,6 +18,7 @@ from derive.robot.style import (
     DEFAULT_STYLE,
     PARTS,
     AngleLetter,
+    Brackets,
     CommonFactors,
     Contraction,
     Derivation,
@@ -151,9 +152,11 @@ class StyleRow(Strict):
     inertia: Grouping | None = Field(default=None, description="What is grouped first in the inertia matrix.")
     christoffel: Grouping | None = Field(default=None, description="What is grouped first in Christoffel symbols.")
     gravity: Grouping | None = Field(default=None, description="What is grouped first in torques of gravity.")
+    torques: Grouping | None = Field(default=None, description="What is grouped first in the coefficients of torques.")
     potential: Grouping | None = Field(default=None, description="What is grouped first in the potential energy.")
     kinetic: Kinetic | None = Field(default=None, description="Kinetic energy by entries of B, or by bodies.")
     products: Products | None = Field(default=None, description="Whether products of sums stay products.")
+    brackets: Brackets | None = Field(default=None, description="Which bodies' coefficients stand in brackets.")
     factors: CommonFactors | None = Field(default=None, description="What is taken out of a body's bracket.")
     g: GravityPlace | None = Field(default=None, description="Gravity in every term, or in front of more.")
     coriolis: Rates | None = Field(default=None, description="How rates are collected in C, N and dB/dt.")

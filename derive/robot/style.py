@@ -53,12 +53,16 @@ class Order(StrEnum):
 
     Attributes:
         BASE: The sines and cosines of the joints from the base outwards: ``c1*(c2*(c4*c5*c6 - s4*s6) - s2*s5*c6)``.
+        BASE_EXPANDED: Those of the first joint alone: ``c1*(c2*c4*c5*c6 - c2*s4*s6 - s2*s5*c6) - s1*(...)``.
         TOOL: Those of the joints from the tool inwards: ``c6*(c5*(...) - s5*(...)) - s6*(...)``.
+        TOOL_EXPANDED: Those of the last joint alone.
         EXPANDED: Nothing: a sum of products.
     """
 
     BASE = "base"
+    BASE_EXPANDED = "base-expanded"
     TOOL = "tool"
+    TOOL_EXPANDED = "tool-expanded"
     EXPANDED = "expanded"
 
 
@@ -66,16 +70,23 @@ class LengthOrder(StrEnum):
     """What is grouped first in an entry with lengths: of a position, of the upper half of a Jacobian.
 
     Attributes:
+        USUAL: As `BASE`; but where a length multiplies a direction in all brackets, such as the one from the wrist to
+            the tool, as `LENGTH` unless that costs two operations.
         BASE: The joints from the base outwards, lengths inside the first bracket: ``c1*(a2*c2 + a3*c23)``.
+        BASE_EXPANDED: The first joint alone.
         TOOL: The joints from the tool inwards.
+        TOOL_EXPANDED: The last joint alone.
         LENGTH: Each length, then the joints from the base outwards: ``d6*(c1*(c2*s5 + s2*c5) + s1) + c1*s2*q3``.
         LENGTH_TOOL: Each length, then the joints from the tool inwards.
         LENGTH_EXPANDED: Each length, what it multiplies expanded.
         EXPANDED: Nothing: a sum of products.
     """
 
+    USUAL = "usual"
     BASE = "base"
+    BASE_EXPANDED = "base-expanded"
     TOOL = "tool"
+    TOOL_EXPANDED = "tool-expanded"
     LENGTH = "length"
     LENGTH_TOOL = "length-tool"
     LENGTH_EXPANDED = "length-expanded"
@@ -100,6 +111,8 @@ class Grouping(StrEnum):
     """What is grouped first in dynamics.
 
     Attributes:
+        USUAL: Torques of gravity by function; anything else of point masses by geometry, of bodies with moments of
+            inertia by body, in Christoffel symbols differences of moments of inertia by function: ``(Iy - Iz)*c2*s2``.
         BODY: Masses and moments of inertia: ``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``.
         GEOMETRY: Each product of lengths and functions of q: ``(m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2``.
         FUNCTION: Each function of q, its coefficient a sum of products: ``(m1*l1 + m2*a1)*g*c1``.
@@ -108,6 +121,7 @@ class Grouping(StrEnum):
         EXPANDED: Nothing: a sum of products.
     """
 
+    USUAL = "usual"
     BODY = "body"
     GEOMETRY = "geometry"
     FUNCTION = "function"
@@ -134,7 +148,7 @@ class CommonFactors(StrEnum):
     Attributes:
         NONE: None: ``m3*(a2*l3*c2*s23 + l3**2*c23*s23)``.
         FUNCTIONS: Functions of q: ``m3*s23*(a2*l3*c2 + l3**2*c23)``.
-        ALL: Lengths too: ``m3*l3*s23*(a2*c2 + l3*c23)``.
+        ALL: Lengths too: ``m3*l3*s23*(a2*c2 + l3*c23)``; of an entry that is not grouped by body, those of the whole.
     """
 
     NONE = "none"
@@ -172,18 +186,35 @@ class Rates(StrEnum):
     """How velocities and accelerations are collected.
 
     Attributes:
+        USUAL: A coefficient of one term as `SYMBOL`, of several as `PRODUCT`.
         PRODUCT: Each product of rates with its coefficient: ``-2*h*qd1*qd2 - h*qd2**2``.
         SYMBOL: Each coefficient (a Christoffel symbol, an entry of B) with its rates: ``-h*(2*qd1*qd2 + qd2**2)``.
         FACTORED: The same, a common velocity in front: ``-h*qd2*(2*qd1 + qd2)``.
         TERM: Each term of the coefficients with its rates: ``m2*l2**2*(qdd1 + qdd2) + m2*a1*l2*c2*(2*qdd1 + qdd2)``.
+        GEOMETRY: The same, in each bracket every product of rates with its masses:
+            ``a1*l2*c2*((m2 + 2*m3)*qdd1 + (m2/2 + m3)*qdd2)``.
         EXPANDED: Multiplied out.
     """
 
+    USUAL = "usual"
     PRODUCT = "product"
     SYMBOL = "symbol"
     FACTORED = "factored"
     TERM = "term"
+    GEOMETRY = "geometry"
     EXPANDED = "expanded"
+
+
+class Brackets(StrEnum):
+    """Which bodies' coefficients stand in brackets.
+
+    Attributes:
+        ALL: All sums: ``m2*(l2**2 + a1*l2*c2) + I2``.
+        LONG: Sums of three terms or more: ``m2*l2**2 + m2*a1*l2*c2 + I2``, but ``m2*(a1**2 + l2**2 + 2*a1*l2*c2)``.
+    """
+
+    ALL = "all"
+    LONG = "long"
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,9 +231,11 @@ class Style:
         inertia: What is grouped first in B.
         christoffel: What is grouped first in a Christoffel symbol, hence in C.
         gravity: What is grouped first in g.
+        torques: What is grouped first in the coefficients of torques; as in B and Christoffel symbols if `USUAL`.
         potential: What is grouped first in the potential energy.
         kinetic: How the kinetic energy is written.
         products: Whether products of sums stay products within one body.
+        brackets: Which bodies' coefficients stand in brackets.
         factors: Which common factors stand in front of a body's bracket.
         g: Where the acceleration of gravity stands.
         coriolis: How the rates are collected in C, N and dB/dt.
@@ -212,18 +245,20 @@ class Style:
     """
 
     rotations: Order = Order.BASE
-    positions: LengthOrder = LengthOrder.BASE
+    positions: LengthOrder = LengthOrder.USUAL
     short: ShortSums = ShortSums.NESTED
-    inertia: Grouping = Grouping.BODY
-    christoffel: Grouping = Grouping.BODY
-    gravity: Grouping = Grouping.FUNCTION
-    potential: Grouping = Grouping.BODY
+    inertia: Grouping = Grouping.USUAL
+    christoffel: Grouping = Grouping.USUAL
+    gravity: Grouping = Grouping.USUAL
+    torques: Grouping = Grouping.USUAL
+    potential: Grouping = Grouping.USUAL
     kinetic: Kinetic = Kinetic.MATRIX
     products: Products = Products.KEPT
-    factors: CommonFactors = CommonFactors.NONE
+    brackets: Brackets = Brackets.ALL
+    factors: CommonFactors = CommonFactors.FUNCTIONS
     g: GravityPlace = GravityPlace.BRACKET
     coriolis: Rates = Rates.SYMBOL
-    velocities: Rates = Rates.PRODUCT
+    velocities: Rates = Rates.USUAL
     accelerations: Rates = Rates.PRODUCT
     contraction: Contraction = Contraction.ALIGNED
 
@@ -257,6 +292,14 @@ class Style:
                 raise QuantityError(f"style option {quoted(name)}", allowed=allowed, remedy=remedy)
             chosen[name] = choice_named(STYLE_OPTIONS[name], text, f"{name} of a style")
         return replace(NAMED_STYLES[start], **chosen)
+
+    def changed(self, values: Mapping[str, StrEnum]) -> Style:
+        """The style with other values of some options.
+
+        Args:
+            values: Values by the names of the options.
+        """
+        return replace(self, **cast(Mapping[str, Any], values))
 
     def options(self) -> dict[str, str]:
         """The fewest options that say the style: a set under ``name``, if not the default one, and what it changes.

@@ -58,7 +58,7 @@ def test_the_block_of_the_file_has_a_key_for_every_option_and_its_values() -> No
         ("roman", r"style 'roman'; allowed: compact, by-geometry, expanded, or options such as gravity: body"),
         ("by-geometri", r"did you mean 'by-geometry'\?"),
         ("gravty: body", r"style option 'gravty'; allowed: rotations.*; did you mean 'gravity'\?"),
-        ("gravity: mass", r"gravity of a style 'mass'; body, geometry"),
+        ("gravity: mass", r"gravity of a style 'mass'; usual, body, geometry"),
         ("gravity: body, gravity: body", r"'gravity' twice"),
         ("", r"style ''"),
     ],
@@ -73,7 +73,7 @@ def test_an_unknown_set_option_or_value_is_refused_with_those_that_there_are(tex
     [
         ("style: roman", r"<text>:4:8: style: found 'roman'; allowed: 'compact', 'by-geometry' or 'expanded'"),
         ("style: {gravty: body}", r"<text>:4:9: style: unknown key 'gravty'.*did you mean 'gravity'\?"),
-        ("style: {gravity: mass}", r"<text>:4:18: style, gravity: found 'mass'; allowed: 'body'"),
+        ("style: {gravity: mass}", r"<text>:4:18: style, gravity: found 'mass'; allowed: 'usual', 'body'"),
         ("style: {name: by-geometri}", r"<text>:4:15: style, name: .*did you mean 'by-geometry'\?"),
         ("style: [compact]", r"<text>:4:8: style: found a list"),
         ("style: {contraction: opposed}\ncontraction: opposed", r"style, contraction: given twice"),
