@@ -91,10 +91,12 @@ class Gap:
     Attributes:
         name: LaTeX of the left side; empty for none.
         lines: Lines of room.
+        is_half: Whether two of them share a line.
     """
 
     name: str
     lines: float
+    is_half: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,6 +234,24 @@ def blocks_of(section: Section) -> Iterator[Block]:
         yield block
         if isinstance(block, Steps):
             pending += reversed(block.blocks)
+
+
+def gap_rows(gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:
+    """Gaps line by line.
+
+    Args:
+        gaps: In their order.
+
+    Returns:
+        One gap for each line, two where both are half a line wide.
+    """
+    rows: list[tuple[Gap, ...]] = []
+    for gap in gaps:
+        if gap.is_half and rows and len(rows[-1]) == 1 and rows[-1][0].is_half:
+            rows[-1] = (*rows[-1], gap)
+        else:
+            rows.append((gap,))
+    return rows
 
 
 def rows_of(block: Block) -> tuple[Rows, ...]:

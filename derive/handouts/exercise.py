@@ -16,12 +16,18 @@ from derive.handouts.document import Blank, Block, Document, Formula, Gap, Parag
 from derive.handouts.language import Text
 
 _LEAST_LINES = 2.0
+"""Lines of room for one answer."""
+
+_LEAST_OPEN = 4.0
+"""Lines of room for an answer without a left side, which may have several equations or none."""
+
 _MOST_LINES = 24.0
-"""Lines of room for one answer: less than half a page, however long the solution is."""
+"""Lines of room for one formula: less than half a page, however long it is."""
 
 _HANDWRITING = 1.5
 """Lines by hand for one in print."""
 
+_MATRIX = re.compile(r"\\begin\{bmatrix\}(.*?)\\end\{bmatrix\}", re.DOTALL)
 _SYMBOL = re.compile(r"[A-Za-z}]_\{|\d(?:\.|\{,\})\d")
 """A symbol with an index, or a number with decimals."""
 
@@ -59,15 +65,8 @@ class _Question:
         Args:
             text: The language.
         """
-        gaps = []
-        for formula in self.formulas:
-            lines = max(_HANDWRITING * _rows(formula), _symbols(formula) / _SYMBOLS_OF_A_LINE)
-            each = max(_LEAST_LINES, lines) / len(formula.blanks)
-            gaps += [Gap(name, each) for name in formula.blanks]
-        room = sum(gap.lines for gap in gaps)
-        share = min(1.0, _MOST_LINES / room)  # many small answers have less room each
-        gaps = [replace(gap, lines=max(_HANDWRITING, gap.lines * share)) for gap in gaps]
-        return Blank(f"{self.number}.", self.formulas[0].task, f"({_points(self.points, text)})", tuple(gaps))
+        gaps = tuple(gap for formula in self.formulas for gap in _gaps(formula))
+        return Blank(f"{self.number}.", self.formulas[0].task, f"({_points(self.points, text)})", gaps)
 
 
 def exercise(document: Document, text: Text) -> Document:
@@ -150,9 +149,20 @@ def _leads_in(item: Block | _Question) -> bool:
     return isinstance(item, Paragraph) and item.text.endswith(":")
 
 
-def _rows(formula: Formula) -> int:
-    """Lines of a formula in print; a matrix takes one for each row."""
-    return sum(line.count("\\\\") + 1 for line in _lines(formula))
+def _gaps(formula: Formula) -> list[Gap]:
+    """Room for the answers of one formula; those that share lines in print share them in the exercise, two on each."""
+    lines, count = _lines(formula), len(formula.blanks)
+    if lines and len(lines) < count:
+        each = max(_LEAST_LINES, _HANDWRITING * max(map(_rows, lines)))
+        return [Gap(name, each, is_half=True) for name in formula.blanks]
+    room = max(_HANDWRITING * sum(map(_rows, lines)), _symbols(formula) / _SYMBOLS_OF_A_LINE)
+    each = max(_LEAST_LINES, min(_MOST_LINES / count, room / count))
+    return [Gap(name, each if name else max(_LEAST_OPEN, each)) for name in formula.blanks]
+
+
+def _rows(line: str) -> int:
+    """Lines of a line in print: as many as its tallest matrix has rows."""
+    return max((matrix.count("\\\\") + 1 for matrix in _MATRIX.findall(line)), default=1)
 
 
 def _symbols(formula: Formula) -> int:

@@ -13,12 +13,14 @@ from derive.handouts.document import (
     Document,
     Figure,
     Formula,
+    Gap,
     Kind,
     Paragraph,
     Rows,
     Steps,
     Table,
     blocks_of,
+    gap_rows,
     rows_of,
     spans,
 )
@@ -171,7 +173,7 @@ def _written(block: Block, _: Text) -> str:
                 words=sentences,
             )
         case Blank(number, task, points, gaps):
-            rows = [_gap(gap.name, gap.lines) for gap in gaps]
+            rows = ["".join(_gap(gap) for gap in row) for row in gap_rows(gaps)]
             return _macro("blank", number=number, task=latex_words(task), points=points, displays=displays(rows))
         case Table(header, rows, long):
             head, *body = (" & ".join(map(latex_words, row)) for row in (header, *rows))
@@ -201,10 +203,11 @@ def omitted_words(block: Formula, _: Text) -> str:
     return _("These entries are too long to print; multiplied out they have so many terms:")
 
 
-def _gap(name: str, lines: float) -> str:
+def _gap(gap: Gap) -> str:
     """The left side of an answer with room behind it and below, as an invisible rule."""
-    room = f"\\rule[-{lines:.1f}\\baselineskip]{{0pt}}{{{lines:.1f}\\baselineskip}}"
-    return f"{name} = {room}" if name else room
+    room = f"\\rule[-{gap.lines:.1f}\\baselineskip]{{0pt}}{{{gap.lines:.1f}\\baselineskip}}"
+    whole = f"{gap.name} = {room}" if gap.name else room
+    return f"\\makebox[.47\\linewidth][l]{{$\\displaystyle {whole}$}}" if gap.is_half else whole
 
 
 def _macro(name: str, **values: object) -> str:

@@ -11,7 +11,7 @@ import pytest
 
 from derive.handouts.assemble import context_of, document
 from derive.handouts.context import Context
-from derive.handouts.document import Blank, Block, Document, Formula, Paragraph, Rows, Steps
+from derive.handouts.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Steps, gap_rows
 from derive.handouts.exercise import exercise, solutions
 from derive.handouts.latex_writer import latex
 from derive.robot.load import catalogue_names
@@ -59,8 +59,8 @@ def test_every_question_has_a_number_a_sentence_points_and_room(name: str) -> No
     found = questions(sheet)
     assert [question.number for question in found] == [f"{k}." for k in range(1, len(found) + 1)]
     assert all(re.fullmatch(r"[A-Z].*[.?]", question.task) for question in found)
-    assert all(gap.lines >= 1.5 for question in found for gap in question.gaps)
-    assert all(sum(gap.lines for gap in question.gaps) <= max(25, 1.5 * len(question.gaps)) for question in found)
+    assert all(gap.lines >= 2 for question in found for gap in question.gaps)
+    assert all(gap.lines <= 24 for question in found for gap in question.gaps)
     points = [int(number) for question in found for number in re.findall(r"\d+", question.points)]
     assert len(points) == len(found)
     assert sheet.form == ("Name:", "Date:", f"Points (of {sum(points)}):")
@@ -141,3 +141,23 @@ def test_an_exercise_has_at_most_twice_the_pages_of_the_handout(tmp_path: Path) 
 @pytest.mark.parametrize("name", catalogue_names())
 def test_every_exercise_has_at_most_twice_the_pages_of_the_handout(name: str, tmp_path: Path) -> None:
     assert_at_most_twice_the_pages(name, "it", Derivation.RESULT, tmp_path)
+
+
+def test_a_gap_fits_its_answer() -> None:
+    """A matrix has a line and a half for each of its rows, side by side where they are so in print."""
+    _, whole, sheet, _ = sheets(Robot.load("planar-2r-perugia"))
+    gaps = {gap.name: gap for question in questions(sheet) for gap in question.gaps}
+    assert gaps["\\mathbf{A}_{1}^{0}"].lines == 6.0
+    assert gaps["\\mathbf{A}_{1}^{0}"].is_half
+    assert gaps["\\mathbf{J}"].lines == 9.0
+    assert not gaps["\\mathbf{J}"].is_half
+    for formula in asked(whole):
+        symbols = sum(line.count("_{") for rows in formula.rows for line in rows.lines)
+        room = sum(gaps[name].lines for name in formula.blanks) * (0.5 if gaps[formula.blanks[0]].is_half else 1.0)
+        assert room >= symbols / 12, formula.task
+
+
+@pytest.mark.parametrize("lines", [2.0, 24.0])
+def test_two_halves_share_a_line(lines: float) -> None:
+    half, whole = Gap("a", lines, is_half=True), Gap("b", lines)
+    assert gap_rows([half, half, half, whole, half, half]) == [(half, half), (half,), (whole,), (half, half)]

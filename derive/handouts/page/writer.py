@@ -28,6 +28,7 @@ from derive.handouts.document import (
     Steps,
     Table,
     blocks_of,
+    gap_rows,
     spans,
 )
 from derive.handouts.figure.drawing import label_runs
@@ -220,7 +221,8 @@ class BlockWriter:
                     written = self._formula(block)
                 case Blank(number, task, points, gaps):
                     asked = f"<p class=task><b>{number}</b> {self.words(task)} {html_text(points)}</p>"
-                    written = "\n".join((asked, *(self._gap(gap) for gap in gaps)))
+                    rows = ("".join(self._gap(gap) for gap in row) for row in gap_rows(gaps))
+                    written = "\n".join((asked, *(f"<div class=answers>{row}</div>" for row in rows)))
                 case Table():
                     written = self._table(block)
                 case Figure(drawing, caption):

@@ -162,7 +162,7 @@ def energies(context: Context) -> Iterator[Block]:
     if armatures:
         yield Paragraph(_("The armatures $I_{a_i}$ are inertias of rotors seen from the joint."))
         yield textbook("armature_energy")
-    yield Paragraph(_("It is a quadratic form in the joint velocities."))
+    yield Paragraph(_("The kinetic energy is a quadratic form in the joint velocities."))
     yield textbook("kinetic_form", B=context.symbols.inertia_letter)
     if context.dynamics.is_compact(context.entries.B):
         yield formula(context, context.dynamics.closed("kinetic"), task=_("Write the kinetic energy of this arm."))

@@ -53,7 +53,10 @@ def jacobian(context: Context) -> Iterator[Block]:
     _ = context.text
     axes = _JointAxes(context)
     yield Paragraph(
-        _("In the world frame, linear velocity of the end effector in rows 1 to 3, angular velocity in rows 4 to 6.")
+        _(
+            "In the world frame; rows 1 to 3 give the linear velocity of the end effector, rows 4 to 6 its angular "
+            "velocity."
+        )
     )
     yield from _construction(context, axes)
     if context.steps:
@@ -80,7 +83,7 @@ def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
     joints = context.robot.joints
     if context.is_standard:
         text = _(
-            "Joint $i$ moves about or along $%(z)s$, the axis $z$ of frame $i-1$, through its origin $%(o)s$; "
+            "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i-1$ through its origin $%(o)s$; "
             "$%(p)s$ is the origin of the end effector, all in the world.",
             z="\\mathbf{z}_{i-1}",
             o="\\mathbf{o}_{i-1}",
@@ -88,7 +91,7 @@ def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
         )
     else:
         text = _(
-            "Joint $i$ moves about or along $%(z)s$, the axis $z$ of frame $i$, through its origin $%(o)s$; "
+            "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i$ through its origin $%(o)s$; "
             "$%(p)s$ is the origin of the end effector, all in the world.",
             z="\\mathbf{z}_{i}",
             o="\\mathbf{o}_{i}",
@@ -134,20 +137,25 @@ def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
             yield Paragraph(_("Left as products, for their entries are long:"))
             yield Rows(tuple(pack(left)))
         elif left:
-            names = ", ".join(f"${box.tex}$" for box in left)
-            if vectors is origins:
+            end = bold("p")
+            names = ", ".join(f"${box.tex}$" for box in left if box != end)
+            if names and vectors is origins:
                 text = _(
                     "Too long to be written out here: %(vectors)s; an origin is the fourth column of the transform "
                     "from its frame to the world.",
                     vectors=names,
                 )
-            else:
+                yield Paragraph(text)
+            elif names:
                 text = _(
                     "Too long to be written out here: %(vectors)s; an axis $z$ is the third column of the transform "
                     "from its frame to the world.",
                     vectors=names,
                 )
-            yield Paragraph(text)
+                yield Paragraph(text)
+            if end in left:
+                words = _("For $%(p)s$ see the fourth column of $%(end)s$.", p=end.tex, end=bold("T").tex)
+                yield Paragraph(words)
 
 
 @dataclass(frozen=True)

@@ -146,7 +146,8 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     """
     _ = context.text
     friction = any(link.viscous != ZERO or link.coulomb != ZERO for link in context.robot.links)
-    yield textbook("equations_of_motion", B=context.symbols.inertia_letter, friction=friction)
+    letter, gravity = context.symbols.inertia_letter, context.robot.gravity is not None
+    yield textbook("equations_of_motion", B=letter, gravity=gravity, friction=friction)
     entries, is_compact = context.entries, context.dynamics.is_compact
     if is_compact(entries.C) and is_compact(entries.tau):
         if context.steps:
@@ -162,5 +163,9 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
         )
     else:
         yield Paragraph(_("With the entries and symbols above:"))
-        task = _("Write the equations of motion with these entries and symbols.")
+        task = _(
+            "Write the equations of motion with the entries of $%(matrix)s$, the Christoffel symbols and the "
+            "components of $\\mathbf{g}$.",
+            matrix=f"\\mathbf{{{letter}}}",
+        )
         yield formula(context, context.dynamics.named_torque(), _TORQUE, task)

@@ -77,7 +77,8 @@ def _determinant(context: Context, found: Singularities) -> Iterator[Block]:
     formulas = _SingularFormulas(context, found)
     yield from _introduction(context, found)
     if context.steps:
-        title = _("The blocks of the Jacobian") if len(found.blocks) > 1 else _("The matrix of the determinant")
+        one = _("The matrix $%(matrix)s$", matrix=_symbol(context, found).tex)
+        title = _("The blocks of the Jacobian") if len(found.blocks) > 1 else one
         yield Steps(title, tuple(_matrices(context, found)))
     yield formulas.determinant()
     if found.outcome is Outcome.NEVER:
