@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from derive.api.handout import fragment, handout
     from derive.api.plot import plot
     from derive.api.robots import catalogue, load
+    from derive.api.style import Style, find_style
     from derive.errors import DeriveError, RobotFileWarning
     from derive.notebook import Model
     from derive.robot.robot import Robot
@@ -34,12 +35,14 @@ __all__ = [
     "Model",
     "Robot",
     "RobotFileWarning",
+    "Style",
     "__version__",
     "build",
     "build_all",
     "catalogue",
     "check",
     "check_formula",
+    "find_style",
     "fragment",
     "handout",
     "load",
@@ -53,11 +56,13 @@ _HOMES = {
     "Model": "derive.notebook",
     "Robot": "derive.robot.robot",
     "RobotFileWarning": "derive.errors",
+    "Style": "derive.api.style",
     "build": "derive.api.build",
     "build_all": "derive.api.build",
     "catalogue": "derive.api.robots",
     "check": "derive.api.check",
     "check_formula": "derive.api.check",
+    "find_style": "derive.api.style",
     "fragment": "derive.api.handout",
     "handout": "derive.api.handout",
     "load": "derive.api.robots",

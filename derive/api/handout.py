@@ -13,7 +13,7 @@ from derive.handouts.fragment import fragment_text
 from derive.handouts.render import Format, handout_files
 from derive.publish.atomic_folder import write_files
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, choice_named, chosen_notation, chosen_parts
+from derive.robot.style import Derivation, Style, choice_named, chosen_notation, chosen_parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +66,7 @@ def handout(
     language: str | None = None,
     derivation: str | None = None,
     notation: Mapping[str, str] | None = None,
+    style: Style | str | Mapping[str, str] | None = None,
     q: Sequence[float | str] | None = None,
     exercise: bool = False,
     force: bool = False,
@@ -82,6 +83,7 @@ def handout(
         language: Code of the language, such as ``it``.
         derivation: ``result``, or ``steps`` for the steps to the results too.
         notation: Choices such as ``{"angle": "vartheta", "inertia": "M"}``.
+        style: How expressions are grouped, as for ``Model``; see `derive.find_style`.
         q: Joint values that are drawn and computed, in the units of the robot file.
         exercise: Whether an exercise and its solutions are written instead of one sheet.
         force: Whether to overwrite files that derive did not write.
@@ -91,7 +93,7 @@ def handout(
 
     Raises:
         RobotFileError: The file does not describe a robot.
-        QuantityError: An unknown part or notation.
+        QuantityError: An unknown part, notation or style.
         TargetError: An unknown format or language, or a package for the web page is missing.
         LatexError: LaTeX is missing or refused the document.
         OutputError: A file is there that derive did not write, or the system refused to write.
@@ -102,7 +104,7 @@ def handout(
         raise TargetError(f"unknown format {unknown[0]!r}", allowed=f"allowed: {listed(Format)}")
     if not wanted or Format.PDF in wanted:
         wanted.add(Format.TEX)
-    shown = with_options(load(robot), parts, language, derivation, notation, q)
+    shown = with_options(load(robot), parts, language, derivation, notation, q, style)
     made = handout_files(shown, shown.handout, [form for form in Format if form in wanted], exercise_sheets=exercise)
     paths = write_files(made.files, Path(out), force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)
@@ -117,6 +119,7 @@ def fragment(
     language: str | None = None,
     derivation: str | None = None,
     notation: Mapping[str, str] | None = None,
+    style: Style | str | Mapping[str, str] | None = None,
     q: Sequence[float | str] | None = None,
     width: str | None = None,
 ) -> str:
@@ -129,6 +132,7 @@ def fragment(
         language: See `handout`.
         derivation: See `handout`.
         notation: See `handout`.
+        style: See `handout`.
         q: See `handout`.
         width: Width of its lines, such as ``84mm``; None for that of the document into which it is put.
 
@@ -139,7 +143,7 @@ def fragment(
         RobotFileError: The file does not describe a robot.
         QuantityError: Neither a part nor a quantity, or one that this robot does not have.
     """
-    shown = with_options(load(robot), parts, language, derivation, notation, q)
+    shown = with_options(load(robot), parts, language, derivation, notation, q, style)
     return fragment_text(shown, shown.handout, name, width or "")
 
 
@@ -150,6 +154,7 @@ def with_options(
     derivation: str | None = None,
     notation: Mapping[str, str] | None = None,
     q: Sequence[float | str] | None = None,
+    style: Style | str | Mapping[str, str] | None = None,
 ) -> Robot:
     """A robot with other options of its handout; see `handout`.
 
@@ -160,12 +165,13 @@ def with_options(
         derivation: ``result`` or ``steps``.
         notation: Choices by name.
         q: Joint values that are drawn and computed.
+        style: How expressions are grouped.
 
     Returns:
-        The robot that differs in `handout` and `figure` only.
+        The robot that differs in `handout`, `style` and `figure` only.
 
     Raises:
-        QuantityError: An unknown part, notation or derivation.
+        QuantityError: An unknown part, notation, derivation or style.
         DeriveError: Not one value per joint, or a value that is no number.
     """
     options, figure = robot.handout, robot.figure
@@ -179,4 +185,5 @@ def with_options(
         options = replace(options, notation=chosen_notation(notation, options.notation))
     if q is not None:
         figure = replace(figure, q=configuration(robot, q))
-    return replace(robot, handout=options, figure=figure)
+    grouped = robot.style if style is None else Style.of(style)
+    return replace(robot, handout=options, figure=figure, style=grouped)

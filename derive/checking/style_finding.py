@@ -22,7 +22,7 @@ from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
-from derive.model.quantities import parse
+from derive.model.quantities import REGISTRY, parse
 from derive.robot.expression import (
     Call,
     Expression,
@@ -143,9 +143,12 @@ def printed_examples(file: CorpusFile) -> list[Example]:
     found = []
     for item in file.expected:
         name = f"{item.quantity}[]" if item.quantity == "T" else item.quantity
+        row = REGISTRY.get(item.quantity.partition("[")[0])
+        is_vector = row is not None and row.shape.endswith("x1")
         for entry in item.entries if item.status == "ok" else item.corrections:
             if entry.unknown is None and _has_sum(entry.formula):
-                scalar = item.quantity if item.shape == (1, 1) else f"{name}[{entry.row},{entry.column}]"
+                place = f"[{entry.row}]" if is_vector else f"[{entry.row},{entry.column}]"
+                scalar = item.quantity if item.shape == (1, 1) else name + place
                 found.append(Example(file.robot, scalar, entry.formula, entry.text, entry.location))
     return found
 
@@ -180,6 +183,18 @@ class StyleEvidence:
         known = [parts for i, parts in enumerate(self._parts) if i != without]
         found = [_improved(start, known) for start in NAMED_STYLES.values()]
         return max(found, key=lambda style: (*_score(style, known), -len(style.options())))
+
+    def fits(self, i: int, style: Style) -> bool:
+        """Whether a style writes an example as it is printed.
+
+        Args:
+            i: The number of the example, from 0.
+            style: The style.
+
+        Returns:
+            Whether all its parts are written so.
+        """
+        return all(part.fits(style) for part in self._parts[i])
 
     def finding(self, style: Style) -> StyleFinding:
         """What a style makes of the examples.

@@ -40,6 +40,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--lang", metavar="CODE", help="language: en, it, pt or another that has a message catalogue")
     add("--derivation", choices=[choice.value for choice in Derivation], help="results, or the steps to them too")
     add("--notation", metavar="NAME=VALUE", type=_notation, action="append", help="such as angle=vartheta,inertia=M")
+    grouped = parser.add_mutually_exclusive_group()
+    grouped.add_argument("--style", metavar="STYLE", help="how expressions are grouped, as for derive show")
+    from_notes = "group expressions as these notes do: a corpus file with some of their formulas, see derive style"
+    grouped.add_argument("--style-from", metavar="NOTES", help=from_notes)
     add("--exercise", action="store_true", help="an exercise with room for answers, and its solutions")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
     add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
@@ -85,6 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.handout import fragment, handout
     from derive.api.robots import load
+    from derive.api.style import find_style
     from derive.publish.atomic_folder import write_files
 
     formats = [form for form in ("tex", "pdf", "html") if getattr(arguments, form)]
@@ -102,8 +107,12 @@ def run(arguments: argparse.Namespace) -> int:
         "derivation": arguments.derivation,
         "notation": {name: value for chosen in arguments.notation or () for name, value in chosen.items()},
         "q": None if arguments.q is None else arguments.q.split(","),
+        "style": arguments.style,
     }
     robot = load(arguments.robot)
+    found = None if arguments.style_from is None else find_style(arguments.style_from)
+    if found is not None:
+        options["style"] = found.style
     if arguments.fragment is not None:
         text = fragment(robot, arguments.fragment, **options)
         target: Path | None = arguments.fragment_file
@@ -119,5 +128,7 @@ def run(arguments: argparse.Namespace) -> int:
     elif not arguments.quiet:
         for file in result.files:
             print(f"{file.path}: {file.pages} page{'' if file.pages == 1 else 's'}" if file.pages else file.path)
+        if found is not None:
+            print(f"style of {arguments.style_from}: {found.style}; {found.summary}")
         print(f"{len(result.parts)} parts in {result.seconds:.1f} s")
     return 0

@@ -1,0 +1,218 @@
+"""The style of a book from some of its formulas, from Python: which options write them as they are printed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+from derive.api.robots import RobotLike, load
+from derive.checking.files import corpus_from_bytes
+from derive.checking.findings import Outcome
+from derive.checking.latex_formula import read_latex
+from derive.checking.style_finding import Example, ExampleFinding, StyleEvidence, printed_examples
+from derive.errors import CheckError, Location, quoted
+from derive.handouts.notation.text import TextPrinter
+from derive.lecture.shorthand import read_formula
+from derive.robot.document import YamlMapping, read_tree
+from derive.robot.load import file_bytes
+from derive.robot.robot import Robot
+from derive.robot.style import DEFAULT_STYLE, NAMED_STYLES
+from derive.robot.style import Style as Options
+
+_LATEX = re.compile(r"[\\^{}_]")
+EXAMPLE = "--example"
+"""Where an example stands that was given in words, for messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExampleVerdict:
+    """What the style that was found makes of one printed formula.
+
+    Attributes:
+        quantity: What it is printed for, such as ``tau[1]``.
+        outcome: ``same form``, ``equal`` where it is written otherwise, or ``wrong``.
+        printed: The formula as printed.
+        written: The derived formula in the style that was found.
+        reason: Why it is not as printed: the options that would write it so, or that none do; empty where it is.
+        place: File, line and column of the formula.
+    """
+
+    quantity: str
+    outcome: str
+    printed: str
+    written: str
+    reason: str
+    place: str
+
+    @property
+    def reproduced(self) -> bool:
+        """Whether it comes out as printed."""
+        return self.outcome == Outcome.SAME_FORM.value
+
+
+@dataclass(frozen=True, slots=True)
+class FoundStyle:
+    """The style that reproduces most of some printed formulas; as text, what ``derive style`` prints.
+
+    Attributes:
+        style: The style.
+        verdicts: One for each formula that contains a sum, in their order; the others have one form only.
+        default: How many of them the default style reproduces.
+    """
+
+    style: Options
+    verdicts: tuple[ExampleVerdict, ...]
+    default: int
+
+    @property
+    def reproduced(self) -> int:
+        """How many formulas come out as printed."""
+        return sum(verdict.reproduced for verdict in self.verdicts)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every formula is right."""
+        return all(verdict.outcome != Outcome.WRONG.value for verdict in self.verdicts)
+
+    @property
+    def block(self) -> str:
+        """The block ``style:`` of a robot file, as YAML."""
+        options = self.style.options() or {"name": DEFAULT_STYLE}
+        if list(options) == ["name"]:
+            return f"style: {options['name']}"
+        return "\n".join(["style:", *(f"  {name}: {value}" for name, value in options.items())])
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data, for JSON."""
+        return {
+            "style": self.style.options() or {"name": DEFAULT_STYLE},
+            "reproduced": self.reproduced,
+            "default": self.default,
+            "examples": [asdict(verdict) for verdict in self.verdicts],
+        }
+
+    def __str__(self) -> str:
+        return "\n".join([self.block, *(f"# {line}" for line in self._remarks())])
+
+    @property
+    def summary(self) -> str:
+        """How many formulas come out as printed, in words."""
+        count = len(self.verdicts)
+        formulas = "formula with a sum comes" if count == 1 else "formulas with a sum come"
+        return f"{self.reproduced} of {count} {formulas} out as printed, {self.default} in the default style"
+
+    def _remarks(self) -> Iterator[str]:
+        yield self.summary
+        for verdict in self.verdicts:
+            if not verdict.reproduced:
+                yield f"{verdict.place}: {verdict.quantity}: {verdict.reason}"
+                yield f"  printed: {verdict.printed}"
+                yield f"  written: {verdict.written}"
+
+
+class Style(Options):
+    """How a book writes its expressions: a few independent options; see `derive.robot.style.Style`.
+
+    `from_examples` finds the options from formulas as the book prints them.
+    """
+
+    @classmethod
+    def from_examples(cls, robot: RobotLike, examples: Iterable[str | Path] | Mapping[str, str] = ()) -> Style:
+        """The style in which most of some printed formulas come out as they are printed.
+
+        Args:
+            robot: A robot, the path of a robot file or of a corpus file, or a name of the catalogue.
+            examples: See `find_style`.
+
+        Returns:
+            The style, for ``Model(robot, style=...)``.
+
+        Raises:
+            CheckError: A formula cannot be read, or there is none.
+            QuantityError: A formula of no quantity of the robot.
+        """
+        found = find_style(robot, examples=examples).style
+        return cls(**{option.name: getattr(found, option.name) for option in fields(found)})
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Options) and self.options() == other.options()
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.options().items()))
+
+
+def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str, str] = ()) -> FoundStyle:
+    """The style that reproduces most of some printed formulas, as ``derive style`` finds it.
+
+    Args:
+        sources: Corpus files with a robot and its printed formulas, of one book; or one robot, or the path of its file,
+            or its name in the catalogue, with ``examples``.
+        examples: Formulas of the one robot: texts such as ``tau[1] = m*l**2*qdd1``, also in LaTeX; or formulas by
+            quantity, ``{"tau[1]": "m*l**2*qdd1"}``; or a `Path` of a corpus file.
+
+    Returns:
+        The style, and what it makes of each formula.
+
+    Raises:
+        RobotFileError: A file cannot be read or does not describe a robot.
+        CheckError: A formula cannot be read, or there is none that tells anything.
+        QuantityError: A formula of no quantity of its robot.
+    """
+    found = [example for source in sources for example in _printed_in(source)]
+    given = [f"{name} = {text}" for name, text in examples.items()] if isinstance(examples, Mapping) else examples
+    for example in given:
+        if isinstance(example, Path):
+            found += _printed_in(example)
+        elif len(sources) == 1:
+            found.append(_example(load(sources[0]), example))
+        else:
+            raise CheckError(f"example {quoted(example)} of {len(sources)} robots", allowed="allowed: one robot")
+    if not found:
+        raise CheckError(
+            "no printed formula with a sum",
+            allowed="formulas that can be written in more than one way tell the style",
+            remedy=f"give a corpus file, or {EXAMPLE} 'tau[1] = ...'",
+        )
+    evidence = StyleEvidence(found)
+    chosen = evidence.finding(evidence.best_style())
+    verdicts = tuple(_verdict(finding) for finding in chosen.findings)
+    return FoundStyle(chosen.style, verdicts, evidence.finding(NAMED_STYLES[DEFAULT_STYLE]).reproduced)
+
+
+def _printed_in(source: RobotLike) -> list[Example]:
+    """The printed formulas of a corpus file; none where a robot is given, or a file or name of one."""
+    if isinstance(source, Robot) or not Path(source).is_file():
+        load(source)  # refuses what is neither
+        return []
+    name, data = str(source), file_bytes(Path(source))
+    root = read_tree(data, name)
+    if not isinstance(root, YamlMapping) or "expected" not in root.entries:
+        load(source)
+        return []
+    return printed_examples(corpus_from_bytes(data, name))
+
+
+def _example(robot: Robot, text: str) -> Example:
+    """``tau[1] = ...``, or the same in LaTeX, as an example."""
+    left, equals, right = text.partition("=")
+    quantity, printed = left.strip(), right.strip()
+    if not quantity or not printed:
+        allowed = "allowed: a scalar quantity and what is printed for it, such as 'tau[1] = m*l**2*qdd1'"
+        raise CheckError(f"example {quoted(text)}", allowed=allowed, location=Location(EXAMPLE))
+    place = Location(EXAMPLE, 1, len(left + equals) + len(right) - len(right.lstrip()) + 1)
+    read = read_latex if _LATEX.search(printed) else read_formula
+    return Example(robot, quantity, read(printed, robot, place), printed, place)
+
+
+def _verdict(finding: ExampleFinding) -> ExampleVerdict:
+    example = finding.example
+    return ExampleVerdict(
+        quantity=example.quantity,
+        outcome=finding.outcome.value,
+        printed=example.text,
+        written=TextPrinter(example.robot).doprint(finding.written),
+        reason=finding.reason,
+        place=str(example.location),
+    )

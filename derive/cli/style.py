@@ -1,0 +1,51 @@
+"""``derive style``: how a book writes its formulas, found from some of them."""
+
+from __future__ import annotations
+
+import argparse
+
+from derive.cli.terminal import DONE, FAILED, one_line, print_json
+
+SUMMARY = "find the style of a book from some of its formulas"
+DESCRIPTION = """\
+Print the block `style:` of a robot file with which most of some printed formulas come out as they are printed, and as
+comments which do not, and why. The formulas are those of corpus files (a block `robot:` and a list `expected:`), all of
+one book, or are given one by one, in the shorthand of lecture notes or as LaTeX:
+
+  derive style notes.yaml
+  derive style planar-2r-perugia --example 'g[1] = ml1*l1*g*c1 + ml2*g*(a1*c1 + l2*c12)'
+  derive style planar-2r-perugia --example 'g_1 = m_{l1} l_1 g c_1 + m_{l2} g (a_1 c_1 + l_2 c_{12})'
+
+Formulas without a sum tell nothing. Exit status 0 found, 1 a formula is wrong, 2 a formula that cannot be read.
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The files or the robot, and its formulas.
+
+    Args:
+        parser: Where the arguments are added.
+    """
+    add = parser.add_argument
+    add("sources", metavar="ROBOT_OR_CORPUS", nargs="+", help="corpus files; or a robot file or catalogue name")
+    add("--example", metavar="E", action="append", help="a printed formula of the robot, 'tau[1] = ...'; repeatable")
+    add("--json", action="store_true", help="machine-readable output")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Find the style and print it.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status: 0 found, 1 a formula is wrong.
+    """
+    from derive.api.style import find_style
+
+    found = find_style(*arguments.sources, examples=arguments.example or ())
+    if arguments.json:
+        print_json(found.as_dict())
+    else:
+        print("\n".join(one_line(line) for line in str(found).splitlines()))
+    return DONE if found.passed else FAILED

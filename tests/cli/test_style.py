@@ -1,0 +1,110 @@
+"""``derive style``: what it prints and how it ends."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+from derive.cli import style
+from derive.robot.robot import Robot
+from derive.robot.style import Style
+from tests.cli.command import derive, is_one_message
+
+GRAVITY = "g[1] = ml1*g*l1*c1 + mm2*g*a1*c1 + ml2*g*(a1*c1 + l2*c12)"
+ARM = """\
+robot:
+  name: arm
+  convention: standard
+  joints: [{type: revolute, a: a1}, {type: revolute, a: a2}]
+  gravity: [0, -g, 0]
+  links:
+    - {mass: m1, com: [l1 - a1, 0, 0], inertia: {zz: I1}}
+    - {mass: m2, com: [l2 - a2, 0, 0], inertia: {zz: I2}}
+expected:
+"""
+NOTES = ARM + '  - {quantity: g, entries: {"1": "m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)", "2": "m2*g*l2*c12"}}\n'
+MIXED = NOTES + '  - {quantity: potential, matrix: [["g*(m1*l1*s1 + m2*(a1*s1 + l2*s12))"]]}\n'
+OTHER = NOTES + '  - {quantity: g, entries: {"1": "(m1*l1 + m2*a1)*g*c1 + m2*g*l2*c12"}}\n'
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in {"notes": NOTES, "mixed": MIXED, "other": OTHER}.items():
+        (tmp_path / f"{name}.yaml").write_text(text)
+    return tmp_path
+
+
+def test_the_block_can_be_pasted_into_a_robot_file_and_prints_the_formulas_so(folder: Path) -> None:
+    done = derive("style", "notes.yaml", folder=folder)
+    assert (done.status, done.stderr) == (0, "")
+    assert yaml.safe_load(done.stdout) == {"style": {"gravity": "body"}}
+    robot = yaml.safe_load(NOTES)["robot"]
+    assert Robot.from_text(done.stdout + yaml.safe_dump(robot)).style == Style.of("gravity: body")
+
+
+def test_examples_are_given_as_text_or_latex(folder: Path) -> None:
+    latex = r"g[1] = m_{l1} g l_1 c_1 + m_{m2} g a_1 c_1 + m_{l2} g \left(a_1 c_1 + l_2 c_{12}\right)"
+    expected = derive("style", "planar-2r-perugia", "--example", GRAVITY, folder=folder)
+    assert expected.stdout.startswith("style:\n  gravity: body\n")
+    assert derive("style", "planar-2r-perugia", "--example", latex, folder=folder) == expected
+
+
+def test_a_formula_that_no_style_or_another_one_prints_is_named_with_the_reason(folder: Path) -> None:
+    done = derive("style", "other.yaml", folder=folder)
+    assert done.status == 0
+    lines = done.stdout.splitlines()
+    (place,) = [line for line in lines if "other.yaml" in line]
+    assert "g[1]: as printed with gravity:" in place
+    assert lines[lines.index(place) + 1].startswith("#   printed: ")
+    assert lines[lines.index(place) + 2].startswith("#   written: ")
+
+
+def test_a_wrong_formula_ends_with_1_and_does_not_decide(folder: Path) -> None:
+    wrong = GRAVITY.replace("g[1]", "g[2]")
+    done = derive("style", "planar-2r-perugia", "--example", wrong, folder=folder)
+    assert done.status == 1
+    assert "style: compact\n# 0 of 1" in done.stdout
+    assert "it is not equal to the derived formula" in done.stdout
+
+
+def test_the_report_as_json(folder: Path) -> None:
+    done = derive("style", "notes.yaml", "--json", folder=folder)
+    report = json.loads(done.stdout)
+    assert (report["style"], report["reproduced"]) == ({"gravity": "body"}, 1)
+    assert [(e["quantity"], e["outcome"]) for e in report["examples"]] == [("g[1]", "same form")]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["planar-2r-perugia"],
+        ["planar-2r-perugia", "--example", "a1*c1 + a2*c12"],
+        ["planar-2r-perugia", "--example", "= a1*c1 + a2*c12"],
+        ["planar-2r-perugia", "--example", "p = a1*c1 + a2*c12"],
+        ["planar-2r-perugia", "--example", "nothing[1] = a1*c1 + a2*c12"],
+        ["planar-2r-perugia", "--example", "p[1] = a1*c1 + zz*c12"],
+        ["planar-2r-perugia", "--example", "p[1] = a1*(c1 + "],
+        ["planar-2r-perugia", "scara-perugia", "--example", "p[1] = a1*c1 + a2*c12"],
+        ["no-such-robot", "--example", "p[1] = a1*c1 + a2*c12"],
+        [],
+    ],
+)
+def test_what_cannot_be_read_ends_with_one_message(folder: Path, arguments: list[str]) -> None:
+    done = derive("style", *arguments, folder=folder)
+    assert (done.status, done.stdout) == (2, "")
+    assert is_one_message(done.stderr)
+
+
+def test_a_handout_is_set_as_the_notes_are(folder: Path) -> None:
+    printed = [
+        derive("handout", "planar-2r-perugia", "--fragment", "g", *chosen, folder=folder).stdout
+        for chosen in ([], ["--style-from", "notes.yaml"], ["--style", "gravity: body"])
+    ]
+    assert printed[0] != printed[1] == printed[2]
+    done = derive("handout", "planar-2r-perugia", "--parts", "gravity", "--style-from", "notes.yaml", folder=folder)
+    assert "style of notes.yaml: gravity: body; 1 of 1 formula with a sum comes out as printed" in done.stdout
+    assert derive("handout", "planar-2r-perugia", "--style-from", "missing.yaml", folder=folder).status == 2
+    assert style.SUMMARY

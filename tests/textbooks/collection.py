@@ -1,0 +1,88 @@
+"""Printed formulas of textbook robots that are not in the lecture corpus, by robot and by book.
+
+Every file is one robot of one book in the format of the corpus, its formulas grouped as the book prints them, to the
+best of our knowledge: they are restated from memory, and what is tested is that each equals the derived one, and how
+many come out in the same form. ``python -m tests.textbooks.collection`` prints the table; ``--robots`` by robot.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from derive.checking.files import corpus_from_bytes
+from derive.checking.printed import CorpusFile
+from derive.checking.style_finding import Example, StyleEvidence, printed_examples
+from derive.robot.style import Style
+
+FILES = sorted(Path(__file__).parent.glob("*.yaml"))
+
+
+@dataclass(frozen=True)
+class Share:
+    """How many formulas with a sum come out as printed.
+
+    Attributes:
+        formulas: How many there are.
+        default: How many in the default style.
+        found: How many in the style that is found from all of them.
+        foretold: How many in the style that is found from the others.
+        style: The style found from all of them.
+    """
+
+    formulas: int
+    default: int
+    found: int
+    foretold: int
+    style: Style
+
+
+@cache
+def corpus_file(path: Path) -> CorpusFile:
+    return corpus_from_bytes(path.read_bytes(), str(path))
+
+
+@cache
+def by_robot() -> Mapping[str, Sequence[Example]]:
+    return {path.stem: printed_examples(corpus_file(path)) for path in FILES}
+
+
+@cache
+def by_book() -> Mapping[str, Sequence[Example]]:
+    found: dict[str, list[Example]] = {}
+    for path in FILES:
+        found.setdefault(corpus_file(path).document.title, []).extend(by_robot()[path.stem])
+    return found
+
+
+def share(examples: Sequence[Example], *, foretell: bool = True) -> Share:
+    """What the styles make of some formulas; leaving each of them out once takes long."""
+    evidence = StyleEvidence(examples)
+    style = evidence.best_style()
+    found, default = (evidence.finding(each).reproduced for each in (style, Style()))
+    foretold = [evidence.fits(i, evidence.best_style(without=i)) for i in range(len(examples)) if foretell]
+    return Share(len(examples), default, found, sum(foretold), style)
+
+
+def table(groups: Mapping[str, Sequence[Example]]) -> str:
+    """One line for each group, and the whole."""
+    lines = [f"{'':60}  formulas  default  found  foretold  seconds  style"]
+    shares = []
+    for title, examples in groups.items():
+        started = time.process_time()
+        shares.append(s := share(examples))
+        row = f"{s.formulas:8}  {s.default:7}  {s.found:5}  {s.foretold:8}  {time.process_time() - started:7.1f}"
+        lines.append(f"{title[:60]:60}  {row}  {s.style}")
+    count = sum(s.formulas for s in shares)
+    default, found, foretold = (
+        100 * sum(part) / count for part in zip(*((s.default, s.found, s.foretold) for s in shares), strict=True)
+    )
+    return "\n".join([*lines, f"{'all':60}  {count:8}  {default:6.1f}%  {found:4.1f}%  {foretold:7.1f}%"])
+
+
+if __name__ == "__main__":
+    print(table(by_robot() if "--robots" in sys.argv else by_book()))

@@ -1,0 +1,57 @@
+"""Formulas of textbooks: all are equal to ours, most come out as printed, and a book's style is found from them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from derive.checking.comparison import check_file
+from tests.lectures.results import CORPUS
+from tests.lectures.test_same_form import compared, contains_sum, shape
+from tests.places import ROOT
+from tests.textbooks.collection import FILES, by_book, by_robot, corpus_file, share
+
+DEFAULT, FOUND = 0.67, 0.94
+"""Shares that are reached; docs/lecture-form.md names them."""
+
+EXAMPLES = [example for examples in by_robot().values() for example in examples]
+QUICK = [title for title in by_book() if title.startswith(("Angeles", "Ghosal", "Yoshikawa"))]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_every_formula_is_right(path: Path) -> None:
+    findings = check_file(corpus_file(path)).findings
+    assert findings
+    assert [finding.entry for finding in findings if not finding.verdict.equal] == []
+    assert all(finding.verdict.exact for finding in findings)
+
+
+def test_the_collection_is_as_large_as_the_documentation_says() -> None:
+    said = f"{len(EXAMPLES)} formulas with a sum of {len(FILES)} robots from {len(by_book())} books"
+    assert said in " ".join((ROOT / "docs" / "lecture-form.md").read_text(encoding="utf-8").split())
+    assert all(contains_sum(example.formula) for example in EXAMPLES)
+
+
+def test_no_robot_of_the_collection_is_in_the_corpus_of_lectures() -> None:
+    names = {path.stem.partition("-")[2] for path in CORPUS.glob("0*.yaml")}
+    assert not names & {path.stem for path in FILES}
+
+
+def test_most_formulas_come_out_as_printed_in_the_default_style() -> None:
+    rows = [row for path in FILES for row in compared(path)]
+    same = sum(shape(ours) == shape(printed) for _, ours, printed in rows)
+    assert len(rows) == len(EXAMPLES)
+    assert same >= DEFAULT * len(rows)
+
+
+@pytest.mark.parametrize("book", QUICK)
+def test_the_style_of_a_book_is_found_from_its_formulas(book: str) -> None:
+    found = share(by_book()[book], foretell=False)
+    assert found.found == found.formulas > found.default
+
+
+@pytest.mark.sweep
+def test_nearly_all_formulas_come_out_as_printed_in_the_style_found_for_their_book() -> None:
+    found = sum(share(examples, foretell=False).found for examples in by_book().values())
+    assert found >= FOUND * len(EXAMPLES)
