@@ -22,6 +22,7 @@ def build(
     out: str | Path = FOLDER,
     *,
     targets: Iterable[str] | None = None,
+    only: bool = False,
     force: bool = False,
     effort: str = Effort.FULL,
 ) -> BuildResult:
@@ -32,7 +33,9 @@ def build(
     Args:
         robot: A robot, the path of a robot file, or a name of the catalogue.
         out: Parent folder; the files go to ``out/<robot>``.
-        targets: Such as ``numpy``, ``casadi``, ``c``, ``native``, ``latex``; None for those of a usual build.
+        targets: Such as ``numpy``, ``casadi``, ``c``, ``native``, ``latex``, or ``all``; None for those of a usual
+            build. Those that the folder holds already are renewed with them.
+        only: Whether the folder shall hold these targets alone.
         force: Whether to build even what has not changed.
         effort: ``full``, or ``quick`` for programs with up to a third more operations.
 
@@ -45,7 +48,7 @@ def build(
         OutputError: The folder cannot or may not be written.
         VerificationError: A generated function is wrong; the old folder stays.
     """
-    return build_robot(load(robot), Path(out), targets, force=force, effort=effort_named(effort))
+    return build_robot(load(robot), Path(out), targets, only=only, force=force, effort=effort_named(effort))
 
 
 def build_all(
@@ -53,6 +56,7 @@ def build_all(
     out: str | Path = FOLDER,
     *,
     targets: Iterable[str] | None = None,
+    only: bool = False,
     force: bool = False,
     effort: str = Effort.FULL,
     jobs: int = 1,
@@ -64,6 +68,7 @@ def build_all(
         robots: Robots, paths or names; None for the whole catalogue.
         out: Parent folder.
         targets: See `build`.
+        only: See `build`.
         force: See `build`.
         effort: See `build`.
         jobs: Robots built at once, each in a process of its own.
@@ -77,7 +82,14 @@ def build_all(
         OutputError: Two different robots would share a folder.
     """
     return build_many(
-        load_all(robots), Path(out), targets, jobs=jobs, force=force, effort=effort_named(effort), progress=progress
+        load_all(robots),
+        Path(out),
+        targets,
+        only=only,
+        jobs=jobs,
+        force=force,
+        effort=effort_named(effort),
+        progress=progress,
     )
 
 
@@ -86,6 +98,7 @@ def stale(
     out: str | Path = FOLDER,
     *,
     targets: Iterable[str] | None = None,
+    only: bool = False,
     effort: str = Effort.FULL,
     jobs: int = 1,
     progress: Progress | None = None,
@@ -96,6 +109,7 @@ def stale(
         robots: Robots, paths or names; None for the whole catalogue.
         out: Parent folder.
         targets: See `build`.
+        only: See `build`.
         effort: See `build`.
         jobs: Robots compared at once, each in a process of its own.
         progress: Called with a robot's name when it is done.
@@ -106,7 +120,8 @@ def stale(
     Raises:
         RobotFileError: A file does not describe a robot.
     """
-    return check_many(load_all(robots), Path(out), targets, jobs=jobs, effort=effort_named(effort), progress=progress)
+    chosen, looked_for = load_all(robots), effort_named(effort)
+    return check_many(chosen, Path(out), targets, only=only, jobs=jobs, effort=looked_for, progress=progress)
 
 
 def verify(robot: RobotLike, out: str | Path = FOLDER, *, samples: int = 24, seed: int = 0) -> Report:

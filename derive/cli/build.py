@@ -18,7 +18,8 @@ DESCRIPTION = """\
 Derive the equations of each ROBOT, write NumPy, CasADi and LaTeX files to DIR/<robot>/, and compare every generated
 function with an independent recursion before the folder is put in place. Without ROBOT, the whole catalogue is built.
 
-A folder is replaced as a whole or not at all. What has not changed is not built again.
+A folder is replaced as a whole or not at all. What has not changed is not built again; targets that the folder holds
+already stay, and are renewed where they are stale.
 """
 
 
@@ -31,7 +32,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("robots", metavar="ROBOT", nargs="*", help="robot file or catalogue name (default: the whole catalogue)")
     add("--out", metavar="DIR", type=Path, default=Path("generated"), help="parent folder (default: generated)")
-    add("--target", metavar="NAME", action="append", help="only these targets; may be repeated or comma-separated")
+    add("--target", metavar="NAME", action="append", help="targets to add, or all; may be repeated or comma-separated")
+    add("--only", action="store_true", help="these targets alone; other files of derive in the folder are removed")
     add("--jobs", metavar="N", type=positive, default=1, help="robots built at once (default 1)")
     add("--check", action="store_true", help="write nothing; list what is stale and exit with 1")
     add("--force", action="store_true", help="build even what has not changed")
@@ -59,7 +61,13 @@ def run(arguments: argparse.Namespace) -> int:
     robots = load_all(arguments.robots or None)
     results: list[BuildResult | BuildFailure] | list[CheckResult | BuildFailure]
     with progress(len(robots), quiet=arguments.quiet or arguments.json) as tell:
-        how = {"targets": targets, "effort": arguments.effort, "jobs": arguments.jobs, "progress": tell}
+        how = {
+            "targets": targets,
+            "only": arguments.only,
+            "effort": arguments.effort,
+            "jobs": arguments.jobs,
+            "progress": tell,
+        }
         if arguments.check:
             results = stale(robots, arguments.out, **how)
         else:

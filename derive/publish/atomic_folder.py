@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
-from derive.errors import OutputError
+from derive.errors import DeriveError, OutputError
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, read_manifest
 from derive.publish.staging import (
@@ -38,12 +38,17 @@ MARKS = (b"written by derive", b"/Creator (derive")
 R = TypeVar("R")
 
 
+class OvertakenError(DeriveError):
+    """The folder is another than it was when its successor was begun."""
+
+
 def publish(
     files: Mapping[str, bytes],
     target: Path,
     robot_name: str,
     check: Callable[[Path], R],
     further: Iterable[str] = (),
+    still: Callable[[], bool] = lambda: True,
 ) -> R:
     """Writes files into a folder that replaces ``target``.
 
@@ -53,11 +58,13 @@ def publish(
         robot_name: The robot that the folder is for.
         check: Called with the finished temporary folder; what it raises stops the build, and the old folder stays.
         further: Names of the files that ``check`` adds.
+        still: Asked when nobody else can replace ``target`` any more: whether it is still what is to be replaced.
 
     Returns:
         What ``check`` returned.
 
     Raises:
+        OvertakenError: It is not; nothing has changed.
         OutputError: The target is not ours to replace, or the system refused to write.
     """
     names = (*files, *further)
@@ -76,6 +83,8 @@ def publish(
         result = check(staging)
         with _system_errors(target), exclusively(target.parent):
             require_replaceable(target, robot_name, names)
+            if not still():
+                raise OvertakenError(f"{target} was replaced meanwhile")
             carry_over(target, staging)
             _take_place(staging, target)
         return result

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import gc
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from derive.programs.search_policy import Effort
-from derive.publish.atomic_folder import heal, publish
+from derive.publish.atomic_folder import OvertakenError, heal, publish
 from derive.publish.manifest import FILE as MANIFEST
-from derive.publish.manifest import compiled_files, contents, is_current, read_manifest
+from derive.publish.manifest import compiled_files, contents, is_current, read_manifest, written_targets
 from derive.publish.render import compile_libraries, library_names, render_robot
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
-from derive.targets.compiler import require_compiler
-from derive.targets.target import package_name
+from derive.targets.compiler import Command, require_compiler
+from derive.targets.target import Target, package_name
 from derive.verification.verify import Report, verify
 from derive.version import __version__
 
@@ -132,17 +133,19 @@ def build_robot(
     out: Path,
     targets: Iterable[str] | None = None,
     *,
+    only: bool = False,
     verified: bool = True,
     force: bool = False,
     effort: Effort = Effort.FULL,
     progress: Progress | None = None,
 ) -> BuildResult:
-    """Builds one robot into ``out/<robot_name>``.
+    """Builds one robot into ``out/<robot_name>``: the targets asked for, and those that the folder holds already.
 
     Args:
         robot: The robot.
         out: Parent folder; made if there is none.
         targets: Names of targets; None for those of a usual build.
+        only: Whether the folder shall hold these targets alone.
         verified: Whether every generated function is compared with the independent recursion first.
         force: Whether to build even what has not changed.
         effort: How long the fewest operations are looked for.
@@ -158,33 +161,53 @@ def build_robot(
     """
     started = time.perf_counter()
     tell = progress or (lambda robot, stage: None)
-    chosen = targets_named(targets)
     target = folder_of(robot, out)
     heal(out)
-    if not force and is_current(target, robot.digest, __version__, chosen, effort):
-        tell(robot.name, "unchanged")
-        texts, libraries = _listed_files(target)
-        files = (*texts, MANIFEST, *libraries)
-        return BuildResult(robot.name, target, files, True, {}, None, time.perf_counter() - started)
-    libraries = library_names(chosen)
-    compiler = require_compiler() if libraries else None
-    tell(robot.name, "derive")
-    with _uncollected():
-        rendered = render_robot(robot, chosen, effort)
 
-    def _check(folder: Path) -> Report | None:
-        tell(robot.name, "compile and verify" if compiler and verified else "verify" if verified else "compile")
-        with ThreadPoolExecutor(1) as pool:  # the C compiler works while what needs no library is verified
-            former = None if force else target
-            ready = pool.submit(compile_libraries, folder, chosen, compiler, former).result if compiler else _nothing
-            found = verify(robot, folder, libraries=ready) if verified else None
-            ready()
-        return found
+    def _chosen() -> tuple[Target, ...]:
+        return targets_named(targets, () if only else written_targets(target))
 
-    report = publish(rendered.files, target, robot.name, _check, libraries)
-    tell(robot.name, "built")
-    files = (*rendered.files, *libraries)
-    return BuildResult(robot.name, target, files, False, rendered.operations, report, time.perf_counter() - started)
+    def _are_chosen(written: tuple[Target, ...]) -> bool:
+        return written == _chosen()
+
+    while True:
+        chosen = _chosen()
+        if not force and is_current(target, robot.digest, __version__, chosen, effort):
+            tell(robot.name, "unchanged")
+            texts, compiled = _listed_files(target)
+            files = (*texts, MANIFEST, *compiled)
+            return BuildResult(robot.name, target, files, True, {}, None, time.perf_counter() - started)
+        libraries = library_names(chosen)
+        compiler = require_compiler() if libraries else None
+        tell(robot.name, "derive")
+        with _uncollected():
+            rendered = render_robot(robot, chosen, effort)
+        check = partial(_compile_and_verify, robot, chosen, compiler, None if force else target, verified, tell)
+        try:
+            report = publish(rendered.files, target, robot.name, check, libraries, partial(_are_chosen, chosen))
+        except OvertakenError:  # a build of other targets was faster, and what it has written stays
+            continue
+        tell(robot.name, "built")
+        files = (*rendered.files, *libraries)
+        return BuildResult(robot.name, target, files, False, rendered.operations, report, time.perf_counter() - started)
+
+
+def _compile_and_verify(
+    robot: Robot,
+    targets: Sequence[Target],
+    compiler: Command | None,
+    former: Path | None,
+    verified: bool,
+    tell: Progress,
+    folder: Path,
+) -> Report | None:
+    """Finishes and checks a folder in which all texts are written."""
+    tell(robot.name, "compile and verify" if compiler and verified else "verify" if verified else "compile")
+    with ThreadPoolExecutor(1) as pool:  # the C compiler works while what needs no library is verified
+        ready = pool.submit(compile_libraries, folder, targets, compiler, former).result if compiler else _nothing
+        found = verify(robot, folder, libraries=ready) if verified else None
+        ready()
+    return found
 
 
 def _nothing() -> None:
@@ -209,7 +232,12 @@ def _uncollected() -> Iterator[None]:
 
 
 def check_robot(
-    robot: Robot, out: Path, targets: Iterable[str] | None = None, effort: Effort = Effort.FULL
+    robot: Robot,
+    out: Path,
+    targets: Iterable[str] | None = None,
+    effort: Effort = Effort.FULL,
+    *,
+    only: bool = False,
 ) -> CheckResult:
     """Compares the folder of a robot with what a build would write, byte by byte; writes nothing.
 
@@ -220,6 +248,7 @@ def check_robot(
         out: Parent folder.
         targets: Names of targets; None for those of a usual build.
         effort: How long the fewest operations are looked for.
+        only: Whether a build would write these targets alone, not those that the folder holds already beside them.
 
     Returns:
         The names of the files that differ.
@@ -227,7 +256,8 @@ def check_robot(
     Raises:
         TargetError: An unknown target.
     """
-    target, chosen = folder_of(robot, out), targets_named(targets)
+    target = folder_of(robot, out)
+    chosen = targets_named(targets, () if only else written_targets(target))
     wanted = render_robot(robot, chosen, effort).files
     found = {name: contents(target / name) for name in wanted}
     libraries = library_names(chosen)

@@ -89,6 +89,19 @@ def compiled_files(manifest: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
 
 
+def written_targets(folder: Path) -> tuple[str, ...]:
+    """The targets that a folder holds.
+
+    Args:
+        folder: The folder.
+
+    Returns:
+        Their names; none where there is no folder of ours.
+    """
+    names = (read_manifest(folder) or {}).get("targets", ())
+    return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
+
+
 def is_current(
     folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort = Effort.FULL
 ) -> bool:

@@ -28,6 +28,7 @@ def build_many(
     out: Path,
     targets: Iterable[str] | None = None,
     *,
+    only: bool = False,
     jobs: int = 1,
     verified: bool = True,
     force: bool = False,
@@ -40,6 +41,7 @@ def build_many(
         robots: The robots.
         out: Parent folder.
         targets: Names of targets; None for those of a usual build.
+        only: See `build_robot`.
         jobs: Robots built at once, each in a process of its own.
         verified: See `build_robot`.
         force: See `build_robot`.
@@ -65,6 +67,7 @@ def build_many(
         build_robot,
         out=out,
         targets=None if targets is None else tuple(targets),
+        only=only,
         verified=verified,
         force=force,
         effort=effort,
@@ -78,6 +81,7 @@ def check_many(
     out: Path,
     targets: Iterable[str] | None = None,
     *,
+    only: bool = False,
     jobs: int = 1,
     effort: Effort = Effort.FULL,
     progress: Progress | None = None,
@@ -88,6 +92,7 @@ def check_many(
         robots: The robots.
         out: Parent folder.
         targets: Names of targets; None for those of a usual build.
+        only: See `check_robot`.
         jobs: Robots checked at once, each in a process of its own.
         effort: See `build_robot`.
         progress: Told the end of each robot.
@@ -96,7 +101,8 @@ def check_many(
         Results in the order of ``robots``.
     """
     names = None if targets is None else tuple(targets)
-    return _run(partial(check_robot, out=out, targets=names, effort=effort), robots, jobs, progress)
+    work = partial(check_robot, out=out, targets=names, effort=effort, only=only)
+    return _run(work, robots, jobs, progress)
 
 
 def _run(

@@ -36,11 +36,16 @@ TARGETS: dict[str, Target] = {target.name: target for target in _ALL}
 """By name, in the order in which they are written."""
 
 
-def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
-    """Targets by name and those that they require.
+EVERY = "all"
+"""What the user says for all of them."""
+
+
+def targets_named(names: Iterable[str] | None = None, present: Iterable[str] = ()) -> tuple[Target, ...]:
+    """Targets by name, those that they require, and those that are there already.
 
     Args:
-        names: What the user says; None for what a build writes unasked.
+        names: What the user says, `EVERY` for all; None for what a build writes unasked.
+        present: Names of targets that a folder holds and shall keep; those that are no more count for nothing.
 
     Returns:
         The targets, in the registry's order.
@@ -48,12 +53,14 @@ def targets_named(names: Iterable[str] | None = None) -> tuple[Target, ...]:
     Raises:
         TargetError: An unknown name, or none at all.
     """
-    if names is None:
-        return tuple(target for target in TARGETS.values() if target.default)
-    wanted = set(names)
+    usual = [name for name, target in TARGETS.items() if target.default]
+    wanted = set(usual if names is None else [names] if isinstance(names, str) else names)
+    if EVERY in wanted:
+        wanted = wanted - {EVERY} | TARGETS.keys()
     unknown = sorted(wanted - TARGETS.keys())
     if unknown or not wanted:
         found = f"unknown target {unknown[0]!r}" if unknown else "no target"
-        raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}")
+        raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}, and {EVERY}")
+    wanted |= TARGETS.keys() & set(present)
     wanted |= {needed for name in wanted for needed in TARGETS[name].requires}
     return tuple(target for name, target in TARGETS.items() if name in wanted)

@@ -125,6 +125,18 @@ def test_only_chosen_targets_are_written(choice: list[str], tmp_path: Path) -> N
     assert "model_casadi.py" not in files
 
 
+def test_a_further_target_is_added_and_only_leaves_the_named_ones(tmp_path: Path) -> None:
+    folder = tmp_path / "generated" / "planar_3r"
+    for choice, wanted in (
+        (["--target", "numpy"], {"model_numpy.py"}),
+        (["--target", "javascript"], {"model_numpy.py", "model.mjs"}),
+        (["--target", "javascript", "--only"], {"model.mjs"}),
+    ):
+        assert derive("build", "planar-3r", "--effort", "quick", *choice, folder=tmp_path).status == 0
+        assert {path.name for path in folder.iterdir()} == {"MANIFEST.json", "__init__.py", *wanted}
+        assert derive("build", "planar-3r", "--check", "--effort", "quick", *choice, folder=tmp_path).status == 0
+
+
 def test_verify_finds_a_changed_model_and_exits_with_1(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(PENDULUM)
     assert derive("build", "arm.yaml", folder=tmp_path).status == 0

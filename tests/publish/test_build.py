@@ -7,18 +7,22 @@ import importlib
 import json
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 import derive
 from derive.errors import OutputError, TargetError, VerificationError
+from derive.programs.search_policy import Effort
 from derive.publish import build
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, build_robot, check_robot, folder_of
 from derive.publish.many import build_many, check_many
-from derive.publish.targets import targets_named
+from derive.publish.render import Rendered
+from derive.publish.targets import TARGETS, targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
+from derive.targets.target import Target
 
 ALL_FILES = {name for target in targets_named() for name in target.files} | {"MANIFEST.json", "__init__.py"}
 ARM = """\
@@ -94,6 +98,8 @@ def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> 
     assert not build_robot(arm, tmp_path, verified=False, force=True).unchanged
     assert not build_robot(replace(arm, digest="0" * 64), tmp_path, verified=False).unchanged
     assert not build_robot(arm, tmp_path, ["numpy"], verified=False).unchanged
+    assert build_robot(arm, tmp_path, ["numpy"], verified=False).unchanged
+    assert not build_robot(arm, tmp_path, ["numpy"], only=True, verified=False).unchanged
     assert set(contents(again.folder)) == {"MANIFEST.json", "__init__.py", "model_numpy.py"}
     assert not build_robot(arm, tmp_path, verified=False).unchanged
     (again.folder / "sheet.tex").write_text("edited")
@@ -101,6 +107,50 @@ def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> 
     (again.folder / "sheet.tex").unlink()
     assert not build_robot(arm, tmp_path, verified=False).unchanged
     assert check_robot(arm, tmp_path).is_current
+
+
+def test_one_build_adds_to_another_and_renews_what_it_finds(arm: Robot, tmp_path: Path) -> None:
+    """Whatever is built in whatever order, the folder is that of one build of everything."""
+    quickly = partial(build_robot, verified=False, effort=Effort.QUICK)
+    checked = partial(check_robot, effort=Effort.QUICK)
+    quickly(arm, tmp_path, ["numpy"])
+    added = quickly(arm, tmp_path, ["javascript"])
+    assert set(added.files) == {"MANIFEST.json", "__init__.py", "model_numpy.py", "model.mjs"}
+    assert set(added.files) == set(contents(added.folder))
+    assert checked(arm, tmp_path, ["numpy"]).is_current
+    assert checked(arm, tmp_path, ["numpy", "javascript"], only=True).is_current
+    assert checked(arm, tmp_path, ["numpy"], only=True).extra == ("model.mjs",)
+    assert "model.h" in checked(arm, tmp_path).missing
+    changed = replace(arm, title="Another title", digest="1" * 64)
+    assert "model.mjs" in checked(changed, tmp_path, ["readme"]).stale
+    quickly(changed, tmp_path)
+    at_once = quickly(changed, tmp_path / "at once", (*(t.name for t in targets_named()), "javascript"))
+    assert contents(added.folder) == contents(at_once.folder)
+
+
+def test_a_build_that_is_overtaken_by_one_of_other_targets_keeps_what_that_has_added(
+    arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    render, seen = build.render_robot, list[tuple[str, ...]]()
+
+    def slow(robot: Robot, targets: tuple[Target, ...], effort: Effort) -> Rendered:
+        seen.append(tuple(target.name for target in targets))
+        if len(seen) == 1:
+            build_robot(arm, tmp_path, ["javascript"], verified=False, effort=effort)
+        return render(robot, targets, effort)
+
+    monkeypatch.setattr(build, "render_robot", slow)
+    result = build_robot(arm, tmp_path, ["numpy"], verified=False, effort=Effort.QUICK)
+    assert seen == [("numpy",), ("javascript",), ("numpy", "javascript")]
+    assert set(contents(result.folder)) == {"MANIFEST.json", "__init__.py", "model_numpy.py", "model.mjs"}
+    assert os.listdir(tmp_path) == ["two_bars"]
+
+
+def test_all_names_every_target() -> None:
+    assert targets_named(["all"]) == targets_named("all") == tuple(TARGETS.values())
+    assert targets_named(["numpy"], present=["javascript", "of another version"]) == targets_named(
+        ["javascript", "numpy"]
+    )
 
 
 def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path: Path) -> None:
@@ -115,7 +165,7 @@ def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path:
     (folder / "README.md").unlink()
     (folder / "mine.txt").write_text("")
     before = contents(folder)
-    found = check_robot(arm, tmp_path, ["numpy", "readme"])
+    found = check_robot(arm, tmp_path, ["numpy", "readme"], only=True)
     assert found.stale == ("MANIFEST.json", "model_numpy.py")
     assert found.missing == ("README.md",)
     assert found.extra == ("model.c", "model.h", "model_casadi.py", "sheet.tex")
