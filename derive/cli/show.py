@@ -118,7 +118,7 @@ def run(arguments: argparse.Namespace) -> int:
     if loses and form in ("text", "latex"):
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
     blocks = [_lines(form, name, value, printer) for name, value in shown]
-    if form == "text" and not with_numbers:
+    if form == "text" and not with_numbers and arguments.abbreviate is None:
         for (name, _), lines in zip(shown, blocks, strict=True):
             lines += _zeros(model, name, printer)
     print("\n\n".join(map("\n".join, blocks)))
