@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,9 @@ from derive.api.robots import RobotLike, configuration, load
 from derive.errors import DeriveError
 from derive.handouts.figure.arm import arm_drawing
 from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.figure.workspace import sample_workspace, workspace_bytes
+from derive.handouts.figure.workspace.plot import workspace_bytes
+from derive.handouts.figure.workspace.region import Measure
+from derive.handouts.figure.workspace.workspace import Workspace, find_workspace
 from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
@@ -19,9 +22,6 @@ from derive.robot.robot import Robot
 
 SUFFIXES = (".pdf", ".svg", ".png")
 """Forms of a figure, by the ending of its file."""
-
-SAMPLES = 20000
-"""Points of a workspace unless asked otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +32,13 @@ class Plot:
         robot: Name of the robot.
         path: The file.
         remarks: What is drawn, and what was assumed for symbols and limits without a number.
+        workspace: The workspace that is drawn, with its areas and volumes; None for a figure of the arm.
     """
 
     robot: str
     path: Path
     remarks: str
+    workspace: Workspace | None = None
 
 
 def plot(
@@ -45,8 +47,6 @@ def plot(
     *,
     q: Sequence[float | str] | None = None,
     workspace: bool = False,
-    samples: int = SAMPLES,
-    seed: int = 0,
     size: float = 1.0,
 ) -> Plot:
     """Draw the arm with its Denavit-Hartenberg frames, or its workspace, as ``derive plot`` does.
@@ -56,8 +56,6 @@ def plot(
         path: The file, ending in .pdf, .svg or .png; it is overwritten.
         q: Joint values in the units of the robot file; None for those of its block ``figure:``, or zeros.
         workspace: Whether the positions that the end effector reaches are drawn instead.
-        samples: Points of the workspace.
-        seed: Seed of their choice.
         size: Factor by which the figure is enlarged.
 
     Returns:
@@ -77,12 +75,16 @@ def plot(
         raise DeriveError("-q beside --workspace", remedy="leave one of them out")
     require_matplotlib()
     chosen = load(robot)
+    found = None
     if workspace:
-        data, remarks = _workspace(chosen, samples, seed, suffix, size)
+        poses = RobotPoses(chosen)
+        found = find_workspace(poses)
+        remarks = f"workspace of {chosen.name}: {workspace_summary(found)}{_assumed(poses)}"
+        data = workspace_bytes(found.views, suffix, remarks, size)
     else:
         data, remarks = _arm(chosen, q, suffix, size)
     write_files({path.name: data}, path.parent, force=True)
-    return Plot(chosen.name, path, remarks)
+    return Plot(chosen.name, path, remarks, found)
 
 
 def _arm(robot: Robot, q: Sequence[float | str] | None, suffix: str, size: float) -> tuple[bytes, str]:
@@ -98,14 +100,50 @@ def _arm(robot: Robot, q: Sequence[float | str] | None, suffix: str, size: float
     return drawing_bytes(arm_drawing(robot, printer, poses.frames(drawn), remarks), suffix, size), remarks
 
 
-def _workspace(robot: Robot, samples: int, seed: int, suffix: str, size: float) -> tuple[bytes, str]:
-    """The figure of the workspace, and what it shows."""
-    poses = RobotPoses(robot)
-    sampled = sample_workspace(poses, samples, seed)
-    ranges = [f"{a.variable} from {a.lower:.4g} to {a.upper:.4g} {a.unit}" for a in sampled.assumed]
-    limits = f"; limits assumed: {', '.join(ranges)}" if ranges else ""
-    remarks = f"workspace of {robot.name}, {samples} points, seed {seed}{limits}{_assumed(poses)}"
-    return workspace_bytes(sampled.points, suffix, remarks, size), remarks
+def workspace_summary(found: Workspace) -> str:
+    """A workspace in words: what was measured, how exactly, and what was assumed.
+
+    Args:
+        found: The workspace.
+    """
+    parts = []
+    for view in found.views:
+        text = f"{view.picture} {_measured(view.reachable.size, 'm2')}"
+        parts.append(text + (f", dexterous {_measured(view.dexterous.size, 'm2')}" if view.dexterous else ""))
+    if found.volume is not None:
+        dexterous = f", dexterous {_measured(found.dexterous_volume, 'm3')}" if found.dexterous_volume else ""
+        parts.append(f"volume {_measured(found.volume, 'm3')}{dexterous}")
+    exact = all(view.exact for view in found.views)
+    parts.append(
+        "origin of the end effector, boundary " + ("along critical curves" if exact else "to 0.5 % of the reach")
+    )
+    if any(view.dexterous is None for view in found.views):
+        parts.append(_why_not_dexterous(found))
+    if found.assumed:
+        ways: dict[str, list[str]] = {way.interval: [] for way in found.assumed}
+        for way in found.assumed:
+            ways[way.interval].append(way.variable)
+        parts.append("limits assumed: " + ", ".join(f"{' '.join(names)} {way}" for way, names in ways.items()))
+    return "; ".join(part for part in parts if part)
+
+
+def _measured(measure: Measure, unit: str) -> str:
+    """A number with as many digits as its error leaves: ``0.8269 +- 0.0001 m2``."""
+    if measure.error <= 1e-9 * measure.value:
+        return f"{measure.value:.6g} {unit}"
+    digits = max(0, 1 - math.floor(math.log10(measure.error)))
+    return f"{measure.value:.{digits}f} +- {measure.error:.{digits}f} {unit}"
+
+
+def _why_not_dexterous(found: Workspace) -> str:
+    """Why nothing is said about places that are reached in every orientation."""
+    if found.wrist is None:
+        return "no wrist whose axes meet, so no dexterous part is looked for"
+    if not found.wrist.complete:
+        return (
+            "the wrist does not reach every orientation from one posture of the arm, so no dexterous part is looked for"
+        )
+    return ""
 
 
 def _assumed(poses: RobotPoses) -> str:

@@ -168,36 +168,6 @@ def positive(text: str) -> int:
     return _whole(text, 1, 99999999)
 
 
-def natural(text: str) -> int:
-    """A whole number from 0 on.
-
-    Args:
-        text: As typed.
-
-    Returns:
-        The number.
-
-    Raises:
-        argparse.ArgumentTypeError: Anything else.
-    """
-    return _whole(text, 0, 99999999)
-
-
-def sample_count(text: str) -> int:
-    """A whole number from 10 to a million.
-
-    Args:
-        text: As typed.
-
-    Returns:
-        The number.
-
-    Raises:
-        argparse.ArgumentTypeError: Anything else.
-    """
-    return _whole(text, 10, 1000000)
-
-
 def digit_count(text: str) -> int:
     """A number of significant digits, from 1 to 30.
 

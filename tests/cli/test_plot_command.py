@@ -5,13 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from derive.cli.main import main
-from derive.handouts.figure.poses import RobotPoses
-from derive.handouts.figure.workspace import outline, sample_workspace
-from derive.robot.robot import Robot
 from tests.cli.command import PENDULUM, derive, derive_process, is_one_message
 
 pytest.importorskip("matplotlib")
@@ -28,7 +24,7 @@ def test_figure_is_written_and_the_same_again(suffix: str, tmp_path: Path) -> No
     assert list(tmp_path.iterdir()) == [out]
 
 
-@pytest.mark.parametrize("option", [(), ("--workspace", "--samples", "500")])
+@pytest.mark.parametrize("option", [(), ("--workspace",)])
 def test_svg_does_not_depend_on_the_process(option: tuple[str, ...], tmp_path: Path) -> None:
     for index, seed in enumerate(("1", "2")):
         arguments = ("plot", "scara-perugia", *option, "-o", f"{index}.svg")
@@ -60,9 +56,6 @@ WRONG = {
     "no suffix": ("-o", "a"),
     "no output": (),
     "configuration and workspace": ("-q", "1,2", "--workspace", "-o", "a.svg"),
-    "no samples": ("--workspace", "--samples", "0", "-o", "a.svg"),
-    "too many samples": ("--workspace", "--samples", "10000000", "-o", "a.svg"),
-    "seed": ("--workspace", "--seed", "-1", "-o", "a.svg"),
     "size": ("--size", "nan", "-o", "a.svg"),
 }
 
@@ -92,30 +85,11 @@ def test_missing_matplotlib_says_how_to_install_it(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_workspace_of_a_planar_arm_is_its_annulus() -> None:
-    workspace = sample_workspace(RobotPoses(Robot.load("planar-2r-perugia")), 4000, 1)
-    radius = np.hypot(*workspace.points[:2])
-    a1, a2 = 1.0, 0.8
-    assert radius.min() >= a1 - a2 - 1e-9
-    assert radius.max() <= a1 + a2 + 1e-9
-    assert radius.max() > 0.99 * (a1 + a2)
-    assert np.abs(workspace.points[2]).max() < 1e-12
-    assert [a.variable for a in workspace.assumed] == ["q1", "q2"]
-
-
-def test_joint_limits_bound_the_workspace() -> None:
-    poses = RobotPoses(Robot.load("puma560-corke"))
-    workspace = sample_workspace(poses, 2000, 0)
-    assert workspace.assumed == ()
-    np.testing.assert_array_equal(workspace.points, sample_workspace(poses, 2000, 0).points)
-    reach = np.linalg.norm(workspace.points, axis=0).max()
-    assert 0.8 < reach < 0.4318 + 0.0203 + 0.15005 + 0.4318
-
-
-def test_outline_of_a_disc_lies_on_its_rim_and_a_line_has_none() -> None:
-    rng = np.random.default_rng(0)
-    angle, radius = rng.uniform(0, 2 * np.pi, 20000), np.sqrt(rng.uniform(0, 1, 20000))
-    lines = outline(radius * np.cos(angle), radius * np.sin(angle))
-    assert len(lines) == 1
-    assert np.abs(np.hypot(*lines[0].T) - 1.0).max() < 0.08
-    assert outline(np.linspace(0, 1, 100), np.zeros(100)) == []
+@pytest.mark.parametrize("package", ["matplotlib", "shapely"])
+def test_a_workspace_without_its_packages_says_how_to_install_them(
+    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    assert main(["plot", "planar-2r-perugia", "--workspace", "-o", str(tmp_path / "a.svg")]) == 2
+    assert "pip install 'derive-robot[handout]'" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -49,8 +49,6 @@ def test_a_fault_of_ours_asks_for_a_report() -> None:
     ("read", "good", "bad"),
     [
         (terminal.positive, {"1": 1, "99999999": 99999999}, ("0", "-1", "1.5", "100000000", "\u0663", "")),
-        (terminal.natural, {"0": 0, "007": 7}, ("-1", "x", "999999999")),
-        (terminal.sample_count, {"10": 10, "1000000": 1000000}, ("9", "1000001", "10000000")),
         (terminal.magnification, {"0.1": 0.1, "10": 10.0}, ("0", "11", "nan", "inf", "x")),
     ],
 )

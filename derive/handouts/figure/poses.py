@@ -138,23 +138,33 @@ class RobotPoses:
             poses.append((*rows, (0.0, 0.0, 0.0, 1.0)))
         return tuple(poses)
 
-    def positions(self, q: Any) -> Any:
-        """Positions of the end effector in the world at many configurations at once.
+    def joint_frames(self, q: Sequence[Any]) -> list[Frame[Any]]:
+        """Frames with the axes of the joints as z, at many configurations at once.
 
         Args:
-            q: (n, samples) joint positions [rad or m].
+            q: Joint positions [rad or m]: numbers, or arrays of one shape.
 
         Returns:
-            (3, samples) [m].
+            For joints 1 to n the frame in the world that moves with it, then the end effector.
         """
-        *_, end = self._frames(q, np.cos, np.sin)
-        return np.stack([np.broadcast_to(value, q.shape[1:]) for value in end.position])
+        frames = list(self._joint_frames(q, np.cos, np.sin))
+        return [*frames, frames[-1] @ self._chain.tool]
+
+    def frame_of_axis(self, joint: int) -> Frame[Any]:
+        """The frame in the world in which a joint moves about (along) z, in the zero configuration.
+
+        Args:
+            joint: From 0.
+        """
+        frame = self._chain.base
+        for before in list(self._joint_frames(self.zero, math.cos, math.sin))[:joint]:
+            frame = before
+        return frame @ self._chain.joints[joint].fixed
 
     @property
-    def first_axis(self) -> tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]:
-        """Rotation and origin in the world of the frame in which joint 1 moves about (along) z."""
-        frame = self._chain.base @ self._chain.joints[0].fixed
-        return frame.rotation, frame.position
+    def values(self) -> Numbers:
+        """The numbers of all symbols, those that are assumed too."""
+        return self._values
 
     @property
     def longest(self) -> float:
@@ -162,18 +172,23 @@ class RobotPoses:
         return _longest(self.robot, self._values)
 
     def _frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
-        chain = self._chain
-        yield chain.base
-        frame = chain.base
-        for value, row, joint, end in zip(q, chain.joints, self.robot.joints, chain.ends, strict=True):
+        yield self._chain.base
+        frame = self._chain.base
+        for frame, end in zip(self._joint_frames(q, cosine, sine), self._chain.ends, strict=True):
+            yield frame @ end
+        yield frame @ self._chain.tool
+
+    def _joint_frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
+        """Frames 1 to n that move with the joints, each with the axis of its joint as z."""
+        frame = self._chain.base
+        for value, row, joint in zip(q, self._chain.joints, self.robot.joints, strict=True):
             if joint.is_revolute:
                 angle = joint.sign * value + to_float(joint.theta, self._values)
                 moved = replace(row, cosine=cosine(angle), sine=sine(angle))
             else:
                 moved = replace(row, offset=joint.sign * value + to_float(joint.d, self._values))
             frame = advance(frame, moved)
-            yield frame @ end
-        yield frame @ chain.tool
+            yield frame
 
 
 def middle(joint: Joint) -> Expression:

@@ -1,0 +1,42 @@
+"""An area that is followed along its boundary is that of the critical curves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from derive.handouts.figure.workspace.point import Picture
+from derive.handouts.figure.workspace.refinement import refined_area
+from derive.handouts.figure.workspace.region import exact_area
+from tests.handouts.figure.workspace.arms import GANTRY, LIMITED, TUBE, arm, plane
+
+shapely = pytest.importorskip("shapely")
+pytest.importorskip("contourpy")
+
+
+@pytest.mark.parametrize(("joints", "picture"), [(LIMITED, Picture.TOP), (TUBE, Picture.SECTION)])
+def test_two_ways_to_the_same_area_agree(joints: str, picture: Picture) -> None:
+    seen = plane(arm(joints), picture)
+    followed, exact = refined_area(seen, 40), exact_area(seen, 60)
+    assert followed.region.hausdorff_distance(exact.region) <= 0.03 * seen.point.size
+    assert followed.size.value == pytest.approx(exact.size.value, rel=5e-3)
+    holes = [[len(part.interiors) for part in shapely.get_parts(area.region)] for area in (followed, exact)]
+    assert holes[0] == holes[1]
+
+
+def test_corners_of_a_gantry_are_sharp() -> None:
+    seen = plane(arm(GANTRY), Picture.SIDE)
+    area = refined_area(seen, 50)
+    left, low, right, high = area.region.bounds
+    width, height = np.ptp(seen.values(seen.point.random(5000, seen.joints))[0], axis=1)
+    assert (right - left, high - low) == pytest.approx((width, height), rel=0.01)
+    assert area.region.area == pytest.approx((right - left) * (high - low), rel=1e-3)
+
+
+def test_a_redundant_planar_arm_covers_its_disc() -> None:
+    joints = ", ".join("{type: revolute, a: 0.5, limits: [-2, 2]}" for _ in range(4))
+    area = refined_area(plane(arm(f"[{joints}]"), Picture.TOP), 30)
+    assert area.region.bounds[2] == pytest.approx(2.0, abs=1e-3)
+    assert math.pi * 4.0 > area.region.area > 0.8 * math.pi * 4.0
