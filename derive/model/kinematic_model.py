@@ -239,7 +239,7 @@ class KinematicModel:
         """
         if self._is_long:
             return columns_matrix(self._long.kinematics.linear, self._long.kinematics.angular)
-        return columns_matrix(*self._jacobian_columns, write=self.form.kinematic)
+        return columns_matrix(*self.jacobian_columns, write=self.form.kinematic)
 
     @cached_property
     def J_end(self) -> Matrix:
@@ -251,11 +251,18 @@ class KinematicModel:
             turned = sympy.Matrix(self.R).T
             return sympy.ImmutableMatrix(sympy.Matrix.vstack(turned * self.J[:3, :], turned * self.J[3:, :]))
         turned_back = transpose(self.kinematics.end.rotation)
-        linear, angular = ([multiply(turned_back, v) for v in columns] for columns in self._jacobian_columns)
+        linear, angular = ([multiply(turned_back, v) for v in columns] for columns in self.jacobian_columns)
         return columns_matrix(linear, angular, self.form.kinematic)
 
     @cached_property
-    def _jacobian_columns(self) -> tuple[list[Vector[Polynomial]], list[Vector[Polynomial]]]:
+    def jacobian_columns(self) -> tuple[list[Vector[Polynomial]], list[Vector[Polynomial]]]:
+        """Linear and angular columns of J, exact.
+
+        Raises:
+            QuantityError: The arm is too long to multiply them out.
+        """
+        if self._is_long:
+            raise QuantityError(f"J of {self.robot.name}, multiplied out", allowed="arms whose T is shorter")
         k = self.kinematics
         return k.linear_columns(k.end.position), k.angular_columns(self.n)
 
@@ -273,7 +280,7 @@ class KinematicModel:
             slopes = (self.form.kinematic(self.domain.derivative(entry, k)) for k in range(self.n))
             return sympy.Add(*(slope * qd for slope, qd in zip(slopes, self.qd, strict=True)))
 
-        linear, angular = self._jacobian_columns
+        linear, angular = self.jacobian_columns
         rows = [[(*v, *w)[row] for v, w in zip(linear, angular, strict=True)] for row in range(6)]
         return sympy.ImmutableMatrix([[_rate(entry) for entry in row] for row in rows])
 
@@ -333,7 +340,7 @@ class KinematicModel:
                 allowed=f"as many rows (1 to 6) as columns (1 to {self.n})",
                 remedy="name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3",
             )
-        linear, angular = self._jacobian_columns
+        linear, angular = self.jacobian_columns
         block = [[(*linear[c - 1], *angular[c - 1])[r - 1] for c in columns] for r in rows]
         return self.form.determinant(determinant(block))
 

@@ -92,6 +92,11 @@ class Quantity:
         Raises:
             QuantityError: No such link, joint or frame, or a quantity that this robot has not.
         """
+        if model.n not in self.joints:
+            first, last = self.joints[0], self.joints[-1]
+            allowed = f"{first} joints" if first == last else f"{first} joints or more" if last == ANY[-1] else ""
+            found = f"{self.name} of {model.robot.name}, an arm of {model.n} joints"
+            raise QuantityError(found, allowed=allowed or f"{first} to {last} joints")
         if self.formula is not None:
             return self.formula(model, *indices)
         found = getattr(model, self.name)
@@ -117,16 +122,15 @@ def _rows(model: DynamicModel, *rows: int) -> Matrix:
 
 def _reduced_block(model: DynamicModel) -> Matrix:
     """J_11 with its second column subtracted from the first: the same determinant, shorter entries."""
-    if model.n < 2:
-        raise QuantityError("J_11_reduced of one joint", allowed="two joints or more")
-    first, second, *others = model.kinematics.linear_columns(model.kinematics.end.position)[:3]
+    linear, _ = model.jacobian_columns
+    first, second, *others = linear[:3]
     return columns_matrix([subtract(first, second), second, *others], write=model.form.kinematic)
 
 
 def _rank(model: DynamicModel) -> Expr:
     found = model.singularities
     if found.determinant is None:
-        raise QuantityError(f"singularities of {model.robot.name}: {found.outcome.value}", allowed="two to six joints")
+        raise QuantityError(f"singularities of {model.robot.name}: {found.outcome.value}", allowed="shorter arms")
     return found.determinant
 
 
@@ -231,7 +235,7 @@ _KINEMATIC = (
     ),
     Quantity(
         "detJ_11", r"\det \mathbf{J}_{11}", "", "", "determinant of J_11", (0,),
-        lambda m: m.det_J((1, 2, 3), (1, 2, 3)), (), _BLOCK,
+        lambda m: m.det_J((1, 2, 3), (1, 2, 3)), (), range(3, 8),
     ),
     Quantity(
         "detJ_22", r"\det \mathbf{J}_{22}", "", "", "determinant of J_22 of six joints", (0,),

@@ -184,7 +184,9 @@ def typed_point(
     for option, order, typed in zip(
         ("--at", "--rates", "--accelerations"), orders, (",".join(at), rates or "", accelerations or ""), strict=True
     ):
-        cells = [cell for cell in typed.strip().strip("[]").split(",") if cell.strip()]
+        cells = [cell for cell in re.split("[,;]", typed.strip().strip("[]")) if cell.strip()]
+        if len(cells) == 1 and len(typed.split()) == robot.n:  # values with spaces between them
+            cells = typed.strip().strip("[]").split()
         places = [cell for cell in cells if "=" not in cell]
         if places and len(places) != robot.n:
             found = f"{len(places)} values in {option} for {robot.n} joints"

@@ -152,8 +152,15 @@ def test_determinants_of_blocks_are_those_of_J_in_numbers(
 def test_singularities_are_the_determinant_in_factors() -> None:
     found = Model(Robot.load("puma560-corke"))
     assert found.quantity("singularities") == found.singularities.determinant
-    with pytest.raises(QuantityError, match="redundant"):
+    with pytest.raises(QuantityError, match="7 joints; 2 to 6 joints"):
         Model(Robot.load("kuka-lwr4")).quantity("singularities")
+
+
+@pytest.mark.parametrize("name", ["J_11_reduced", "detJ_rows[1,2]", "detJ_11", "singularities"])
+def test_an_arm_that_is_too_long_for_it_is_refused_at_once(name: str) -> None:
+    """Multiplied out, J of 21 joints would fill the memory."""
+    with pytest.raises(QuantityError):
+        Model(Robot.load("human-body")).quantity(name)
 
 
 def test_a_list_holds_what_the_robot_has() -> None:
