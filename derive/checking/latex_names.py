@@ -8,16 +8,41 @@ from dataclasses import dataclass
 
 from derive.errors import CheckError
 from derive.lecture.shorthand import resolve_tokens
-from derive.robot.expression import Call, Expression, Name, Pi
+from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, negate
 from derive.robot.names import acceleration_name, joint_label, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
-FLAT = {"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon"}
-"""Macros that are another way to draw a letter."""
+_GREEK = (
+    *(
+        "alpha",
+        "beta",
+        "gamma",
+        "delta",
+        "epsilon",
+        "zeta",
+        "eta",
+        "theta",
+        "iota",
+        "kappa",
+        "lambda",
+        "mu",
+        "nu",
+        "xi",
+    ),
+    *("omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega"),
+)
+FLAT = {
+    **{chr(ord("\u03b1") + i): name for i, name in enumerate(_GREEK)},
+    **{"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"},
+}
+"""Macros and signs that are another way to draw a letter."""
 
-_JOINT = re.compile(r"(theta|q|d)([0-9]+)")
-_CIRCULAR = re.compile(r"([csCS])((?:(?:theta|q)?[0-9]+)+)")
-_GREEK = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
+_JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
+_ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
+_CIRCULAR = re.compile(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)")
+_OPPOSED = re.compile(r"([csCS])((?:theta|th|q)?[0-9]+)((?:[-+](?:theta|th|q)?[0-9]+)+)")
+_CHRISTOFFEL = re.compile(r"c[0-9]+,[0-9]{2,}|c[0-9]+,[0-9]+,[0-9]+")
+_ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
 
 
@@ -26,7 +51,7 @@ class Symbol:
     """A printed name.
 
     Attributes:
-        text: Its letters and digits, scripts set on the line.
+        text: Its letters, digits and commas, scripts set on the line.
         offset: Where it begins.
         dots: Derivatives with respect to time.
     """
@@ -45,13 +70,21 @@ class LatexNames:
     Args:
         robot: Its symbols and joints.
         abbreviations: Further names and what they stand for.
+        entries: Names of entries of quantities such as b12, looked up last.
     """
 
-    def __init__(self, robot: Robot, abbreviations: Mapping[str, Expression] | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        abbreviations: Mapping[str, Expression] | None = None,
+        entries: Mapping[str, Expression] | None = None,
+    ) -> None:
         self.robot = robot
         self.abbreviations = dict(abbreviations or {})
+        self.entries = entries or {}
         variables = [joint.variable for joint in robot.joints]
         self.own = frozenset((*robot_symbols(robot), *variables, *self.abbreviations))
+        self._known: dict[tuple[str, int], Expression] = {}
 
     def meaning(self, symbol: Symbol) -> Expression:
         """The expression that a printed name stands for.
@@ -62,16 +95,50 @@ class LatexNames:
         Raises:
             CheckError: An unknown name, or one that can be read in two ways.
         """
+        key = symbol.text, symbol.dots
+        if key not in self._known:
+            self._known[key] = self._meaning(symbol)
+        return self._known[key]
+
+    def _meaning(self, symbol: Symbol) -> Expression:
         text = symbol.text
+        if _CHRISTOFFEL.fullmatch(text) and text in self.entries:  # c_{1,23}; without the comma it is a cosine
+            return self.entries[text]
+        text = text.replace(",", "")
         if text == "pi":
             return Pi()
         if symbol.dots:
-            return self._derivative(symbol)
+            return self._derivative(text, symbol.dots)
         # the Greek angle in c_{\alpha_1}; only of letters that are never lengths
         angle = text[1:]
-        if text not in self.own and text[0].lower() in _ANGLE and _GREEK.fullmatch(angle) and angle in self.own:
+        if text not in self.own and text[0].lower() in _ANGLE and _ANGLES.fullmatch(angle) and angle in self.own:
             return Call(_ANGLE[text[0].lower()], (Name(angle),))
-        return resolve_tokens(Name(self._name(text)), self.robot, self.abbreviations)
+        if text not in self.own and (opposed := _OPPOSED.fullmatch(text)):
+            signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
+            angles = [self._angle(label) for label in labels]
+            others = (negate(a) if sign == "-" else a for sign, a in zip(signs, angles[1:], strict=True))
+            return Call(_ANGLE[opposed[1].lower()], (add(angles[0], *others),))
+        name = self._name(text)
+        try:
+            return resolve_tokens(Name(name), self.robot, self.abbreviations)
+        except CheckError:
+            if (match := _ANGLE_SUM.fullmatch(text)) and (terms := self._sum_of_angles(match[2])):
+                return add(*terms)
+            if text in self.entries:
+                return self.entries[text]
+            raise
+
+    def _angle(self, label: str) -> Expression:
+        return resolve_tokens(Name(self._name(f"q{label}")), self.robot)
+
+    def _sum_of_angles(self, digits: str) -> tuple[Expression, ...]:
+        r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""
+        try:
+            token = resolve_tokens(Name(f"c{digits}"), self.robot)
+        except CheckError:
+            return ()
+        angle = token.arguments[0] if isinstance(token, Call) else token
+        return angle.terms if isinstance(angle, Sum) else ()
 
     def circular(self, symbol: Symbol) -> str:
         r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty.
@@ -82,17 +149,20 @@ class LatexNames:
         plain = symbol.text.lower() in _ANGLE and not symbol.dots and symbol.text not in self.own
         return _ANGLE[symbol.text.lower()] if plain else ""
 
-    def _derivative(self, symbol: Symbol) -> Expression:
-        """The velocity or acceleration of a joint."""
+    def _derivative(self, text: str, dots: int) -> Expression:
+        """The velocity or acceleration of a joint, or of a sum of joint angles."""
         variables = [joint.variable for joint in self.robot.joints]
-        name = self._name(symbol.text)
+        name = self._name(text)
+        terms = [name]
         if name not in variables:
-            raise CheckError(
-                f"derivative of {symbol.text}, which is no joint variable", allowed=f"allowed: {', '.join(variables)}"
-            )
-        if symbol.dots > 2:
-            raise CheckError(f"{symbol.dots} dots", allowed="one for a velocity, two for an acceleration")
-        return Name(velocity_name(name) if symbol.dots == 1 else acceleration_name(name))
+            match = _ANGLE_SUM.fullmatch(text)
+            terms = [term.name for term in self._sum_of_angles(match[2]) if isinstance(term, Name)] if match else []
+        if not terms:
+            allowed = f"allowed: {', '.join(variables)}"
+            raise CheckError(f"derivative of {text}, which is no joint variable", allowed=allowed)
+        if dots > 2:
+            raise CheckError(f"{dots} dots", allowed="one for a velocity, two for an acceleration")
+        return add(*(Name(velocity_name(term) if dots == 1 else acceleration_name(term)) for term in terms))
 
     def _name(self, text: str) -> str:
         """The robot's name, or the token, that is printed like this; the text itself where there is none."""
@@ -116,9 +186,9 @@ class LatexNames:
         for joint in self.robot.joints:
             if joint_label(joint.variable) != label:
                 continue
-            if stem == "q" or (stem == "theta") is joint.is_revolute:
+            if stem == "q" or (stem in ("theta", "th")) is joint.is_revolute:
                 return joint.variable
-            if stem == "theta":
+            if stem != "d":
                 raise CheckError(
                     f"theta_{label}: joint {label} is prismatic", remedy=f"its variable is d_{label} or q_{label}"
                 )

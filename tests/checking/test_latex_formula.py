@@ -79,7 +79,7 @@ def test_it_reads_as_the_plain_formula(latex: str, plain: str) -> None:
         (r"\frac{a_1}{0}", 1, "division by zero"),
         (r"", 1, "empty formula"),
         (r"$$", 1, "empty formula"),
-        (r"\pm a_1", 1, "unknown macro"),
+        (r"\pm a_1", 1, "one sign at a time"),
         (r"\input{/etc/passwd}", 1, "unknown macro"),
         (r"(a_1 + a_2)_1", 12, "subscript"),
     ],
@@ -118,7 +118,7 @@ def test_labels_are_those_of_the_joint_variables() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["(" * 5_000, r"\frac{" * 2_000, "((a_1+a_2)^{32})^{32}", "a_1 + " * 9_000 + "a_1", "2^{32}" * 300]
+    "text", ["(" * 5_000, r"\frac{" * 2_000, "((a_1+a_2)^{32})^{32}", "a_1 + " * 90_000 + "a_1", "2^{32}" * 300]
 )
 def test_hostile_formulas_are_refused_in_time(text: str) -> None:
     with pytest.raises(CheckError):

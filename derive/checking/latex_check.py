@@ -1,0 +1,455 @@
+r"""LaTeX against a robot: every equation of a text, matrices entry by entry, each with a verdict of its own.
+
+Of an equation such as ``\mathbf{T}_2^0 = \mathbf{A}_1 \mathbf{A}_2 = [...]`` the sides that name quantities are
+compared with those that are formulas or matrices. A name that the robot does not know and that a side defines
+(``h = -m_2 a_1 l_2 s_2``) may stand in all others.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+
+import sympy
+
+from derive.checking.diagnosis import Question
+from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
+from derive.checking.latex_equations import MATRIX_MARK, Equation, Piece, equations
+from derive.checking.latex_formula import LatexReader
+from derive.checking.latex_left import Left, Target, candidates, is_scalar, taken_apart
+from derive.checking.latex_matrices import Entry, Table
+from derive.checking.latex_names import Symbol
+from derive.errors import CheckError, Location, QuantityError, UnknownNameError, quoted
+from derive.lecture.shorthand import notation_text
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
+from derive.model.equality import scalar_quantity
+from derive.model.model import Model
+from derive.model.quantities import REGISTRY, Quantity
+from derive.robot.expression import Call, Expression, Name
+from derive.robot.names import robot_symbols
+
+_LENT = frozenset("uvwhkexyzfFQ")
+"""Letters that are a quantity's with an index, and just as often a short name for a part of a formula."""
+
+_ROWS = re.compile(r"\\\\|&")
+
+_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+"""Entries that may stand in formulas."""
+
+
+@dataclass(frozen=True, slots=True)
+class Skipped:
+    """An equation that was not compared.
+
+    Attributes:
+        location: Where it stands.
+        text: Its beginning.
+        reason: Why not.
+    """
+
+    location: Location
+    text: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class LatexReport:
+    """What was compared in a text and what was not.
+
+    Attributes:
+        findings: One for each formula and each entry of a matrix, in the order of the text.
+        skipped: Equations about which nothing is said.
+    """
+
+    findings: tuple[Finding, ...]
+    skipped: tuple[Skipped, ...] = ()
+
+    def file_report(self, source: str, robot: str) -> FileReport:
+        """The comparisons as those of a file.
+
+        Args:
+            source: The name of the text.
+            robot: The name of the robot.
+        """
+        return FileReport(source, robot, self.findings, tuple(f"{s.location}: {s.reason}" for s in self.skipped))
+
+
+def check_latex(
+    model: Model, text: str, quantity: str = "", start: Location | None = None, *, document: bool = False
+) -> LatexReport:
+    """Compare the equations of a LaTeX text with what follows from the robot's table.
+
+    Args:
+        model: The robot's model.
+        text: A formula, an equation, a display, or a document.
+        quantity: What it is printed for; may be left out where the left sides say it.
+        start: Where its first character stands.
+        document: Whether prose may stand around the displays, and equations that are not understood are passed over.
+
+    Returns:
+        The comparisons.
+
+    Raises:
+        QuantityError: No such quantity.
+        CheckError: The text cannot be read, names another quantity, or says nothing that can be compared.
+    """
+    where = start or Location("<latex>")
+    document = document or "\\documentclass" in text or "\\begin{document}" in text
+    if quantity:
+        model.quantity(quantity)  # refused before anything is read
+    check = _Check(model, text, quantity, where, document)
+    findings = tuple(check.findings())
+    if not findings:
+        skipped = check.skipped[0] if check.skipped else Skipped(where, "", "no formula, or only names are defined")
+        remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
+        raise CheckError(f"nothing that can be compared: {skipped.reason}", remedy=remedy, location=skipped.location)
+    return LatexReport(findings, tuple(check.skipped))
+
+
+@dataclass(frozen=True, slots=True)
+class _Right:
+    """A derived quantity, or the part of it that is meant; rows and columns count in the whole, 0 where it has none."""
+
+    quantity: str
+    value: Matrix
+    rows: tuple[int, ...]
+    columns: tuple[int, ...]
+
+    def fitting(self, table: Table) -> Table | None:
+        """The printed table in this shape, a vector as it stands or turned; None where it does not fit."""
+        turned = table.transposed if 1 in table.shape else table
+        return next((t for t in (table, turned) if t.shape == self.value.shape), None)
+
+
+@dataclass(frozen=True, slots=True)
+class _Side:
+    """A side of an equation: the quantities that it may name, and what it says or why it says nothing."""
+
+    piece: Piece
+    left: Left | None = None
+    targets: tuple[Target, ...] = ()
+    value: Expression | Table | None = None
+    error: CheckError | None = None
+
+
+class _Check:
+    """The comparison of one text."""
+
+    def __init__(self, model: Model, text: str, quantity: str, start: Location, document: bool) -> None:
+        self.model, self.robot, self.text, self.asked, self.start = model, model.robot, text, quantity, start
+        self.document = document
+        has_time = "t" not in robot_symbols(self.robot)
+        self.equations = tuple(equations(text, start, document=document, time=has_time))
+        self.plain = LatexReader(self.robot, text, start)
+        self.rights: dict[Target, _Right | None] = {}
+        self.skipped: list[Skipped] = []
+        self.definitions: dict[str, Expression] = {}
+        self.defining: set[int] = set()
+        self._define()
+        self.reader = LatexReader(self.robot, text, start, self.definitions, _EntryNames(self))
+        self.lone = len(self.equations) - len(self.defining) == 1
+
+    def findings(self) -> Iterator[Finding]:
+        """One for each formula and each entry of a matrix."""
+        for index, equation in enumerate(self.equations):
+            if index in self.defining:
+                continue
+            try:
+                yield from tuple(self._equation(equation))
+            except CheckError as error:
+                if not self.document:
+                    raise
+                self._skip(equation.sides[0], error)
+
+    def _skip(self, side: Piece, error: CheckError) -> None:
+        reason = "; ".join(part for part in (error.found, error.allowed, error.remedy) if part)
+        self.skipped.append(Skipped(error.location or self.plain.location(side.start), self._typed(side), reason))
+
+    def _typed(self, side: Piece) -> str:
+        return " ".join(_ROWS.sub(" ", self.text[side.offset : side.offset + len(side.text)]).split())
+
+    # -- definitions
+
+    def _define(self) -> None:
+        """Names that sides define; a definition may need another one that stands before or behind it."""
+        waiting = [(i, e) for i, e in enumerate(self.equations) if len(e.sides) > 1]
+        while True:
+            reader = LatexReader(self.robot, self.text, self.start, self.definitions)
+            left = [pair for pair in waiting if not self._defines(*pair, reader)]
+            if len(left) == len(waiting):
+                return
+            waiting = left
+
+    def _defines(self, index: int, equation: Equation, reader: LatexReader) -> bool:
+        """Whether an equation gives a new name to a formula that can be read by now."""
+        names = [self._new_name(side, index, place == 0) for place, side in enumerate(equation.sides)]
+        for place, name in enumerate(names):
+            if not name or name in self.definitions:
+                continue
+            for other in equation.sides:
+                if other is equation.sides[place] or names[equation.sides.index(other)]:
+                    continue
+                with suppress(CheckError):
+                    self.definitions[name] = reader.formula(other)
+                    self.defining |= {index} if place == 0 else set()
+                    return True
+        return False
+
+    def _new_name(self, side: Piece, index: int, is_first: bool) -> str:
+        """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
+        left = None if side.matrices else taken_apart(side.text)
+        if left is None or not left.is_plain or left.arguments or self._is_own(left):
+            return ""
+        if not any(is_scalar(target) for target in self._targets(left)):
+            return left.flat
+        if not (is_first and left.sub and left.head in _LENT):
+            return ""
+        others = (part for i, e in enumerate(self.equations) if i != index for part in e.sides[1:])
+        return left.flat if any(side.text.strip() in text for part in others for text in _texts(part)) else ""
+
+    def _is_own(self, left: Left) -> bool:
+        """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""
+        if not left.is_plain:
+            return False
+        try:
+            self.plain.names.meaning(Symbol(left.flat, 0))
+        except CheckError:
+            return False
+        return True
+
+    # -- one equation
+
+    def _equation(self, equation: Equation) -> Iterator[Finding]:
+        first, *others = sides = [self._side(piece, i, len(equation.sides)) for i, piece in enumerate(equation.sides)]
+        if len(sides) == 2 and (cells := self._named_cells(*sides)):
+            for name, entry in cells:
+                yield from self._compared(name, Table(((entry,),)), entry.offset)
+            return
+        named = [side for side in sides if side.targets and (side.value is None or (side is first and others))]
+        said = [side for side in sides if side.value is not None and side not in named]
+        for side in sides if len(sides) == 1 else others:
+            if side.error is not None and side not in named:
+                yield from self._unread(side, named, side is sides[-1])
+        if not named and not self.asked and len(said) > 1:
+            yield from self._identities(said)
+            return
+        if not named and not self.asked and (said or first.error is None):
+            remedy = "write its left side, such as T_3^0 = or b_{11} =, or give the quantity"
+            found = f"{quoted(self._typed(first.piece))} names no quantity of this robot" if others else "formula alone"
+            raise CheckError(found, remedy=remedy, location=self.plain.location(first.piece.start))
+        if not named and others and first in said:
+            said.remove(first)  # a name of the robot itself before what is asked
+        for side in said:
+            table = side.value if isinstance(side.value, Table) else Table(((self._whole(side),),))
+            for name in named or [_Side(first.piece)]:
+                yield from self._compared(name, table, side.piece.start)
+
+    def _side(self, piece: Piece, place: int, count: int) -> _Side:
+        left = None if piece.matrices else taken_apart(piece.text)
+        targets = self._targets(left) if left else ()
+        if place == 0 and count > 1 and left is not None and targets and not self._is_own(left):
+            return _Side(piece, left, targets)
+        try:
+            return _Side(piece, left, targets, self.reader.value(piece))
+        except CheckError as error:
+            return _Side(piece, left, targets, error=error)
+
+    def _whole(self, side: _Side) -> Entry:
+        assert side.value is not None
+        assert not isinstance(side.value, Table)
+        return Entry(side.value, self._typed(side.piece), side.piece.start)
+
+    def _unread(self, side: _Side, named: list[_Side], is_last: bool) -> Iterator[Finding]:
+        """What becomes of a side that cannot be read: one between others is passed over, the last one is refused."""
+        error = side.error
+        assert error is not None
+        if not is_last:
+            self._skip(side.piece, error)
+        elif isinstance(error, UnknownNameError) and not self.lone and (named or self.asked):
+            target = named[0].targets[0] if named else Target(self.asked)
+            place = (*target.rows, 0, 0)[:1] + (*target.columns, 0)[:1]
+            yield undecidable(
+                target.quantity, (place[0], place[1]), Role.PRINTED, self._typed(side.piece), error, False
+            )
+        else:
+            raise error
+
+    def _named_cells(self, first: _Side, second: _Side) -> list[tuple[_Side, Entry]]:
+        """Cells of a matrix of names beside those of the matrix that says what they are."""
+        matrices = first.piece.matrices
+        if len(matrices) != 1 or first.piece.text.strip() != MATRIX_MARK or not isinstance(second.value, Table):
+            return []
+        cells = [cell for row in matrices[0].rows for cell in row]
+        lefts = [taken_apart(cell.text) for cell in cells]
+        entries = [entry for row in second.value.rows for entry in row]
+        if len(cells) != len(entries):
+            return []
+        targets = [tuple(filter(is_scalar, self._targets(left))) if left else () for left in lefts]
+        if not all(targets):
+            return []
+        return [(_Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]
+
+    def _identities(self, said: list[_Side]) -> Iterator[Finding]:
+        """Sides that say the same, or should."""
+        first = said[0]
+        if isinstance(first.value, Name) and first.value.name not in {j.variable for j in self.robot.joints}:
+            remedy = "numbers of symbols are not compared"
+            where = self.plain.location(first.piece.start)
+            raise CheckError(
+                f"{quoted(self._typed(first.piece))} is a symbol of the robot", remedy=remedy, location=where
+            )
+        for side in said[1:]:
+            if isinstance(first.value, Table) or isinstance(side.value, Table) or not first.value or not side.value:
+                raise CheckError("matrices on both sides", location=self.plain.location(side.piece.start))
+            where = self.plain.location(side.piece.start)
+            verdict = verdict_at(where, self.robot, first.value, side.value)
+            question = Question(self.robot, side.value, first.value)
+            left, right = self._typed(first.piece), self._typed(side.piece)
+            yield Finding(left, 0, 0, Role.IDENTITY, right, verdict, left, where, question=question)
+
+    # -- comparisons
+
+    def _compared(self, name: _Side, table: Table, offset: int) -> Iterator[Finding]:
+        """The findings for the first quantity that is meant of which everything is right; else for the first one."""
+        chosen: tuple[Finding, ...] = ()
+        rights = tuple(self._meant(name))
+        for right in rights:
+            if (fitting := right.fitting(table)) is not None:
+                found = tuple(self._entries(right, fitting, offset))
+                if all(finding.unknown or finding.verdict.equal for finding in found):
+                    chosen = found
+                    break
+                chosen = chosen or found
+        is_right = bool(chosen) and all(finding.verdict.equal for finding in chosen)
+        if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
+            (entry,) = table.rows[0]
+            side = _Side(Piece(entry.text, entry.offset), value=entry.formula)
+            identity = tuple(self._identities([name, side]))
+            chosen = identity if not chosen or identity[0].verdict.equal else chosen
+        if not chosen:
+            shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
+            quantity = rights[0].quantity if rights else self.asked
+            printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
+            raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
+        yield from chosen
+
+    def _meant(self, name: _Side) -> Iterator[_Right]:
+        """What a left side may mean, of that only what is asked about, if something is."""
+        meant = (right for target in name.targets if (right := self._right(target)) is not None)
+        if not self.asked:
+            yield from meant
+            return
+        asked = tuple(self._asked())
+        if not name.targets:
+            yield from asked
+            return
+        all_meant = tuple(meant)
+        agreeing = [right for right in all_meant if any(_agree(right, other) for other in asked)]
+        if not agreeing and all_meant:
+            text, means = self._typed(name.piece), all_meant[0]
+            raise CheckError(
+                f"left side {quoted(text)} means {_shown(means)}, but the quantity asked about is {self.asked}",
+                remedy="leave one of them out",
+                location=self.plain.location(name.piece.start),
+            )
+        yield from agreeing or asked
+
+    def _asked(self) -> Iterator[_Right]:
+        """What is asked about: an entry, or a quantity as a whole."""
+        with suppress(QuantityError):
+            yield _Right(self.asked, sympy.ImmutableMatrix([[scalar_quantity(self.model, self.asked)]]), (0,), (0,))
+        value = self.model.quantity(self.asked)
+        if hasattr(value, "shape"):
+            yield _whole_right(self.asked, value)
+
+    def _targets(self, left: Left) -> tuple[Target, ...]:
+        """The quantities that a left side may mean; without links there is no dynamics."""
+        found = candidates(left, self.robot.n)
+        return found if self.robot.has_dynamics else tuple(t for t in found if not _row(t).dynamic)
+
+    def _right(self, target: Target) -> _Right | None:
+        if target not in self.rights:
+            self.rights[target] = None
+            with suppress(QuantityError, IndexError):
+                self.rights[target] = self._derived(target)
+        return self.rights[target]
+
+    def _derived(self, target: Target) -> _Right:
+        value = self.model.quantity(target.quantity)
+        if not hasattr(value, "shape"):
+            return _Right(target.quantity, sympy.ImmutableMatrix([[value]]), (0,), (0,))
+        whole = _whole_right(target.quantity, value)
+        rows = target.rows or tuple(range(1, value.shape[0] + 1))
+        columns = target.columns or tuple(range(1, value.shape[1] + 1))
+        part = value.extract([i - 1 for i in rows], [j - 1 for j in columns])
+        if target.is_determinant:
+            if part.shape[0] != part.shape[1] or part.shape[0] > 3:
+                raise QuantityError(f"determinant of {target.quantity}")
+            return _Right(f"det {target.quantity}", sympy.ImmutableMatrix([[part.det(method="berkowitz")]]), (0,), (0,))
+        return _Right(target.quantity, part, rows, columns if whole.columns != (0,) else (0,))
+
+    def _entries(self, right: _Right, table: Table, offset: int) -> Iterator[Finding]:
+        for i, row in enumerate(table.rows):
+            for j, entry in enumerate(row):
+                place = right.rows[i], right.columns[j]
+                text = entry.text or notation_text(entry.formula, self.robot)
+                if entry.unknown is not None:
+                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown, False)
+                    continue
+                where = self.plain.location(entry.offset or offset)
+                derived = right.value[i, j]
+                question = Question(self.robot, entry.formula, expression_from_sympy(derived))
+                verdict = verdict_at(where, self.robot, question.right, question.printed)
+                yield Finding(right.quantity, *place, Role.PRINTED, text, verdict, derived, where, question=question)
+
+
+class _EntryNames(Mapping[str, Expression]):
+    """Entries of quantities by the names that they have in print, such as b12 and c1,22."""
+
+    def __init__(self, check: _Check) -> None:
+        self._check = check
+
+    def __getitem__(self, name: str) -> Expression:
+        left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
+        for target in self._check._targets(left) if left else ():
+            if is_scalar(target) and (right := self._check._right(target)):
+                return expression_from_sympy(right.value[0, 0])
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(())
+
+    def __len__(self) -> int:
+        return 0
+
+
+def _texts(piece: Piece) -> Iterator[str]:
+    """The text of a piece and of the entries of its matrices."""
+    yield piece.text
+    for matrix in piece.matrices:
+        for row in matrix.rows:
+            for cell in row:
+                yield from _texts(cell)
+
+
+def _row(target: Target) -> Quantity:
+    return REGISTRY[target.quantity.partition("[")[0]]
+
+
+def _whole_right(quantity: str, value: Matrix) -> _Right:
+    rows, columns = value.shape
+    return _Right(quantity, value, tuple(range(1, rows + 1)), (0,) if columns == 1 else tuple(range(1, columns + 1)))
+
+
+def _agree(meant: _Right, asked: _Right) -> bool:
+    """Whether one is the other, or an entry or a part of it."""
+    if meant.value.shape == asked.value.shape:
+        return bool(meant.value == asked.value)
+    return meant.quantity == asked.quantity and asked.rows != (0,)
+
+
+def _shown(right: _Right) -> str:
+    indices = [str(i) for (i, *more) in (right.rows, right.columns) if i and not more]
+    return f"{right.quantity}[{','.join(indices)}]" if indices else right.quantity

@@ -1,0 +1,127 @@
+"""Matrices of printed formulas: sums, products, transposes and determinants of tables of expression trees.
+
+An entry that is printed as it stands keeps its text and its place; one that a factor in front of the matrix or a sum of
+matrices has changed has none of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import chain
+
+from derive.errors import CheckError, UnknownNameError
+from derive.robot.expression import Expression, add, multiply, negate
+
+LARGEST_DETERMINANT = 4
+"""Rows of a determinant that is expanded; larger ones nobody prints."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One entry.
+
+    Attributes:
+        formula: What it says; zero where a name is unknown.
+        text: As it is printed; empty where it is computed from what is printed.
+        offset: Where it stands in the whole text.
+        unknown: The name that the robot does not know, if there is one.
+    """
+
+    formula: Expression
+    text: str = ""
+    offset: int = 0
+    unknown: UnknownNameError | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A matrix.
+
+    Attributes:
+        rows: Its entries, in rows of equal length.
+    """
+
+    rows: tuple[tuple[Entry, ...], ...]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return len(self.rows), len(self.rows[0])
+
+    @property
+    def transposed(self) -> Table:
+        """Rows as columns."""
+        return Table(tuple(zip(*self.rows, strict=True)))
+
+    def changed(self, change: Callable[[Expression], Expression]) -> Table:
+        """The same function of every entry.
+
+        Args:
+            change: The function.
+        """
+        return Table(tuple(tuple(_computed(change(e.formula), e) for e in row) for row in self.rows))
+
+    def plus(self, other: Table) -> Table:
+        """The sum.
+
+        Args:
+            other: A matrix of the same shape.
+
+        Raises:
+            CheckError: Another shape.
+        """
+        if self.shape != other.shape:
+            raise CheckError(f"sum of matrices {_size(self)} and {_size(other)}", allowed="matrices of one shape")
+        pairs = (zip(a, b, strict=True) for a, b in zip(self.rows, other.rows, strict=True))
+        return Table(tuple(tuple(_computed(add(a.formula, b.formula), a, b) for a, b in row) for row in pairs))
+
+    def times(self, other: Table) -> Table:
+        """The product.
+
+        Args:
+            other: A matrix with as many rows as this one has columns.
+
+        Raises:
+            CheckError: Shapes that do not fit.
+        """
+        if self.shape[1] != other.shape[0]:
+            raise CheckError(f"product of matrices {_size(self)} and {_size(other)}", allowed="shapes that fit")
+        columns = tuple(zip(*other.rows, strict=True))
+        return Table(tuple(tuple(_inner(row, column) for column in columns) for row in self.rows))
+
+    @property
+    def determinant(self) -> Entry:
+        """Its determinant, expanded along the first row.
+
+        Raises:
+            CheckError: No square matrix, or a large one.
+        """
+        size = self.shape[0]
+        if size != self.shape[1] or size > LARGEST_DETERMINANT:
+            allowed = f"square matrices of up to {LARGEST_DETERMINANT} rows"
+            raise CheckError(f"determinant of a matrix {_size(self)}", allowed=allowed)
+        formula = _expanded(tuple(tuple(entry.formula for entry in row) for row in self.rows))
+        return _computed(formula, *chain(*self.rows))
+
+
+def _computed(formula: Expression, *parts: Entry) -> Entry:
+    """An entry made of others."""
+    return Entry(formula, "", parts[0].offset, next((part.unknown for part in parts if part.unknown), None))
+
+
+def _inner(row: tuple[Entry, ...], column: tuple[Entry, ...]) -> Entry:
+    terms = (multiply(a.formula, b.formula) for a, b in zip(row, column, strict=True))
+    return _computed(add(*terms), *row, *column)
+
+
+def _expanded(rows: tuple[tuple[Expression, ...], ...]) -> Expression:
+    if len(rows) == 1:
+        return rows[0][0]
+    minors = (_expanded(tuple((*row[:j], *row[j + 1 :]) for row in rows[1:])) for j in range(len(rows)))
+    products = (multiply(entry, minor) for entry, minor in zip(rows[0], minors, strict=True))
+    return add(*(negate(term) if j % 2 else term for j, term in enumerate(products)))
+
+
+def _size(table: Table) -> str:
+    return "x".join(map(str, table.shape))

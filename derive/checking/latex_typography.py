@@ -1,0 +1,101 @@
+r"""What only moves ink in LaTeX is blanked, and the many ways to write one thing become one; every offset stays.
+
+Comments, spaces, sizes, colours, labels and boxes mean nothing. ``\frac{d}{dt} q_1`` becomes ``\dot q_1``, and the
+argument of ``q_1(t)`` goes, as SymPy, MATLAB and Mathematica write them. Nothing is shifted: an error in the result is
+an error at the same place of the text as it was typed.
+"""
+
+from __future__ import annotations
+
+import re
+
+PRIMED = {1: "\ue001", 2: "\ue002"}
+"""What stands for one and two primes of a function of time, ``q_1'(t)``."""
+
+_GROUP = r"\{(?:[^{}]|\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\})*\}"
+_END = r"(?![A-Za-z])"
+_SIZES = "|".join(
+    ("left", "right", "middle", *(f"{big}{side}" for big in ("bigg?", "Bigg?") for side in ("", "[lrm]")))
+)
+_IDLE = (
+    "nonumber|notag|displaystyle|textstyle|scriptstyle|scriptscriptstyle|hline|toprule|midrule|bottomrule|limits|nolimits|"
+    "strut|mathstrut|allowbreak|nobreak|break|null|relax|protect|noindent|centering|par|medskip|bigskip|smallskip|hfill|"
+    "normalsize|small|footnotesize|scriptsize|tiny|large|Large|boldmath|thinspace|medspace|thickspace|negthinspace|"
+    "negmedspace|negthickspace|begingroup|endgroup|bf|rm"
+)
+_COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
+_INK = re.compile(
+    r"(?P<kept>\\\\)"
+    rf"|\\(?:label|tag\*?|hspace\*?|vspace\*?|mspace|[hv]?phantom|color|ref|eqref|cite|footnote)\s*{_GROUP}"
+    rf"|\\textcolor\s*{_GROUP}"
+    rf"|\\(?:left|right|[bB]igg?[lrm]?)\s*\."
+    rf"|\\(?:{_SIZES}){_END}\s?"
+    rf"|\\(?:{_IDLE}){_END}"
+    rf"|\\(?:boxed|underline|ensuremath|smash|cancel|mathop|mathrel|mathbin|mathord|mathopen|mathclose|mathinner|hbox){_END}"
+    r"|\\(?:hskip|kern|mkern|mskip)\s*-?[0-9.]+\s*[a-z]{2}"
+    r"|\\[,;:!> /]|~"
+    r"|\{\s*\}"
+)
+_BRACE = re.compile(rf"\\(?:underbrace|overbrace)\s*(?P<kept>{_GROUP})\s*(?:[_^]\s*(?:{_GROUP}|[A-Za-z0-9]))?")
+_D = r"(?:\\(?:mathrm|mathit|text|operatorname)\s*\{\s*d\s*\}|\\partial(?![A-Za-z])|\\dd(?![A-Za-z])|d(?!_))"
+_SQUARE = r"\s*\^\s*(?:2|\{\s*2\s*\})"
+_RATE = re.compile(
+    rf"\\[dtc]?frac\s*\{{\s*{_D}(?P<second>{_SQUARE})?(?P<what>(?:[^{{}}]|{_GROUP})*)\}}\s*\{{\s*{_D}\s*t(?:{_SQUARE})?\s*\}}"
+)
+_OF_TIME = re.compile(r"(?P<primes>'{0,2})(?P<space>\s*)(?:\{\s*\(\s*t\s*\)\s*\}|\(\s*t\s*\))")
+_FONT = re.compile(
+    r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|text|textrm|textit|textbf|mbox|vec)"
+    r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))"
+)
+_SAME = str.maketrans(
+    {
+        **dict.fromkeys("\u2212\u2010\u2011\u2013", "-"),
+        **dict.fromkeys("\u00b7\u22c5\u2219\u2022\u00d7\u2217", "*"),
+        **dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\ufeff\t", " "),
+        **{"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"},
+    }
+)
+
+
+def cleaned(text: str, time: bool = True) -> str:
+    r"""The text with blanks for everything that only moves ink; as long as before, line by line.
+
+    Args:
+        text: LaTeX as it was typed.
+        time: Whether t is time, so that q(t) is q.
+
+    Returns:
+        The text in which row ends, ``&``, environments, ``\quad`` and everything that means something are left.
+    """
+    text = _COMMENT.sub(lambda m: m[0] if m[0].startswith("\\") else _blank(m[0]), text.translate(_SAME))
+    while (braced := _BRACE.sub(_within, text)) != text:
+        text = braced
+    text = _INK.sub(lambda m: m[0] if m["kept"] else _blank(m[0]), text)
+    text = _RATE.sub(_rate, text)
+    if time:
+        text = _OF_TIME.sub(_of_time, text)
+    return _FONT.sub(lambda m: _blank(m[0]), text)
+
+
+def _blank(text: str) -> str:
+    return re.sub(r"[^\n]", " ", text)
+
+
+def _within(match: re.Match[str]) -> str:
+    """Only what is braced stays."""
+    before, kept, after = match.start("kept") - match.start(), match["kept"], match.end() - match.end("kept")
+    return _blank(match[0][:before]) + kept + _blank(match[0][len(match[0]) - after :] if after else "")
+
+
+def _rate(match: re.Match[str]) -> str:
+    r"""A derivative as dots: those of ``\frac{d}{dt}`` stand over what follows."""
+    dots, start = "\\ddot" if match["second"] else "\\dot", match.start("what") - match.start()
+    if not match["what"].strip():
+        return dots.ljust(len(match[0]))
+    end = start + len(match["what"])
+    return f"{dots.ljust(start - 1)}{{{match['what']}}}".ljust(end + 1) + " " * (len(match[0]) - end - 1)
+
+
+def _of_time(match: re.Match[str]) -> str:
+    mark = PRIMED.get(len(match["primes"]), "")
+    return mark + " " * (len(match[0]) - len(mark))
