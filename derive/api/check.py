@@ -9,7 +9,17 @@ from derive.api.robots import RobotLike, load, with_remarks
 from derive.checking.comparison import check_expression
 from derive.checking.files import check_path
 from derive.checking.findings import FileReport, Finding, judge
-from derive.checking.report import Printout, difference_text, finding_lines, report_lines, right_text, what
+from derive.checking.latex_check import check_latex as compare_latex
+from derive.checking.report import (
+    Printout,
+    difference_text,
+    finding_lines,
+    report_lines,
+    right_text,
+    summary,
+    what,
+)
+from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.text import TextPrinter
 from derive.model.model import Model
 from derive.robot.robot import Robot
@@ -108,8 +118,32 @@ def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool 
         QuantityError: There is no such quantity, or it is no scalar.
     """
     chosen = load(robot)
-    finding = formula_finding(chosen, quantity, formula, latex=latex)
-    return _verdict(finding, printout(chosen, finding))
+    reported = formula_printout(chosen, quantity, formula, latex=latex)
+    finding, *others = reported.report.findings
+    if others:
+        raise CheckError(f"{len(others) + 1} formulas", allowed="one", remedy="use derive.check_latex")
+    return _verdict(finding, reported)
+
+
+def check_latex(robot: RobotLike, latex: str | Path, quantity: str = "") -> CheckedFile:
+    """Compare LaTeX with what follows from a robot's table, as ``derive check ROBOT --latex L`` does.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        latex: Equations, displays, matrices; or the path of a ``.tex`` file, of which the displays are read.
+        quantity: What they are printed for; may be left out where left sides such as ``T_3^0 =`` say it.
+
+    Returns:
+        The verdict on each formula and each entry of a matrix, decided exactly.
+
+    Raises:
+        CheckError: The LaTeX cannot be read, or its left side names another quantity.
+        QuantityError: There is no such quantity.
+    """
+    reported = formula_printout(load(robot), quantity, str(latex), latex=True)
+    verdicts = tuple(_verdict(finding, reported) for finding in reported.report.findings)
+    report = reported.report
+    return CheckedFile(report.source, report.robot, verdicts, report.passed, "\n".join(formula_lines(reported)))
 
 
 def checked_file(file: str | Path) -> Printout:
@@ -130,35 +164,58 @@ def checked_file(file: str | Path) -> Printout:
     return Printout(report, TextPrinter(robot).doprint, robot.remarks)
 
 
-def formula_finding(robot: Robot, quantity: str, formula: str, *, latex: bool = False) -> Finding:
-    """The comparison of one formula; see `check_formula`.
+def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool = False) -> Printout:
+    """The comparison of what is given without a corpus file; see `check_formula` and `check_latex`.
 
     Args:
         robot: The robot.
-        quantity: A scalar.
-        formula: What is printed.
-        latex: Whether the formula is LaTeX.
+        quantity: A scalar; of LaTeX a matrix too, or none.
+        formula: What is printed, or the path of a ``.tex`` file.
+        latex: Whether it is LaTeX.
 
     Returns:
-        The comparison.
+        The comparisons as those of a file.
 
     Raises:
         CheckError: The formula cannot be read.
     """
-    return check_expression(Model(robot), quantity, formula, latex)
+    printer = TextPrinter(robot).doprint
+    if not latex:
+        finding = check_expression(Model(robot), quantity, formula)
+        return Printout(FileReport(robot.name, robot.name, (finding,)), printer)
+    is_file = formula.endswith(".tex") and "\n" not in formula
+    text = _latex_file(formula) if is_file else formula
+    source = formula if is_file and formula.isprintable() else quoted(formula, 200) if is_file else "--latex"
+    found = compare_latex(Model(robot), text, quantity, Location(source), document=is_file)
+    return Printout(found.file_report(source, robot.name), printer)
 
 
-def printout(robot: Robot, finding: Finding) -> Printout:
-    """One comparison as it is reported.
+def _latex_file(path: str) -> str:
+    """The text of a LaTeX file."""
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise CheckError(f"{quoted(path, 200)} cannot be read: {reason}", remedy="check its name") from None
+    except UnicodeDecodeError:
+        raise CheckError(f"{quoted(path, 200)} is not UTF-8", remedy="save the file as UTF-8 text") from None
+
+
+def formula_lines(reported: Printout) -> list[str]:
+    """The verdicts on what is given without a corpus file, right ones included; the count of several at the end.
 
     Args:
-        robot: The robot.
-        finding: The comparison.
+        reported: The comparisons.
 
     Returns:
-        The comparison as the only one of a report on the robot.
+        Lines without ends.
     """
-    return Printout(FileReport(robot.name, robot.name, (finding,)), TextPrinter(robot).doprint)
+    report = reported.report
+    lines = [line for finding in report.findings for line in finding_lines(finding, reported.printer)]
+    lines += [f"{place}: not compared: {reason}" for place, reason in (note.split(": ", 1) for note in report.unread)]
+    if len(report.findings) > 1 or report.unread:
+        lines.append(f"{report.source}: {summary(FileReport(report.source, report.robot, report.findings))}")
+    return lines
 
 
 def _verdict(finding: Finding, reported: Printout) -> FormulaVerdict:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import reduce
 from itertools import pairwise, product
 
@@ -10,8 +11,8 @@ import sympy
 
 from derive.checking.diagnosis import Question
 from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
-from derive.checking.latex_formula import read_latex
-from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.checking.latex_check import check_latex
+from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity, PrintedText
 from derive.checking.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location
 from derive.lecture.shorthand import read_formula
@@ -43,14 +44,13 @@ def check_file(file: CorpusFile) -> FileReport:
     return FileReport(file.source, file.robot.name, tuple(findings), file.unread, file.document)
 
 
-def check_expression(model: Model, quantity: str, text: str, latex: bool = False) -> Finding:
+def check_expression(model: Model, quantity: str, text: str) -> Finding:
     """Compare one formula with a scalar quantity.
 
     Args:
         model: The robot's model.
         quantity: A scalar quantity such as ``T[1,4]`` (its entry) or ``christoffel[1,1,2]``.
         text: The formula, in the notation of lecture notes.
-        latex: Whether it is LaTeX.
 
     Returns:
         The comparison.
@@ -59,8 +59,8 @@ def check_expression(model: Model, quantity: str, text: str, latex: bool = False
         QuantityError: No such quantity, or a matrix.
         CheckError: The formula cannot be read.
     """
-    start = Location("--latex" if latex else "--expression")
-    formula = (read_latex if latex else read_formula)(text, model.robot, start)
+    start = Location("--expression")
+    formula = read_formula(text, model.robot, start)
     right = scalar_quantity(model, quantity)
     question = Question(model.robot, formula, expression_from_sympy(right))
     verdict = compare(model.robot, question.right, formula)
@@ -94,7 +94,22 @@ def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding
         raise error.at(location) from None
 
 
+def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[Finding]:
+    """The findings of an item in LaTeX; where offsets are not exact all of them stand at its beginning."""
+    try:
+        found = check_latex(model, text.text, item.quantity, text.location).findings
+    except DeriveError as error:
+        raise error if text.verbatim else type(error)(error.found, allowed=error.allowed, remedy=error.remedy) from None
+    for finding in found:
+        where = finding.location if text.verbatim else text.location
+        yield replace(finding, erratum=item.status == "erratum", remark=item.remark, location=where)
+
+
 def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
+    if item.latex is not None:
+        yield from _latex(model, item, item.latex)
+        if not item.corrections:
+            return
     right = derived_matrix(model, item)
     if item.shape is not None and item.shape != right.shape:
         raise CheckError(

@@ -8,7 +8,7 @@ can be said about it, but about the others.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from derive.checking import reading
@@ -16,7 +16,7 @@ from derive.checking.comparison import check_file
 from derive.checking.findings import FileReport
 from derive.checking.frames_file import NO_ROBOT, check_frames
 from derive.checking.methods_file import SETS, check_methods
-from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
+from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity, PrintedText
 from derive.checking.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.solutions import read_solutions
 from derive.errors import CheckError, Location, quoted
@@ -29,7 +29,18 @@ UNREAD = ("singularities", "trajectory")
 
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
 _KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
-_CONTENT = ("matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated")
+_CONTENT = (
+    "quantity",
+    "latex",
+    "matrix",
+    "entries",
+    "rest",
+    "status",
+    "kind",
+    "correct",
+    "abbreviations",
+    "abbreviated",
+)
 _REMARKS = ("printed_as", "note", "duplicate", "implied")
 _PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
 
@@ -88,7 +99,7 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     return CorpusFile(
         source=source,
         robot=robot,
-        expected=tuple(_quantity(item, robot) for item in expected),
+        expected=tuple(_quantity(item, robot, data.decode("utf-8-sig").splitlines()) for item in expected),
         identities=tuple(_identity(item, robot) for item in identities),
         factorisation=_factorisation(product) if product else None,
         unread=tuple(name for name in UNREAD if name in root.entries),
@@ -97,12 +108,17 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     )
 
 
-def _quantity(node: Node, robot: Robot) -> PrintedQuantity:
-    item = reading.mapping(node, "an item of expected", ("quantity",), (*_CONTENT, *_REMARKS))
-    name = required_text(item, "quantity").text
+def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> PrintedQuantity:
+    latex = isinstance(node, YamlMapping) and "latex" in node.entries
+    item = reading.mapping(node, "an item of expected", () if latex else ("quantity",), (*_CONTENT, *_REMARKS))
+    name = required_text(item, "quantity").text if "quantity" in item.entries else ""
+    in_latex = _latex(required_text(item, "latex"), lines) if latex else None
     entries, shape = _content(item, robot)
     corrections = tuple(_at_places(reading.pairs(item, "correct", "an entry"), "correct", robot))
-    for correction in corrections:
+    if corrections and not name:
+        remedy = "add quantity:"
+        raise CheckError("corrections without a quantity", remedy=remedy, location=item.location)
+    for correction in corrections if in_latex is None else ():
         if (correction.row, correction.column) not in {(entry.row, entry.column) for entry in entries}:
             raise CheckError(
                 f"correction of {correction.row},{correction.column}, which is not among the printed entries",
@@ -127,18 +143,31 @@ def _quantity(node: Node, robot: Robot) -> PrintedQuantity:
         status=reading.status(item),
         remark=reading.remark(item),
         implied=reading.flag(item, "implied"),
+        latex=in_latex,
     )
+
+
+def _latex(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
+    """LaTeX with its place; of a literal block (``|``) the lines of the file themselves, so that columns are exact."""
+    if scalar.verbatim:
+        return PrintedText(scalar.text, scalar.inner)
+    block = lines[scalar.location.line :][: len(scalar.text.splitlines())]
+    if [line.strip() for line in block] == [line.strip() for line in scalar.text.splitlines()]:
+        return PrintedText("\n".join(block), Location(scalar.location.source, scalar.location.line + 1))
+    return PrintedText(scalar.text, scalar.location, verbatim=False)
 
 
 def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[Printed, ...], tuple[int, int] | None]:
     """The printed entries, and rows and columns where the whole matrix is printed."""
     matrix = reading.child(item, "matrix")
-    if (matrix is None) == ("entries" not in item.entries):
+    if len([key for key in ("matrix", "entries", "latex") if key in item.entries]) != 1:
         raise CheckError(
-            "an item of expected needs either 'matrix' or 'entries'",
-            remedy='write matrix: [["..."]] for all entries, or entries: {"1,4": "..."} for some',
+            "an item of expected needs either 'matrix' or 'entries' or 'latex'",
+            remedy='write matrix: [["..."]] for all entries, or entries: {"1,4": "..."} for some, or latex: "..."',
             location=item.location,
         )
+    if "latex" in item.entries:
+        return (), None
     if matrix is None:
         return tuple(_at_places(reading.pairs(item, "entries", "an entry"), "entries", robot)), None
     rows = reading.rows(matrix, "matrix", "a row of the matrix")

@@ -27,13 +27,19 @@ from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY, Quantity
-from derive.robot.expression import Call, Expression, Name
+from derive.robot.expression import Call, Expression, Name, is_constant
 from derive.robot.names import robot_symbols
 
 _LENT = frozenset("uvwhkexyzfFQ")
 """Letters that are a quantity's with an index, and just as often a short name for a part of a formula."""
 
 _ROWS = re.compile(r"\\\\|&")
+
+_PRODUCT = re.compile(
+    r"(?:(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\\(?:mathbf|boldsymbol|bm|mathrm)\s*\{\s*[TAHRJ]\s*\}|\{\s*[TAHRJ]\s*\}|[TAHRJ])"
+    r"\s*(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\([^()]*\))?\s*(?:\\cdot|\*)?\s*){2,}"
+)
+"""Transforms side by side."""
 
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
 """Entries that may stand in formulas."""
@@ -145,10 +151,10 @@ class _Check:
         self.plain = LatexReader(self.robot, text, start)
         self.rights: dict[Target, _Right | None] = {}
         self.skipped: list[Skipped] = []
-        self.definitions: dict[str, Expression] = {}
+        self.definitions: dict[str, list[tuple[int, Expression]]] = {}
         self.defining: set[int] = set()
         self._define()
-        self.reader = LatexReader(self.robot, text, start, self.definitions, _EntryNames(self))
+        self.reader = self._reader(0)
         self.lone = len(self.equations) - len(self.defining) == 1
 
     def findings(self) -> Iterator[Finding]:
@@ -156,46 +162,62 @@ class _Check:
         for index, equation in enumerate(self.equations):
             if index in self.defining:
                 continue
+            if any(len(meanings) > 1 for meanings in self.definitions.values()):
+                self.reader = self._reader(index)
             try:
-                yield from tuple(self._equation(equation))
+                found = tuple(self._equation(equation))
             except CheckError as error:
                 if not self.document:
                     raise
                 self._skip(equation.sides[0], error)
+                continue
+            unknown = next((finding.unknown for finding in found if finding.unknown), None)
+            if unknown is not None and self.document:
+                self._skip(equation.sides[0], unknown)
+            else:
+                yield from found
 
     def _skip(self, side: Piece, error: CheckError) -> None:
-        reason = "; ".join(part for part in (error.found, error.allowed, error.remedy) if part)
-        self.skipped.append(Skipped(error.location or self.plain.location(side.start), self._typed(side), reason))
+        where = error.location or self.plain.location(side.start)
+        self.skipped.append(Skipped(where, self._typed(side), error.found))
 
     def _typed(self, side: Piece) -> str:
-        return " ".join(_ROWS.sub(" ", self.text[side.offset : side.offset + len(side.text)]).split())
+        return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
 
     # -- definitions
 
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
-        waiting = [(i, e) for i, e in enumerate(self.equations) if len(e.sides) > 1]
+        waiting = [(i, e, names) for i, e in enumerate(self.equations) if any(names := tuple(self._new_names(i, e)))]
         while True:
-            reader = LatexReader(self.robot, self.text, self.start, self.definitions)
-            left = [pair for pair in waiting if not self._defines(*pair, reader)]
+            left = [some for some in waiting if not self._defines(*some)]
             if len(left) == len(waiting):
                 return
             waiting = left
 
-    def _defines(self, index: int, equation: Equation, reader: LatexReader) -> bool:
+    def _defines(self, index: int, equation: Equation, names: tuple[str, ...]) -> bool:
         """Whether an equation gives a new name to a formula that can be read by now."""
-        names = [self._new_name(side, index, place == 0) for place, side in enumerate(equation.sides)]
-        for place, name in enumerate(names):
-            if not name or name in self.definitions:
-                continue
-            for other in equation.sides:
-                if other is equation.sides[place] or names[equation.sides.index(other)]:
-                    continue
-                with suppress(CheckError):
-                    self.definitions[name] = reader.formula(other)
-                    self.defining |= {index} if place == 0 else set()
+        name, reader = next(filter(None, names)), self._reader(index)
+        for side, its_name in zip(equation.sides, names, strict=True):
+            with suppress(CheckError):
+                if not its_name:
+                    meaning = reader.formula(side)
+                    self.definitions.setdefault(name, []).append((index, meaning))
+                    self.defining |= {index} if names[0] else set()
                     return True
         return False
+
+    def _reader(self, index: int) -> LatexReader:
+        """Reads an equation with the names that are defined at it or before it, else behind it."""
+        meanings = {}
+        for name, defined in self.definitions.items():
+            ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
+            meanings[name] = ordered[0][1]
+        return LatexReader(self.robot, self.text, self.start, meanings, _EntryNames(self))
+
+    def _new_names(self, index: int, equation: Equation) -> Iterator[str]:
+        for place, side in enumerate(equation.sides):
+            yield self._new_name(side, index, place == 0) if len(equation.sides) > 1 else ""
 
     def _new_name(self, side: Piece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
@@ -249,6 +271,9 @@ class _Check:
     def _side(self, piece: Piece, place: int, count: int) -> _Side:
         left = None if piece.matrices else taken_apart(piece.text)
         targets = self._targets(left) if left else ()
+        if count > 1 and _PRODUCT.fullmatch(piece.text.strip()) and left is None:
+            where = self.plain.location(piece.start)
+            return _Side(piece, error=CheckError("a product of matrices", remedy="multiply it out", location=where))
         if place == 0 and count > 1 and left is not None and targets and not self._is_own(left):
             return _Side(piece, left, targets)
         try:
@@ -294,12 +319,15 @@ class _Check:
     def _identities(self, said: list[_Side]) -> Iterator[Finding]:
         """Sides that say the same, or should."""
         first = said[0]
-        if isinstance(first.value, Name) and first.value.name not in {j.variable for j in self.robot.joints}:
-            remedy = "numbers of symbols are not compared"
+        joints = {joint.variable for joint in self.robot.joints}
+        is_parameter = isinstance(first.value, Name) and first.value.name not in joints
+        is_name = isinstance(first.value, Name | Call)
+        constant = any(not isinstance(s.value, Table) and s.value and is_constant(s.value) for s in said[1:])
+        if is_parameter or (is_name and constant):
+            what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             where = self.plain.location(first.piece.start)
-            raise CheckError(
-                f"{quoted(self._typed(first.piece))} is a symbol of the robot", remedy=remedy, location=where
-            )
+            remedy = "write a quantity such as T_3^0 = or b_{11} = on the left"
+            raise CheckError(f"{quoted(self._typed(first.piece))} is {what}", remedy=remedy, location=where)
         for side in said[1:]:
             if isinstance(first.value, Table) or isinstance(side.value, Table) or not first.value or not side.value:
                 raise CheckError("matrices on both sides", location=self.plain.location(side.piece.start))
@@ -363,6 +391,8 @@ class _Check:
         value = self.model.quantity(self.asked)
         if hasattr(value, "shape"):
             yield _whole_right(self.asked, value)
+        parts = (target for target in candidates(Left(self.asked), self.robot.n) if target.quantity == self.asked)
+        yield from (right for target in parts if target.rows and (right := self._right(target)))
 
     def _targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
@@ -385,6 +415,7 @@ class _Check:
         columns = target.columns or tuple(range(1, value.shape[1] + 1))
         part = value.extract([i - 1 for i in rows], [j - 1 for j in columns])
         if target.is_determinant:
+            part = part.extract([i for i in range(part.rows) if any(part.row(i))], list(range(part.cols)))
             if part.shape[0] != part.shape[1] or part.shape[0] > 3:
                 raise QuantityError(f"determinant of {target.quantity}")
             return _Right(f"det {target.quantity}", sympy.ImmutableMatrix([[part.det(method="berkowitz")]]), (0,), (0,))

@@ -80,6 +80,11 @@ class Piece:
         """Where its first sign stands in the whole text."""
         return self.offset + len(self.text) - len(self.text.lstrip())
 
+    @property
+    def end(self) -> int:
+        """Where its last sign ends in the whole text."""
+        return self.offset + len(self.text.rstrip())
+
     def part(self, begin: int, end: int) -> Piece:
         """A part of it.
 
@@ -219,7 +224,8 @@ def _flattened(plain: str, environment: _Environment) -> Piece:
     found: list[tuple[int, PrintedMatrix]] = []
 
     def blank(span: tuple[int, int], sign: str = " ") -> None:
-        letters[span[0] - begin : span[1] - begin] = sign.rjust(span[1] - span[0])
+        length = span[1] - span[0]  # a matrix stands where it begins, an entry begins behind what ends another
+        letters[span[0] - begin : span[1] - begin] = sign.ljust(length) if sign == MATRIX_MARK else sign.rjust(length)
 
     def collect(node: _Environment, is_inner: bool) -> None:
         for first, last, kind in node.marks:

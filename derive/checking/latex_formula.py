@@ -177,7 +177,8 @@ class LatexReader:
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
         tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
         try:
-            found: Expression | Table = _Builder(self.names, tables).transform(_parser().parse(piece.text))
+            text = self._with_long_names(piece.text)
+            found: Expression | Table = _Builder(self.names, tables).transform(_parser().parse(text))
         except UnexpectedInput as error:
             raise self._refusal(piece, error) from None
         except _At as error:
@@ -191,6 +192,27 @@ class LatexReader:
         if any(expanded_terms(formula, limit) > limit for formula in formulas):
             raise CheckError("formula has too many terms when multiplied out", location=self.location(piece.start))
         return found
+
+    def _with_long_names(self, text: str) -> str:
+        """One sign for each run of letters that is a name of the robot, as SymPy prints it: ``qd_{1}``, ``Ixx_{1}``."""
+        return _RUN.sub(self._long_name, text)
+
+    def _long_name(self, match: re.Match[str]) -> str:
+        run = match["run"]
+        if run is None:
+            return match[0]
+        sub = re.sub(r"[^A-Za-z0-9]", "", match["sub"] or "")
+        if not self._is_known(run + sub) or all(map(self._is_known, (*run[:-1], run[-1] + sub))):
+            return match[0]
+        sign = self.names.sign(run)
+        return sign.ljust(len(run)) + match[0][len(run) :]
+
+    def _is_known(self, name: str) -> bool:
+        try:
+            self.names.meaning(Symbol(name, 0))
+        except CheckError:
+            return False
+        return True
 
     def _matrix(self, matrix: PrintedMatrix) -> Expression | Table:
         """The entries of a matrix; one with an unknown name says so, since the others can be compared all the same."""
@@ -208,7 +230,7 @@ class LatexReader:
         return determinant.formula
 
     def _entry(self, cell: Piece) -> Entry:
-        text = " ".join(self._text[cell.offset : cell.offset + len(cell.text)].split())
+        text = " ".join(self._text[cell.start : cell.end].split())
         if not cell.text.strip():
             raise CheckError("empty entry", remedy="write 0", location=self.location(cell.start))
         try:
@@ -259,6 +281,12 @@ class LatexReader:
         sign = "'" if rest[0] in PRIMED.values() else rest[0]
         return CheckError(f"unexpected {quoted(sign)}", remedy=_REMEDIES.get(sign, "check it"), location=where)
 
+
+_RUN = re.compile(
+    r"\\(?:math[a-z]+|text[a-z]*|operatorname\*?|boldsymbol|bm|pmb|vec|mbox)\s*\{[^{}]*\}|\\[A-Za-z]+|_\s*\{[^{}]*\}"
+    r"|(?P<run>[A-Za-z]{2,})(?P<sub>[0-9]*\s*(?:_\s*(?:\{[^{}]*\}|[A-Za-z0-9]))?)"
+)
+"""A run of letters that is no macro, no script and no word in roman letters, with its subscript."""
 
 _BRACKET = re.compile(r"[][(){}]")
 
@@ -355,6 +383,8 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def _of_names(self, data: str, children: Children) -> Any:
         """Names with their scripts, dots and primes, and powers of them."""
         match data, children:
+            case "letter", (token,) if token[0] in self._names.words:
+                return Symbol(self._names.words[token[0]] + token[1:], token.start_pos or 0)
             case (("circular" | "circular_power"), (function, *others)):
                 scripts = [other for other in others if isinstance(other, tuple)]
                 letter = _function(function)[0]
@@ -476,6 +506,8 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
         if not isinstance(exponent, Number) or exponent.value.denominator > 2:
             raise _At(offset, CheckError("exponent that is no whole number", remedy=r"write roots as \sqrt{}"))
         tree, value = self._tree(base), exponent.value
+        if value == 0:
+            raise _At(offset, CheckError("exponent 0", remedy="write 1; a frame's index stands on the left side only"))
         if value.denominator == 2:
             tree, value = Call("sqrt", (tree,)), 2 * value
         inner = tree.exponent if isinstance(tree, Power) else 1

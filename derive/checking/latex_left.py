@@ -209,8 +209,9 @@ def _named(left: Left) -> Iterator[Target]:
 _DYNAMIC = {
     "B": ("B",), "M": ("B",), "D": ("B",), "H": ("B",), "I": ("B",), "C": ("C",), "N": ("N",), "S": ("C",),
     "g": ("g",), "G": ("g",), "tau": ("tau",), "Q": ("tau",), "u": ("tau",), "Gamma": ("tau",),
-    "F": ("tau",),    "V": ("coriolis_vector",), "c": ("C", "coriolis_vector"), "h": ("B", "coriolis_vector"), "n": ("N",), "b": ("B",),
-    "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("coriolis_vector",), "Y": ("regressor", "regressor_base"), "W": ("regressor",),
+    "F": ("tau",), "V": ("coriolis_vector",), "c": ("C", "coriolis_vector"), "h": ("B", "coriolis_vector"),
+    "n": ("N",), "b": ("B",), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("coriolis_vector",),
+    "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
 """Letters that books use for dynamics."""
 

@@ -81,10 +81,22 @@ class LatexNames:
     ) -> None:
         self.robot = robot
         self.abbreviations = dict(abbreviations or {})
-        self.entries = entries or {}
+        self.entries = {} if entries is None else entries  # one may be long to count
         variables = [joint.variable for joint in robot.joints]
         self.own = frozenset((*robot_symbols(robot), *variables, *self.abbreviations))
+        self.words: dict[str, str] = {}
         self._known: dict[tuple[str, int], Expression] = {}
+
+    def sign(self, word: str) -> str:
+        """One character that stands for a word in a text; the same for the same word.
+
+        Args:
+            word: Letters that are one name.
+        """
+        known = {meaning: sign for sign, meaning in self.words.items()}
+        sign = known.get(word, chr(0xE100 + len(self.words)))
+        self.words[sign] = word
+        return sign
 
     def meaning(self, symbol: Symbol) -> Expression:
         """The expression that a printed name stands for.

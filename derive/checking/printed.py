@@ -67,11 +67,26 @@ class Printed:
 
 
 @dataclass(frozen=True, slots=True)
+class PrintedText:
+    """LaTeX in a file.
+
+    Attributes:
+        text: As it is printed.
+        location: Where its first character stands.
+        verbatim: Whether it stands in the file character by character, so that offsets are exact.
+    """
+
+    text: str
+    location: Location
+    verbatim: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class PrintedQuantity:
     """One printed matrix, vector or scalar, or some entries of it.
 
     Attributes:
-        quantity: Its name, for instance ``A[1]`` or ``christoffel[1,1,2]``.
+        quantity: Its name, for instance ``A[1]`` or ``christoffel[1,1,2]``; may be empty of LaTeX with left sides.
         location: Where the item begins.
         entries: The printed entries.
         shape: Rows and columns where the whole matrix is printed.
@@ -81,6 +96,7 @@ class PrintedQuantity:
         status: ``ok``, or ``erratum`` where the notes are known to be wrong.
         remark: What the file says about it.
         implied: Whether it is only implied by the text.
+        latex: What is printed as LaTeX, in the place of entries.
     """
 
     quantity: str
@@ -93,6 +109,7 @@ class PrintedQuantity:
     status: str = "ok"
     remark: Remark = NO_REMARK
     implied: bool = False
+    latex: PrintedText | None = None
 
 
 @dataclass(frozen=True, slots=True)

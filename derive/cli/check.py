@@ -23,10 +23,14 @@ marks as an erratum is checked as printed, and its correction too. Printed produ
 Newton-Euler equations are read as well. Of an entry with a name that the robot does not know nothing can be said; the
 other entries of its file are compared all the same.
 
-One formula can be checked without a file, as plain text or as LaTeX:
+One formula can be checked without a file, as plain text or as LaTeX. LaTeX may hold several equations and matrices,
+each entry with a verdict of its own, and needs no quantity where its left sides say it. Of a .tex file the displays
+are read; what is not understood there is listed as not compared:
 
   derive check scara-perugia --quantity 'T[1,4]' --expression 'a1*c1 + a2*c12'
   derive check scara-perugia --quantity 'T[1,4]' --latex 'a_1 c_1 + a_2 c_{12}'
+  derive check scara-perugia --latex 'x = a_1 c_1 + a_2 c_{12} \\\\ y = a_1 s_1 + a_2 s_{12}'
+  derive check scara-perugia --latex homework.tex
 
 Formulas may use the shorthand of lecture notes: c12 is cos(q1 + q2), qd1 and qdd1 are velocity and acceleration of q1.
 Exit status 0 all equal, 1 something wrong, 2 a file or formula that cannot be read, an unknown name among them.
@@ -45,10 +49,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """
     add = parser.add_argument
     add("files", metavar="FILE", nargs="+", help="corpus file: a robot and its printed formulas")
-    add("--quantity", metavar="Q", help="a scalar of the one robot named instead of FILE, such as 'T[1,4]'")
+    add(
+        "--quantity",
+        metavar="Q",
+        help="a quantity of the one robot named instead of FILE, such as 'T[1,4]'; a scalar for E",
+    )
     formula = parser.add_mutually_exclusive_group()
     formula.add_argument("--expression", metavar="E", help="the formula to compare it with")
-    formula.add_argument("--latex", metavar="L", help="the formula in LaTeX, as lecture notes print it")
+    formula.add_argument("--latex", metavar="L", help="LaTeX: a formula, equations, matrices; or a .tex file, or -")
     add("--report", metavar="MD", help="write what is wrong as a Markdown page: document, place, printed, right, why")
     add("--json", action="store_true", help="machine-readable output")
 
@@ -68,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     formulas = [text for text in (arguments.expression, arguments.latex) if text is not None]
     if arguments.quantity is None and not formulas:
         return _files(arguments)
-    if arguments.quantity is None or not formulas or len(arguments.files) != 1:
+    if not formulas or len(arguments.files) != 1 or (arguments.quantity is None and arguments.latex is None):
         raise CheckError(
             "--quantity and --expression or --latex belong together, with one robot",
             remedy="write: derive check ROBOT --quantity 'T[1,4]' --expression '...'",
@@ -98,27 +106,31 @@ def _files(arguments: argparse.Namespace) -> int:
 
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:
-    """One formula; an unknown name is a verdict too where a program reads it."""
-    from derive.api.check import formula_finding, printout
+    """What is given without a file; an unknown name is a verdict too where a program reads it."""
+    from derive.api.check import formula_lines, formula_printout
     from derive.api.robots import load
     from derive.checking.findings import Outcome
-    from derive.checking.report import finding_dict, finding_lines
+    from derive.checking.report import as_dict, finding_dict
 
-    robot = load(arguments.files[0])
+    robot, quantity = load(arguments.files[0]), arguments.quantity or ""
+    if text == "-" and arguments.latex is not None:
+        text = sys.stdin.read()
     try:
-        finding = formula_finding(robot, arguments.quantity, text, latex=arguments.latex is not None)
+        reported = formula_printout(robot, quantity, text, latex=arguments.latex is not None)
     except UnknownNameError as error:
         if arguments.json:
             verdict = Outcome.UNDECIDABLE.value
-            print_json({"quantity": arguments.quantity, "printed": text, "verdict": verdict, "reason": str(error)})
+            print_json({"quantity": quantity, "printed": text, "verdict": verdict, "reason": str(error)})
         raise
-    reported = printout(robot, finding)
     _write_report(arguments.report, [reported])
-    if arguments.json:
-        print_json(finding_dict(finding, reported.printer))
+    report = reported.report
+    if arguments.json and len(report.findings) == 1 and not report.unread:
+        print_json(finding_dict(report.findings[0], reported.printer))
+    elif arguments.json:
+        print_json(as_dict(report, reported.printer))
     else:
-        print("\n".join(one_line(line) for line in finding_lines(finding, reported.printer)))
-    return 0 if finding.verdict.equal else 1
+        print("\n".join(one_line(line) for line in formula_lines(reported)))
+    return 2 if report.undecidable else 0 if report.passed else 1
 
 
 def _write_report(path: str | None, printouts: Sequence[Printout]) -> None:
