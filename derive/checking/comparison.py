@@ -14,7 +14,7 @@ from derive.checking.findings import FileReport, Finding, Role, undecidable, ver
 from derive.checking.latex_check import check_latex
 from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity, PrintedText
 from derive.checking.solutions import solution_findings
-from derive.errors import CheckError, DeriveError, Location
+from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
@@ -98,6 +98,10 @@ def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[F
     """The findings of an item in LaTeX; where offsets are not exact all of them stand at its beginning."""
     try:
         found = check_latex(model, text.text, item.quantity, text.location).findings
+    except UnknownNameError as error:
+        shown = " ".join(text.text.split())
+        yield undecidable(item.quantity, (0, 0), Role.PRINTED, shown, error, item.status == "erratum", item.remark)
+        return
     except DeriveError as error:
         raise error if text.verbatim else type(error)(error.found, allowed=error.allowed, remedy=error.remedy) from None
     for finding in found:

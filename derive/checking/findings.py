@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 from fractions import Fraction
 from functools import lru_cache
-from math import gcd, lcm
+from math import floor, gcd, lcm, log10
 from typing import Any
 
 import sympy
@@ -20,12 +20,25 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.quotients import opaque
 from derive.checking.diagnosis import Question, Repair, diagnose
+from derive.checking.edits import Evaluator
 from derive.checking.printed import NO_CITATION, NO_REMARK, Citation, Remark
 from derive.errors import DeriveError, Location, UnknownNameError
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
-from derive.model.equality import Verdict, compare
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
+from derive.model.equality import Verdict, compare, samples
+from derive.robot.expression import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Power,
+    Product,
+    Sum,
+    names,
+    rebuilt,
+    substitute,
+)
 from derive.robot.robot import Robot
 from derive.robot.style import NAMED_STYLES
 
@@ -102,9 +115,72 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
         CheckError: It has no value; placed where it stands.
     """
     try:
-        return compare(robot, right, printed)
+        verdict = compare(robot, right, printed)
     except DeriveError as error:
         raise error.at(where) from None
+    if verdict.counter_example is None or not _within_rounding(robot, right, printed):
+        return verdict
+    return Verdict(equal=True, exact=False)
+
+
+ROUNDED = range(5, 18)
+"""Significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand."""
+
+ROUNDING_POINTS = 12
+"""Points at which a difference must be as small as rounding explains."""
+
+_SLACK = 1.05
+"""More than what the squares of rounding errors add."""
+
+
+def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bool:
+    """Whether two formulas differ by no more than the rounding of the printed decimals explains, at many points.
+
+    Every decimal may be off by half a unit of the last of as many digits as the longest one has; how much that changes
+    the formula is added up.
+    """
+    decimals: dict[str, Fraction] = {}
+    marked = _with_marked_decimals(printed, decimals)
+    digits = max((_significant(value) for value in decimals.values()), default=0)
+    if digits not in ROUNDED:
+        return False
+    halves = {name: 0.5 * 10.0 ** (floor(log10(abs(value))) - digits + 1) for name, value in decimals.items()}
+    wanted = sorted({*names(right), *names(printed)})
+    points = 0
+    for sample in samples(robot, wanted):
+        values = {name: float(value) for name, value in (sample | decimals).items()}
+        try:
+            there = Evaluator(values)(marked)
+            gap = abs(there - Evaluator(values)(right))
+            changes = (Evaluator({**values, n: values[n] + half})(marked) - there for n, half in halves.items())
+            allowed = _SLACK * sum(map(abs, changes)) + 1e-12 * abs(there)
+        except (ArithmeticError, ValueError):
+            continue
+        if gap > allowed:
+            return False
+        points += 1
+        if points == ROUNDING_POINTS:
+            return True
+    return False
+
+
+def _with_marked_decimals(e: Expression, decimals: dict[str, Fraction]) -> Expression:
+    """A formula with a name for each of its decimals, which are collected."""
+    if isinstance(e, Number) and e.value.denominator != 1 and _significant(e.value):
+        name = f"(decimal {len(decimals)})"
+        decimals[name] = e.value
+        return Name(name)
+    return rebuilt(e, lambda part: _with_marked_decimals(part, decimals))
+
+
+def _significant(value: Fraction) -> int:
+    """Significant digits of a decimal; 0 of a fraction that is none."""
+    scaled = value * 10**DECIMAL_PLACES
+    return len(str(abs(scaled.numerator)).strip("0")) if scaled.denominator == 1 else 0
+
+
+DECIMAL_PLACES = 24
+"""Places that a decimal may have."""
 
 
 def undecidable(

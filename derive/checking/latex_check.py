@@ -19,7 +19,7 @@ from derive.checking.findings import FileReport, Finding, Role, undecidable, ver
 from derive.checking.latex_equations import MATRIX_MARK, Equation, Piece, equations
 from derive.checking.latex_formula import LatexReader
 from derive.checking.latex_left import Left, Target, candidates, is_scalar, taken_apart
-from derive.checking.latex_matrices import Entry, Table
+from derive.checking.latex_matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex_names import Symbol
 from derive.errors import CheckError, Location, QuantityError, UnknownNameError, quoted
 from derive.lecture.shorthand import notation_text
@@ -28,7 +28,7 @@ from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY, Quantity
 from derive.robot.expression import Call, Expression, Name, is_constant
-from derive.robot.names import robot_symbols
+from derive.robot.names import joint_label, robot_symbols
 
 _LENT = frozenset("uvwhkexyzfFQ")
 """Letters that are a quantity's with an index, and just as often a short name for a part of a formula."""
@@ -124,7 +124,11 @@ class _Right:
     columns: tuple[int, ...]
 
     def fitting(self, table: Table) -> Table | None:
-        """The printed table in this shape, a vector as it stands or turned; None where it does not fit."""
+        """The printed table in this shape, a vector as it stands or turned; None where it does not fit.
+
+        Args:
+            table: What is printed.
+        """
         turned = table.transposed if 1 in table.shape else table
         return next((t for t in (table, turned) if t.shape == self.value.shape), None)
 
@@ -148,11 +152,16 @@ class _Check:
         self.document = document
         has_time = "t" not in robot_symbols(self.robot)
         self.equations = tuple(equations(text, start, document=document, time=has_time))
+        if not self.equations:
+            raise CheckError("empty formula", remedy="write a formula or an equation", location=start)
+        labels = [joint_label(joint.variable) for joint in self.robot.joints]
+        self.first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
         self.plain = LatexReader(self.robot, text, start)
         self.rights: dict[Target, _Right | None] = {}
         self.skipped: list[Skipped] = []
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
         self.defining: set[int] = set()
+        self.names: set[tuple[int, int]] = set()
         self._define()
         self.reader = self._reader(0)
         self.lone = len(self.equations) - len(self.defining) == 1
@@ -165,7 +174,7 @@ class _Check:
             if any(len(meanings) > 1 for meanings in self.definitions.values()):
                 self.reader = self._reader(index)
             try:
-                found = tuple(self._equation(equation))
+                found = tuple(self._equation(index, equation))
             except CheckError as error:
                 if not self.document:
                     raise
@@ -204,6 +213,7 @@ class _Check:
                     meaning = reader.formula(side)
                     self.definitions.setdefault(name, []).append((index, meaning))
                     self.defining |= {index} if names[0] else set()
+                    self.names |= {(index, s.offset) for s, n in zip(equation.sides, names, strict=True) if n == name}
                     return True
         return False
 
@@ -243,8 +253,9 @@ class _Check:
 
     # -- one equation
 
-    def _equation(self, equation: Equation) -> Iterator[Finding]:
-        first, *others = sides = [self._side(piece, i, len(equation.sides)) for i, piece in enumerate(equation.sides)]
+    def _equation(self, index: int, equation: Equation) -> Iterator[Finding]:
+        pieces = [piece for piece in equation.sides if (index, piece.offset) not in self.names]
+        first, *others = sides = [self._side(piece, i, len(pieces)) for i, piece in enumerate(pieces)]
         if len(sides) == 2 and (cells := self._named_cells(*sides)):
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
@@ -374,7 +385,11 @@ class _Check:
             yield from asked
             return
         all_meant = tuple(meant)
-        agreeing = [right for right in all_meant if any(_agree(right, other) for other in asked)]
+        agreeing = [
+            right if same.value.shape != right.value.shape else same
+            for right in all_meant
+            if (same := next((other for other in asked if _agree(right, other)), None))
+        ]
         if not agreeing and all_meant:
             text, means = self._typed(name.piece), all_meant[0]
             raise CheckError(
@@ -396,7 +411,7 @@ class _Check:
 
     def _targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
-        found = candidates(left, self.robot.n)
+        found = candidates(left, self.robot.n, self.first)
         return found if self.robot.has_dynamics else tuple(t for t in found if not _row(t).dynamic)
 
     def _right(self, target: Target) -> _Right | None:
@@ -416,7 +431,7 @@ class _Check:
         part = value.extract([i - 1 for i in rows], [j - 1 for j in columns])
         if target.is_determinant:
             part = part.extract([i for i in range(part.rows) if any(part.row(i))], list(range(part.cols)))
-            if part.shape[0] != part.shape[1] or part.shape[0] > 3:
+            if part.shape[0] != part.shape[1] or not 0 < part.shape[0] <= LARGEST_DETERMINANT:
                 raise QuantityError(f"determinant of {target.quantity}")
             return _Right(f"det {target.quantity}", sympy.ImmutableMatrix([[part.det(method="berkowitz")]]), (0,), (0,))
         return _Right(target.quantity, part, rows, columns if whole.columns != (0,) else (0,))

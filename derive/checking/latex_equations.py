@@ -21,6 +21,9 @@ MATRIX_MARK = "\ue000"
 MATRICES = ("bmatrix", "pmatrix", "matrix", "Bmatrix", "vmatrix", "Vmatrix", "array", "smallmatrix", "psmallmatrix")
 """Environments of matrices; with a star too."""
 
+MAX_NESTED = 12
+"""Environments inside each other, the text counted."""
+
 DISPLAYS = ("equation", "align", "aligned", "gather", "gathered", "split", "multline", "alignat", "flalign", "eqnarray")
 """Environments of equations that a message names; `_KNOWN` has all of them."""
 
@@ -203,6 +206,9 @@ def _read(plain: str, begin: int, end: int, typed: str, start: Location) -> Piec
             child = _Environment(name, (match.start(), stop))
             open_now[-1].children.append(child)
             open_now.append(child)
+            if len(open_now) > MAX_NESTED:
+                where = place(typed, match.start(), start)
+                raise CheckError("environments nested too deeply", allowed=f"at most {MAX_NESTED - 1}", location=where)
         elif match["end"]:
             if match["end"] != open_now[-1].name:
                 where = place(typed, match.start(), start)
@@ -218,32 +224,33 @@ def _read(plain: str, begin: int, end: int, typed: str, start: Location) -> Piec
 
 
 def _flattened(plain: str, environment: _Environment) -> Piece:
-    """What an environment holds; matrices inside are one character, row ends are newpage signs and cell marks tabs."""
+    """What an environment holds: matrices inside are one character, row ends form feeds, cell marks vertical tabs."""
     begin, end = environment.begin[1], environment.end[0]
     letters = list(plain[begin:end])
     found: list[tuple[int, PrintedMatrix]] = []
-
-    def blank(span: tuple[int, int], sign: str = " ") -> None:
-        length = span[1] - span[0]  # a matrix stands where it begins, an entry begins behind what ends another
-        letters[span[0] - begin : span[1] - begin] = sign.ljust(length) if sign == MATRIX_MARK else sign.rjust(length)
-
-    def collect(node: _Environment, is_inner: bool) -> None:
-        for first, last, kind in node.marks:
-            blank((first, last), " " if is_inner else "\f" if kind == "row" else "\v")
+    waiting = [(environment, False)]
+    while waiting:
+        node, is_inner = waiting.pop()
+        signs = [(mark[:2], " " if is_inner else _SIGNS[mark[2]]) for mark in node.marks]
         for child in node.children:
             if child.name in _GRIDS and not _holds_equations(plain, child):
-                rows = tuple(_rows(_flattened(plain, child)))
-                blank((child.begin[0], child.end[1]), MATRIX_MARK)
-                found.append((child.begin[0], PrintedMatrix(rows, child.name.startswith(("v", "V")))))
+                found.append(
+                    (child.begin[0], PrintedMatrix(tuple(_rows(_flattened(plain, child))), child.name[0] in "vV"))
+                )
+                signs.append(((child.begin[0], child.end[1]), MATRIX_MARK))
             else:
-                blank(child.begin)
-                blank(child.end)
-                collect(child, is_inner or environment.name in _GRIDS)
-
-    collect(environment, False)
-    text = "".join(letters)
+                signs += [(child.begin, " "), (child.end, " ")]
+                waiting.append((child, is_inner or environment.name in _GRIDS))
+        for (first, last), sign in signs:
+            # a matrix stands where it begins, an entry begins behind what ends another
+            length = last - first
+            letters[first - begin : last - begin] = (sign.ljust if sign == MATRIX_MARK else sign.rjust)(length)
     matrices = tuple(matrix for _, matrix in sorted(found, key=lambda pair: pair[0]))
-    return _determinants(Piece(text, begin, matrices)) if matrices else Piece(text, begin)
+    piece = Piece("".join(letters), begin, matrices)
+    return _determinants(piece) if matrices else piece
+
+
+_SIGNS = {"row": "\f", "cell": "\v"}
 
 
 def _holds_equations(plain: str, node: _Environment) -> bool:
@@ -299,7 +306,8 @@ def _equations(display: Piece) -> Iterator[Equation]:
     text = text.replace("\f", " ").replace("\v", " ")
     for begin, end in spans:
         whole = Piece(text, display.offset, display.matrices)
-        end = begin + len(text[begin:end].rstrip(" \n\r.,;:"))
+        printed = text[begin:end].rstrip()
+        end = begin + len(printed if printed.endswith("...") else printed.rstrip(" \n\r.,;:"))
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]
         sides = [whole.part(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
         sides = [_without_separators(side) for side in sides]

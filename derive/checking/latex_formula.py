@@ -59,7 +59,7 @@ _REMEDIES = {
     "$": "dollar signs may only stand around the whole formula",
     "|": "use brackets",
     ",": "write decimals with a point; separate equations by a line break",
-    ".": "write out what dots stand for",
+    **dict.fromkeys((".", "\u2026", "\u22ef"), "write out what dots stand for"),
     "<": "only equations can be compared",
     ">": "only equations can be compared",
 }
@@ -554,7 +554,7 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
         case "subscript_digits", (token,):
             return token.translate(_LOWERED), token.start_pos or 0
         case (("subscript_macro" | "index_part"), (token,)):
-            return "" if token == "+" else _flat(token), token.start_pos or 0
+            return _flat(token), token.start_pos or 0
     raise AssertionError(data)
 
 

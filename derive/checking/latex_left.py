@@ -104,6 +104,8 @@ def taken_apart(text: str) -> Left | None:
         rest, determinant = match[1], True
         while (inner := re.fullmatch(r"[({](.*)[)}]", rest)) and _ARGUMENTS.fullmatch("(" + inner[1] + ")"):
             rest = inner[1]
+    while (single := re.sub(r"\{\{([^{}]*)\}\}", r"{\1}", rest)) != rest:
+        rest = single
     before, rest = _scripts(rest)
     dots = 0
     if match := re.match(r"\\(d?)dot", rest):
@@ -161,14 +163,16 @@ def _scripts(text: str) -> tuple[dict[str, str], str]:
     return found, text
 
 
-def candidates(left: Left, n: int) -> tuple[Target, ...]:
+def candidates(left: Left, n: int, first: int = 1) -> tuple[Target, ...]:
     """What a left side may mean, the likeliest first.
 
     Args:
         left: The left side.
         n: Joints of the robot.
+        first: Label of the first joint; frames of a wrist with q4, q5, q6 are 3 to 6.
     """
-    found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *_kinematics(left, n))
+    others = _kinematics(left, n, first) if first != 1 else ()
+    found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
     if left.is_determinant:
         whole = [Target("detJ")] if left.head == "J" and not left.sub else []
         found = (*whole, *(Target(t.quantity, t.rows, t.columns, True) for t in found))
@@ -293,25 +297,25 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         yield Target("J", pair[:1], pair[1:])
 
 
-def _kinematics(left: Left, n: int) -> Iterator[Target]:
+def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     """Transforms, rotations, positions, and their entries."""
     if left.dots or left.primes or left.factor:
         return
     head, pair = left.head, _indices(left.sub, 4)
     plain = not (left.sup or left.before or left.before_sub)
     if head in ("T", "A", "H", "K", "M"):
-        for name in _frames(left, n):
+        for name in _frames(left, n, first):
             yield from (Target(name), Target(name, (1, 2, 4), (1, 2, 4)))
     if head in ("R", "C", "Rot") and not (head == "C" and plain):
-        for name in _frames(left, n):
+        for name in _frames(left, n, first):
             yield from (Target(name, (1, 2, 3), (1, 2, 3)), Target(name, (1, 2), (1, 2)))
     if head in ("R", "r", "T", "t", "a", "A", "H") and plain and len(pair) == 2:
         yield Target("T", pair[:1], pair[1:])
-    letter, axis = (head, left.sub) if left.sub[:1] in _AXES else (left.sub or "p", head)
-    if axis[:1] in ("x", "y", "z", "X", "Y", "Z") and axis[1:] in ("", *_END) and (head.lower() in _AXES or left.sub):
-        row = (_AXES[axis[0].lower()],)
-        columns = {"n": (1,), "s": (2,), "o": (2, 4), "a": (3,)}.get(letter, ())
-        if letter in ("p", "P", "o", "O", "x", "X", "r", "d", "O") or (letter in _END and head.lower() in _AXES):
+    of_vector = left.sub[:1] in _AXES and left.sub[1:] in ("", *_END)
+    if of_vector or (head.lower() in _AXES and left.sub in ("", "P", "p", *_END)):
+        row = (_AXES[left.sub[0] if of_vector else head.lower()],)
+        columns = {"n": (1,), "s": (2,), "o": (2, 4), "a": (3,)}.get(head, ()) if of_vector else ()
+        if not of_vector or head in ("p", "P", "o", "O", "x", "X", "r", "d"):
             yield Target("p", row)
         yield from (Target("T", row, (column,)) for column in columns if plain)
         return
@@ -321,20 +325,20 @@ def _kinematics(left: Left, n: int) -> Iterator[Target]:
     if head in ("p", "P", "o", "O", "d", "r", "x", "X"):
         if not left.sub and not left.sup:
             yield from (Target("p"), Target("p", (1, 2)))
-        for name in _frames(left, n):
+        for name in _frames(left, n, first):
             yield from (Target(name, rows, (4,)) for rows in ((1, 2, 3), (1, 2)))
     if head in ("z", "Z") and (left.sub or left.before):
-        for name in _frames(left, n):
+        for name in _frames(left, n, first):
             yield Target(name, (1, 2, 3), (3,))
 
 
-def _frames(left: Left, n: int) -> Iterator[str]:
+def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     """Names of the transforms that the indices of a left side may mean."""
     lower, upper = left.sub or left.before_sub, left.before or left.sup
     pair = re.fullmatch(r"([0-9A-Za-z]),?([0-9A-Za-z])", lower)
     if pair and not upper and lower not in _END and lower not in _BASE and not (lower.isdigit() and int(lower) <= n):
         lower, upper = pair[2], pair[1]
-    frame, reference = _frame(lower, n), _frame(upper, n)
+    frame, reference = _frame(lower, n, first), _frame(upper, n, first)
     if frame is None or reference is None:
         return
     if lower == "" and upper in ("", *_BASE):
@@ -359,13 +363,14 @@ def _frames(left: Left, n: int) -> Iterator[str]:
                 yield from ("T",) if (frame, reference) == (0, n) else ()
 
 
-def _frame(text: str, n: int) -> int | None:
-    """The number of a frame; None where it is none."""
-    if text in _BASE or text == "":
+def _frame(text: str, n: int, first: int) -> int | None:
+    """The number of a frame, from 0; None where it is none."""
+    if text == "" or (text in _BASE and not (text == "0" and first != 1)):
         return 0
     if text in _END:
         return n
-    return int(text) if text.isdigit() and int(text) <= n else None
+    index = int(text) - first + 1 if text.isdigit() and text.isascii() else -1
+    return index if 0 <= index <= n else None
 
 
 def _indices(text: str, largest: int) -> Indices:

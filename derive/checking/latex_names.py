@@ -117,6 +117,8 @@ class LatexNames:
         if _CHRISTOFFEL.fullmatch(text) and text in self.entries:  # c_{1,23}; without the comma it is a cosine
             return self.entries[text]
         text = text.replace(",", "")
+        opposed = _OPPOSED.fullmatch(text)
+        text = text if opposed else text.replace("+", "")
         if text == "pi":
             return Pi()
         if symbol.dots:
@@ -125,7 +127,7 @@ class LatexNames:
         angle = text[1:]
         if text not in self.own and text[0].lower() in _ANGLE and _ANGLES.fullmatch(angle) and angle in self.own:
             return Call(_ANGLE[text[0].lower()], (Name(angle),))
-        if text not in self.own and (opposed := _OPPOSED.fullmatch(text)):
+        if opposed:
             signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
             angles = [self._angle(label) for label in labels]
             others = (negate(a) if sign == "-" else a for sign, a in zip(signs, angles[1:], strict=True))

@@ -31,12 +31,14 @@ _INK = re.compile(
     rf"|\\(?:left|right|[bB]igg?[lrm]?)\s*\."
     rf"|\\(?:{_SIZES}){_END}\s?"
     rf"|\\(?:{_IDLE}){_END}"
-    rf"|\\(?:boxed|underline|ensuremath|smash|cancel|mathop|mathrel|mathbin|mathord|mathopen|mathclose|mathinner|hbox){_END}"
+    rf"|\\(?:underline|smash|cancel|mathop|mathrel|mathbin|mathord|mathopen|mathclose|mathinner|hbox){_END}"
     r"|\\(?:hskip|kern|mkern|mskip)\s*-?[0-9.]+\s*[a-z]{2}"
     r"|\\[,;:!> /]|~"
+    r"|\\(?:mathrm|mathit|mathbf|text|textrm|mbox)\s*\{\s*\}"
     r"|\{\s*\}"
 )
 _BRACE = re.compile(rf"\\(?:underbrace|overbrace)\s*(?P<kept>{_GROUP})\s*(?:[_^]\s*(?:{_GROUP}|[A-Za-z0-9]))?")
+_BOXED = re.compile(rf"\\(?:boxed|ensuremath|fbox)\s*\{{(?P<kept>(?:[^{{}}]|{_GROUP})*)\}}")
 _D = r"(?:\\(?:mathrm|mathit|text|operatorname)\s*\{\s*d\s*\}|\\partial(?![A-Za-z])|\\dd(?![A-Za-z])|d(?!_))"
 _SQUARE = r"\s*\^\s*(?:2|\{\s*2\s*\})"
 _RATE = re.compile(
@@ -68,7 +70,7 @@ def cleaned(text: str, time: bool = True) -> str:
         The text in which row ends, ``&``, environments, ``\quad`` and everything that means something are left.
     """
     text = _COMMENT.sub(lambda m: m[0] if m[0].startswith("\\") else _blank(m[0]), text.translate(_SAME))
-    while (braced := _BRACE.sub(_within, text)) != text:
+    while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
         text = braced
     text = _INK.sub(lambda m: m[0] if m["kept"] else _blank(m[0]), text)
     text = _RATE.sub(_rate, text)

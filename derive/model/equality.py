@@ -77,7 +77,7 @@ def _compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> tu
     found: list[tuple[Real, CounterExample]] = []
     points = 0
     with mpmath.workdps(DIGITS):
-        for values in _samples(robot, wanted):
+        for values in samples(robot, wanted):
             right, printed = evaluate(ours, values), evaluate(theirs, values)
             if right is None or printed is None:
                 continue
@@ -127,8 +127,16 @@ def _value(e: Expression, values: Values) -> Real:
             return _FUNCTIONS[function](*(_value(argument, values) for argument in arguments))
 
 
-def _samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
-    """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive."""
+def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
+    """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive.
+
+    Args:
+        robot: Its joints tell angles from lengths.
+        wanted: The names that need a value.
+
+    Yields:
+        A number for every name; the same points each time.
+    """
     rng = random.Random(1)
     angles = {joint.variable for joint in robot.joints if joint.is_revolute}
     for trial in range(TRIALS):

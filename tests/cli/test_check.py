@@ -192,3 +192,84 @@ def test_a_terminal_shows_an_unknown_name_in_the_table(
     assert "undecidable name" in shown
     assert "unknown name 'cc'" in shown
     assert shown.rstrip().endswith("1 wrong, 1 undecidable")
+
+
+MATRIX = r"J = \begin{bmatrix} -a_1 s_1 - a_2 s_{12} & a_2 s_{12} \\ a_1 c_1 + a_2 c_{12} & a_2 c_{12} \end{bmatrix}"
+
+
+def test_a_matrix_in_latex_has_a_verdict_for_each_entry(folder: Path) -> None:
+    done = derive("check", "planar-2r-perugia", "--latex", MATRIX, folder=folder)
+    lines = done.stdout.splitlines()
+    assert (done.status, done.stderr) == (1, "")
+    assert lines[0] == "J[1,1]: same form"
+    assert lines[1] == "--latex:1:45: J[1,2] is wrong: a_2 s_{12}"
+    assert lines[3] == "  change: sign: -a2*s12 instead of a2*s12"
+    assert lines[-1] == "--latex: 3 equal (3 in the same form), 1 wrong"
+
+
+def test_a_matrix_in_latex_for_programs(folder: Path) -> None:
+    done = derive("check", "planar-2r-perugia", "--latex", MATRIX, "--json", folder=folder)
+    report = json.loads(done.stdout)
+    assert (report["equal"], report["wrong"]) == (3, 1)
+    assert [entry["verdict"] for entry in report["entries"]].count("wrong") == 1
+
+
+def test_a_left_side_that_contradicts_the_quantity_is_refused(folder: Path) -> None:
+    done = derive("check", "planar-2r-perugia", "--quantity", "B", "--latex", MATRIX, folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+    assert "left side 'J' means J, but the quantity asked about is B" in done.stderr
+
+
+def test_of_a_latex_file_the_displays_are_compared_and_the_rest_is_listed(folder: Path) -> None:
+    text = "The tool is at\n\\[ x = a_1 c_1 + a_2 c_{12} \\]\nwith\n\\[ K_i = \\sum_j k_j \\]\n"
+    (folder / "homework.tex").write_text(text)
+    done = derive("check", "planar-2r-perugia", "--latex", "homework.tex", folder=folder)
+    assert (done.status, done.stderr) == (0, "")
+    first, skipped, count = done.stdout.splitlines()
+    assert first == "p[1]: same form"
+    assert skipped.startswith("homework.tex:4:")
+    assert "not compared" in skipped
+    assert count == "homework.tex: 1 equal (1 in the same form), 0 wrong"
+
+
+def test_a_latex_file_that_is_not_there_ends_with_2(folder: Path) -> None:
+    done = derive("check", "planar-2r-perugia", "--latex", "missing.tex", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+
+
+LATEX = (
+    ARM
+    + r"""expected:
+  - quantity: p
+    status: erratum
+    latex: |
+      \begin{bmatrix} a_1 c_1 + a_2 c_{12} \\
+        a_1 s_1 - a_2 s_{12} \\ 0
+      \end{bmatrix}
+    correct: {"2": "a1*s1 + a2*s12"}
+  - latex: 'x = a_1 c_1 + a_9'
+  - {latex: "y = \\sin q_1 a_1 + a_2 s_{12}"}
+"""
+)
+
+
+def test_latex_in_a_file_is_checked_like_the_rest(folder: Path) -> None:
+    (folder / "latex.yaml").write_text(LATEX)
+    done = derive("check", "latex.yaml", folder=folder)
+    lines = done.stdout.splitlines()
+    assert done.status == 2
+    assert lines[0].startswith("latex.yaml:12:9: p[2] (marked as an erratum) is wrong: a_1 s_1 - a_2 s_{12}")
+    assert "  its correction is right: a1*s1 + a2*s12" in lines
+    assert lines[-2].startswith("latex.yaml:15:27: ")
+    assert "unknown name 'a9'" in lines[-2]
+    assert lines[-1] == "latex.yaml: 4 equal (4 in the same form), 1 wrong (1 marked as errata), 1 undecidable"
+
+
+def test_latex_in_a_file_that_cannot_be_read_is_refused_at_its_place(folder: Path) -> None:
+    (folder / "latex.yaml").write_text(LATEX.replace("- a_2 s_{12}", r"\foo"))
+    done = derive("check", "latex.yaml", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+    assert "latex.yaml:12:17: unknown macro" in done.stderr
