@@ -26,7 +26,7 @@ from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY, Quantity
+from derive.model.quantities import REGISTRY, Quantity, parse
 from derive.robot.expression import Call, Expression, Name, is_constant
 from derive.robot.names import joint_label, robot_symbols
 
@@ -406,13 +406,14 @@ class _Check:
         value = self.model.quantity(self.asked)
         if hasattr(value, "shape"):
             yield _whole_right(self.asked, value)
-        parts = (target for target in candidates(Left(self.asked), self.robot.n) if target.quantity == self.asked)
+        name = parse(self.model, self.asked)[0].name
+        parts = (target for target in candidates(Left(name), self.robot.n) if target.quantity == self.asked)
         yield from (right for target in parts if target.rows and (right := self._right(target)))
 
     def _targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
         found = candidates(left, self.robot.n, self.first)
-        return found if self.robot.has_dynamics else tuple(t for t in found if not _row(t).dynamic)
+        return tuple(target for target in found if _row(target).is_of(self.robot))
 
     def _right(self, target: Target) -> _Right | None:
         if target not in self.rights:

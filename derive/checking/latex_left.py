@@ -179,7 +179,7 @@ def candidates(left: Left, n: int, first: int = 1) -> tuple[Target, ...]:
     return tuple(dict.fromkeys(found))
 
 
-_VECTORS = frozenset(("g", "tau", "coriolis_vector", "p", "rpy", "euler_zyz", "friction"))
+_VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))
 _SCALARS = ("christoffel", "kinetic", "potential", "detJ")
 
 
@@ -213,8 +213,8 @@ def _named(left: Left) -> Iterator[Target]:
 _DYNAMIC = {
     "B": ("B",), "M": ("B",), "D": ("B",), "H": ("B",), "I": ("B",), "C": ("C",), "N": ("N",), "S": ("C",),
     "g": ("g",), "G": ("g",), "tau": ("tau",), "Q": ("tau",), "u": ("tau",), "Gamma": ("tau",),
-    "F": ("tau",), "V": ("coriolis_vector",), "c": ("C", "coriolis_vector"), "h": ("B", "coriolis_vector"),
-    "n": ("N",), "b": ("B",), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("coriolis_vector",),
+    "F": ("tau",), "V": ("Cqd",), "c": ("C", "Cqd"), "h": ("B", "Cqd"),
+    "n": ("N",), "b": ("B",), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("Cqd",),
     "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
 """Letters that books use for dynamics."""
@@ -234,10 +234,11 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
     quantities = _DYNAMIC.get(left.head, ())
     if left.dots or left.factor:
         is_rate = left.dots == 1 and left.head in "BMDHbmdh" and not left.factor
-        product = {"d": "coriolis_vector"}.get(left.factor, "") if left.head in ("C", "S") else ""
+        product = "Cqd" if left.head in "CS" and left.factor == "d" else ""
+        product = "B_qdd" if left.head in "BMDH" and left.factor == "dd" else product
         quantities = ("Bdot",) if is_rate else (product,) if product else ()
     for quantity in quantities:
-        is_vector = quantity in ("g", "tau", "coriolis_vector")
+        is_vector = quantity in _VECTORS
         if not left.sub:
             yield Target(quantity)
         elif len(indices) == (1 if is_vector else 2) and not quantity.startswith("regressor"):

@@ -27,7 +27,7 @@ def meanings(text: str, n: int = N) -> list[Target]:
         ("B(q)", "B"),
         (r"\mathbf{C}(\mathbf{q}, \dot{\mathbf{q}})", "C"),
         (r"\dot{\mathbf{B}}", "Bdot"),
-        (r"C(q,\dot q)\dot q", "coriolis_vector"),
+        (r"C(q,\dot q)\dot q", "Cqd"),
         (r"\Gamma_{1,12}", "christoffel[1,1,2]"),
         (r"\det(\mathbf{J})", "detJ"),
         (r"\mathbf{J}_v^{\ell_2}", "Jv_com[2]"),
