@@ -10,7 +10,7 @@ from derive.handouts.context import Context
 from derive.handouts.document import Block, Document, Section
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import text_for
-from derive.handouts.parts.bodies import energies, inertia, link_jacobians
+from derive.handouts.parts.bodies import energies, has_rotors, inertia, link_jacobians
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
 from derive.handouts.parts.jacobian import jacobian
@@ -74,17 +74,20 @@ def section_of(context: Context, name: str) -> Section | None:
         Its section; None where the robot has nothing to show there.
     """
     _ = context.text
+    of_motors = has_rotors(context.robot)
     parts = {
         "figure": Part(_("The arm"), arm),
         "table": Part(_("Denavit-Hartenberg table"), dh_table),
         "convention": Part(_("Convention"), convention),
         "parameters": Part(_("Parameters"), parameters),
-        "transforms": Part(_("Transforms of the rows"), transforms),
+        "transforms": Part(_("Transforms between successive frames"), transforms),
         "kinematics": Part(_("End effector"), end_effector),
         "orientation": Part(_("Position and orientation"), orientation),
         "jacobian": Part(_("Geometric Jacobian"), jacobian),
         "singularities": Part(_("Singularities"), singularities),
-        "link-jacobians": Part(_("Jacobians of links and motors"), link_jacobians, True),
+        "link-jacobians": Part(
+            _("Jacobians of links and motors") if of_motors else _("Jacobians of links"), link_jacobians, True
+        ),
         "energies": Part(_("Energies"), energies, True),
         "inertia": Part(_("Inertia matrix"), inertia),
         "christoffel": Part(_("Christoffel symbols"), christoffel, True),

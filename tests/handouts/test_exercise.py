@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -38,12 +39,18 @@ def questions(sheet: Document) -> list[Blank]:
     return [block for block in blocks(sheet) if isinstance(block, Blank)]
 
 
-def sheets(robot: Robot, language: str = "en") -> tuple[Context, Document, Document, Document]:
+def sheets(robot: Robot) -> tuple[Context, Document, Document, Document]:
     """The handout with steps, its exercise and its solutions."""
-    options = HandoutOptions(derivation=Derivation.STEPS, language=language)
+    options = HandoutOptions(derivation=Derivation.STEPS, language="en")
     context = context_of(robot, replace(options, notation=robot.handout.notation))
     whole = document(context)
     return context, whole, exercise(whole, context.text), solutions(whole, context.text)
+
+
+@cache
+def sheets_of(name: str) -> tuple[Context, Document, Document, Document]:
+    """Those of a robot of the catalogue, made once."""
+    return sheets(Robot.load(name))
 
 
 def asked(whole: Document) -> Iterator[Formula]:
@@ -55,7 +62,7 @@ def asked(whole: Document) -> Iterator[Formula]:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_question_has_a_number_a_sentence_points_and_room(name: str) -> None:
-    _, _, sheet, _ = sheets(Robot.load(name))
+    _, _, sheet, _ = sheets_of(name)
     found = questions(sheet)
     assert [question.number for question in found] == [f"{k}." for k in range(1, len(found) + 1)]
     assert all(re.fullmatch(r"[A-Z].*[.?]", question.task) for question in found)
@@ -69,7 +76,7 @@ def test_every_question_has_a_number_a_sentence_points_and_room(name: str) -> No
 @pytest.mark.parametrize("name", ROBOTS)
 def test_an_exercise_tells_no_answer(name: str) -> None:
     """Neither a derivation, nor a line of a result, nor which entries are zero."""
-    context, whole, sheet, _ = sheets(Robot.load(name))
+    context, whole, sheet, _ = sheets_of(name)
     assert not any(isinstance(block, Steps | Formula) for block in blocks(sheet))
     written = latex(sheet, context.text)
     results = {line for formula in asked(whole) for rows in formula.rows for line in rows.lines}
@@ -96,7 +103,7 @@ def test_what_is_all_zero_is_asked_for_too() -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_solutions_answer_the_questions_in_their_order(name: str) -> None:
     """The number and the points of a question stand before the formula that answers it, and nothing is missing."""
-    _, whole, sheet, answers = sheets(Robot.load(name))
+    _, whole, sheet, answers = sheets_of(name)
     solved = blocks(answers)
     heads = [k for k, block in enumerate(solved) if isinstance(block, Paragraph) and block.text.startswith("Question ")]
     assert len(heads) == len(questions(sheet))
@@ -110,7 +117,7 @@ def test_solutions_answer_the_questions_in_their_order(name: str) -> None:
 
 def test_neighbours_with_one_task_are_one_question() -> None:
     """Transforms that share no line are asked for together."""
-    _, whole, sheet, _ = sheets(Robot.load("dh-general-laschi"))
+    _, whole, sheet, _ = sheets_of("dh-general-laschi")
     first = questions(sheet)[0]
     tasks = [formula.task for formula in asked(whole)]
     assert len(first.gaps) == sum(len(f.blanks) for f in asked(whole) if f.task == first.task)
@@ -145,7 +152,7 @@ def test_every_exercise_has_at_most_twice_the_pages_of_the_handout(name: str, tm
 
 def test_a_gap_fits_its_answer() -> None:
     """A matrix has a line and a half for each of its rows, side by side where they are so in print."""
-    _, whole, sheet, _ = sheets(Robot.load("planar-2r-perugia"))
+    _, whole, sheet, _ = sheets_of("planar-2r-perugia")
     gaps = {gap.name: gap for question in questions(sheet) for gap in question.gaps}
     assert gaps["\\mathbf{A}_{1}^{0}"].lines == 6.0
     assert gaps["\\mathbf{A}_{1}^{0}"].is_half

@@ -86,6 +86,18 @@ def has_rotors(robot: Robot) -> bool:
     return any(map(has_rotor, robot.links))
 
 
+def has_motors(robot: Robot) -> bool:
+    """Whether any joint has a rotor or an armature.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        True if one has.
+    """
+    return has_rotors(robot) or any(link.armature != ZERO for link in robot.links)
+
+
 def link_jacobians(context: Context) -> Iterator[Block]:
     """J_v and J_w of every link and rotor.
 
@@ -218,21 +230,32 @@ def inertia(context: Context) -> Iterator[Block]:
         return
     if context.steps:
         yield Steps(_("Contributions of the bodies"), tuple(_contributions(context)))
-    yield Paragraph(
-        _(
+    if has_motors(context.robot):
+        text = _(
             "The kinetic energy is $\\tfrac{1}{2}\\,\\dot{\\mathbf{q}}^{T}\\mathbf{%(letter)s}(\\mathbf{q})\\,"
             "\\dot{\\mathbf{q}}$, motors included.",
             letter=letter,
         )
-    )
+    else:
+        text = _(
+            "The kinetic energy is $\\tfrac{1}{2}\\,\\dot{\\mathbf{q}}^{T}\\mathbf{%(letter)s}(\\mathbf{q})\\,"
+            "\\dot{\\mathbf{q}}$.",
+            letter=letter,
+        )
+    yield Paragraph(text)
     yield formula(context, context.dynamics.closed("B"), "inertia_matrix", _("Find the inertia matrix."))
 
 
 def _contributions(context: Context) -> Iterator[Block]:
     _ = context.text
     letter = context.symbols.inertia_letter
-    yield Paragraph(_("Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians."))
-    yield textbook("inertia_matrix", B=letter, rotors=has_rotors(context.robot))
+    rotors = has_rotors(context.robot)
+    if rotors:
+        text = _("Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians.")
+    else:
+        text = _("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
+    yield Paragraph(text)
+    yield textbook("inertia_matrix", B=letter, rotors=rotors)
     items = (
         BodyItem(
             body.symbol(letter),

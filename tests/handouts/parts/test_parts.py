@@ -7,9 +7,9 @@ from functools import cache
 
 import pytest
 
-from derive.handouts.assemble import context_of
+from derive.handouts.assemble import context_of, section_of
 from derive.handouts.context import Context
-from derive.handouts.document import Block, Formula, Rows, Section, Steps, blocks_of
+from derive.handouts.document import Block, Formula, Paragraph, Rows, Section, Steps, blocks_of
 from derive.handouts.dynamics import DynamicsLayout
 from derive.handouts.parts.bodies import energies, inertia, link_jacobians
 from derive.handouts.parts.example import example
@@ -100,3 +100,40 @@ def test_the_recursion_goes_outward_over_motion_and_inward_over_forces(standard:
     assert "omega" in outward
     assert "tau" in inward
     assert "tau" not in outward
+
+
+def sentences(robot: Robot, parts: Iterable[str]) -> str:
+    """Headings and running text, with steps."""
+    context = context_of(robot, HandoutOptions(derivation=Derivation.STEPS))
+    found = [section for part in parts if (section := section_of(context, part)) is not None]
+    texts = [block.text for section in found for block in blocks_of(section) if isinstance(block, Paragraph)]
+    return " ".join([*(section.title for section in found), *texts])
+
+
+ARM = "name: arm\nconvention: standard\njoints: [{type: revolute, a: 1}]\nlinks: [{mass: 2, inertia: {zz: 1}}]\n"
+
+
+@pytest.mark.parametrize("links", ["{mass: 2}", "{mass: 2, armature: 3}", "{mass: 2, motor: {ratio: 5, inertia: 1}}"])
+def test_motors_are_spoken_of_only_where_there_are_some(links: str) -> None:
+    robot = Robot.from_text(ARM.replace("{mass: 2, inertia: {zz: 1}}", links))
+    text = sentences(robot, ("link-jacobians", "energies", "inertia"))
+    assert any(word in text for word in ("motors", "rotor", "armature")) == (links != "{mass: 2}")
+    assert ("rotor" in text) == ("motor" in links or "armature" in links)
+
+
+def test_a_vector_that_is_too_long_for_a_step_says_where_it_is() -> None:
+    """No symbol stands for itself alone."""
+    text = sentences(Robot.load("thumb"), ("jacobian",))
+    assert "For $\\mathbf{p}$ see the fourth column of $\\mathbf{T}$." in text
+    long = sentences(Robot.load("human-body"), ("jacobian",))
+    assert "$\\mathbf{z}_{12}$" in long
+    assert "an axis $z$ is the third column of the transform from its frame to the world." in long
+    assert "an origin is the fourth column" in long
+
+
+def test_an_equation_of_motion_without_gravity_has_no_g() -> None:
+    heavy = ARM + "gravity: [0, -9.81, 0]\n"
+    for text, has_gravity in ((ARM, False), (heavy, True)):
+        context = context_of(Robot.from_text(text))
+        printed = lines(equations_of_motion(context))
+        assert any("\\mathbf{g}(\\mathbf{q})" in line for line in printed) == has_gravity
