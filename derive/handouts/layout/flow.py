@@ -57,6 +57,9 @@ _KINDS = {
 }
 
 
+_WIDE = ("\\ ", "\\quad ")
+"""Spaces at which a line may end."""
+
 _FACTOR = (_Kind.ATOM, _Kind.NAME, _Kind.OPERATOR, _Kind.CLOSING)
 
 
@@ -107,7 +110,7 @@ def breakable(equation: str) -> str:
     size = "Big" if "\\frac" in equation else "big"
     equation = equation.replace("\\left", f"\\{size}l").replace("\\right", f"\\{size}r")
     written: list[str] = []
-    depth, run, previous, after = 0, 0, _Kind.OPENING, ""
+    depth, run, is_right, previous, after = 0, 0, False, _Kind.OPENING, ""
     for kind, text in _atoms(equation):
         mark = ""
         if kind is _Kind.SPACE:
@@ -116,9 +119,12 @@ def breakable(equation: str) -> str:
                 mark = "\\brk"
             elif text == "\\," and after == ")":
                 mark = "\\fac"
+            elif text in _WIDE:
+                mark = "\\brk"
         else:
             depth -= kind is _Kind.CLOSING
-            mark = _mark(previous, after, kind, run)
+            mark = _mark(previous, after, kind, run + _FACTORS * (is_right and kind is _Kind.RELATION))
+            is_right = is_right or kind is _Kind.RELATION
         if mark:
             written.append(f"{mark}{min(depth, _DEEPEST)} ")
         after, run = text, 0 if mark else run
@@ -133,7 +139,7 @@ def _mark(previous: _Kind, after: str, kind: _Kind, run: int) -> str:
     """What stands before an atom that follows so many without a mark: a break before a sign, one between factors."""
     if previous not in (_Kind.ATOM, _Kind.NAME, _Kind.CLOSING):
         return "\\brk" if previous is _Kind.COEFFICIENT and kind is _Kind.SIGN else ""
-    if kind is _Kind.SIGN or (kind is _Kind.RELATION and run > _FACTORS):
+    if kind is _Kind.SIGN or (kind is _Kind.RELATION and run >= _FACTORS):
         return "\\brk" if after.isspace() else ""
     is_applied = kind is _Kind.OPENING and previous is _Kind.NAME
     is_factor = (kind in _FACTOR or kind is _Kind.OPENING) and not is_applied
