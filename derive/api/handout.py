@@ -40,12 +40,14 @@ class HandoutResult:
         files: Its files.
         parts: The parts that it has, in their order.
         seconds: Wall time.
+        shortened: Whether anything was left out on paper to keep to its number of pages; the sheet says what.
     """
 
     robot: str
     files: tuple[HandoutFile, ...]
     parts: tuple[str, ...]
     seconds: float
+    shortened: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
@@ -54,6 +56,7 @@ class HandoutResult:
             "files": [{"path": str(file.path), "bytes": file.bytes, "pages": file.pages} for file in self.files],
             "parts": list(self.parts),
             "seconds": round(self.seconds, 3),
+            "shortened": self.shortened,
         }
 
 
@@ -70,6 +73,7 @@ def handout(
     q: Sequence[float | str] | None = None,
     exercise: bool = False,
     force: bool = False,
+    pages: int | None = None,
 ) -> HandoutResult:
     """Write the equations of a robot as a sheet to hand out, as ``derive handout`` does.
 
@@ -87,6 +91,7 @@ def handout(
         q: Joint values that are drawn and computed, in the units of the robot file.
         exercise: Whether an exercise and its solutions are written instead of one sheet.
         force: Whether to overwrite files that derive did not write.
+        pages: Most pages on paper, 20 if not given; 0 for any number. What is least useful is left out first.
 
     Returns:
         Paths, sizes and pages of the files, parts, seconds.
@@ -105,10 +110,12 @@ def handout(
     if not wanted or Format.PDF in wanted:
         wanted.add(Format.TEX)
     shown = with_options(load(robot), parts, language, derivation, notation, q, style)
+    if pages is not None:
+        shown = replace(shown, handout=replace(shown.handout, pages=pages))
     made = handout_files(shown, shown.handout, [form for form in Format if form in wanted], exercise_sheets=exercise)
     paths = write_files(made.files, Path(out), force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)
-    return HandoutResult(shown.name, files, made.parts, time.perf_counter() - started)
+    return HandoutResult(shown.name, files, made.parts, time.perf_counter() - started, made.shortened)
 
 
 def fragment(

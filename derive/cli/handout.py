@@ -44,6 +44,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     grouped.add_argument("--style", metavar="STYLE", help="how expressions are grouped, as for derive show")
     from_notes = "group expressions as these notes do: a corpus file with some of their formulas, see derive style"
     grouped.add_argument("--style-from", metavar="NOTES", help=from_notes)
+    add(
+        "--pages", metavar="N", type=_pages, help="most pages on paper, the least useful left out (default: 20; 0: all)"
+    )
     add("--exercise", action="store_true", help="an exercise with room for answers, and its solutions")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
     add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
@@ -60,6 +63,13 @@ def _parts(text: str) -> tuple[str, ...]:
         return chosen_parts(text.split(","))
     except DeriveError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _pages(text: str) -> int:
+    """A number of pages."""
+    if not (text.isascii() and text.isdigit() and len(text) < 5):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of pages; a whole number such as 20, 0 for any number")
+    return int(text)
 
 
 def _notation(text: str) -> dict[str, str]:
@@ -114,14 +124,14 @@ def run(arguments: argparse.Namespace) -> int:
     if found is not None:
         options["style"] = found.style
     if arguments.fragment is not None:
-        text = fragment(robot, arguments.fragment, **options)
+        text = fragment(robot, arguments.fragment, **options, width=arguments.width)
         target: Path | None = arguments.fragment_file
         if target is None:
             sys.stdout.write(text)
         else:
             write_files({target.name: text.encode()}, target.parent, force=arguments.force)
         return 0
-    flags = {"exercise": arguments.exercise, "force": arguments.force}
+    flags = {"exercise": arguments.exercise, "force": arguments.force, "pages": arguments.pages}
     result = handout(robot, arguments.out, formats=formats, **options, **flags)
     if arguments.json:
         print_json(result.as_dict() | {"remarks": robot.remarks_as_dicts})
@@ -130,5 +140,7 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"{file.path}: {file.pages} page{'' if file.pages == 1 else 's'}" if file.pages else file.path)
         if found is not None:
             print(f"style of {arguments.style_from}: {found.style}; {found.summary}")
+        if result.shortened:
+            print("shortened to its number of pages, as its first page says; --pages 0 prints everything")
         print(f"{len(result.parts)} parts in {result.seconds:.1f} s")
     return 0

@@ -93,8 +93,8 @@ def _written(block: Block, text: Text) -> str:
             return _rows(lines, text)
         case Formula():
             return "".join(_formula(block, text))
-        case Blank(names):
-            return _rows([f"{name} =" for name in names], text)
+        case Blank(_, task):
+            return _macro("paragraph", text=_words(task))
         case Table(header, rows):
             head, *body = (" & ".join(map(_words, row)) for row in (header, *rows))
             items = [_as_list([(_words(h), _words(c)) for h, c in zip(header, row, strict=True)]) for row in rows]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 from derive.handouts.assemble import context_of, document
+from derive.handouts.budget import within
 from derive.handouts.context import Context
 from derive.handouts.document import Document
 from derive.handouts.exercise import exercise, solutions
@@ -34,11 +35,13 @@ class Handout:
         files: Contents by file name.
         pages: Pages of each PDF by file name.
         parts: The parts that it has.
+        shortened: Whether anything was left out on paper to keep to its number of pages.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
     pages: dict[str, int] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
+    shortened: bool = False
 
 
 def handout_files(
@@ -61,22 +64,23 @@ def handout_files(
     """
     context = context_of(robot, options)
     whole = document(context)
-    sheets = {robot.name: whole}
+    paper = within(whole, options.pages, context.text)
+    sheets: dict[str, Callable[[Document], Document]] = {robot.name: lambda sheet: sheet}
     if exercise_sheets:
         sheets = {
-            f"{robot.name}-exercise": exercise(whole, context.text),
-            f"{robot.name}-solutions": solutions(whole, context.text),
+            f"{robot.name}-exercise": lambda sheet: exercise(sheet, context.text),
+            f"{robot.name}-solutions": lambda sheet: solutions(sheet, context.text),
         }
-    handout = Handout(parts=tuple(section.part for section in whole.sections))
-    for name, sheet in sheets.items():
-        tex = latex(sheet, context.text) if {Format.TEX, Format.PDF}.intersection(formats) else ""
+    handout = Handout(parts=tuple(section.part for section in whole.sections), shortened=paper is not whole)
+    for name, made_from in sheets.items():
+        tex = latex(made_from(paper), context.text) if {Format.TEX, Format.PDF}.intersection(formats) else ""
         if Format.TEX in formats:
             handout.files[f"{name}.tex"] = tex.encode()
         if Format.PDF in formats:
             compiled = compile_latex(tex, name)
             handout.files[f"{name}.pdf"], handout.pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
         if Format.HTML in formats:
-            handout.files[f"{name}.html"] = _page(sheet, context).encode()
+            handout.files[f"{name}.html"] = _page(made_from(whole), context).encode()
     return handout
 
 
@@ -104,4 +108,5 @@ def generated_sheet(robot: Robot) -> dict[str, str]:
         ``sheet.tex``.
     """
     context = context_of(robot)
-    return {"sheet.tex": latex(document(context), context.text)}
+    sheet = within(document(context), robot.handout.pages, context.text)
+    return {"sheet.tex": latex(sheet, context.text)}

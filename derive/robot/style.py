@@ -470,12 +470,14 @@ class HandoutOptions:
         derivation: Results only, or the steps to them.
         language: Code of a language that has a message catalogue.
         notation: How symbols are written.
+        pages: Most pages of the printed sheet; 0 for any number.
     """
 
     parts: tuple[str, ...] = PARTS
     derivation: Derivation = Derivation.RESULT
     language: str = "en"
     notation: NotationOptions = field(default_factory=NotationOptions)
+    pages: int = 20
 
 
 @dataclass(frozen=True, slots=True)

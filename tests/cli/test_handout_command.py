@@ -116,6 +116,19 @@ def test_fragments_go_into_notes_that_load_amsmath(name: str, folder: Path) -> N
     assert not run_latex(BARE % outcome.stdout, folder).errors
 
 
+def test_a_sheet_keeps_to_the_pages_that_are_asked_for(folder: Path) -> None:
+    outcome = handout(folder, "--pages", "1")
+    assert outcome.status == 0, outcome.stderr
+    assert "--pages 0 prints everything" in outcome.stdout
+    assert "within the page limit (1)" in (folder / "pendulum.tex").read_text()
+    assert handout(folder, "--pages", "0", "--force").status == 0
+    assert "page limit" not in (folder / "pendulum.tex").read_text()
+
+
+def test_lines_of_a_fragment_are_as_wide_as_is_asked_for(folder: Path) -> None:
+    assert "\\linewidth=84mm" in handout(folder, "--fragment", "B", "--width", "84mm").stdout
+
+
 def test_a_fragment_goes_to_a_file(folder: Path) -> None:
     outcome = handout(folder, "--fragment", "B", "-o", "notes/b.tex")
     assert (outcome.status, outcome.stdout) == (0, "")
@@ -160,6 +173,9 @@ def test_a_configuration_is_computed(folder: Path) -> None:
         (["--fragment", "B[2,2]"], ["rows 1 to 1"]),
         (["--fragment", "B", "--pdf"], ["--fragment with --pdf"]),
         (["-o", "x.tex"], ["-o without --fragment"]),
+        (["--width", "84mm"], ["--width without --fragment"]),
+        (["--fragment", "B", "--width", "wide"], ["width 'wide'", "such as 84mm"]),
+        (["--pages", "many"], ["many", "a whole number such as 20"]),
         (["-q", "1,2"], ["2 joint values"]),
         (["--out", "arm.yaml"], ["arm.yaml"]),
     ],
