@@ -150,9 +150,8 @@ class _Stage:
                 continue
             latex = ",".join(f"{LETTERS[axis.letter]}_{{{'e' if k < 0 else k}}}" for k in axis.frames)
             direction = (tip[0] - x, tip[1] - y)
-            sideways = abs(direction[0]) / (math.hypot(*direction) + 1e-9) + 0.3
-            reach = 6.5 + 0.3 * max(0.0, label_width(latex) - 9.0) * sideways
-            self.paper.label(latex, around(tip, direction, reach), AXIS_COLORS[axis.letter])
+            places = around(tip, direction, 6.5, label_width(latex))
+            self.paper.label(latex, places, AXIS_COLORS[axis.letter])
 
     def _draw_length(self, segment: Segment) -> None:
         """A dimension line beside a link, where it crosses least; only the name beside a short one."""
@@ -164,7 +163,7 @@ class _Stage:
         middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
         if length < _SHORT:
             direction = (-(end[1] - start[1]), end[0] - start[0]) if length > 1e-6 else (0.0, 1.0)
-            self.paper.label(latex, around(middle, direction, 9.0 + 0.3 * label_width(latex)), DIMENSION)
+            self.paper.label(latex, around(middle, direction, 9.0, label_width(latex)), DIMENSION)
             return
         nx, ny = -(end[1] - start[1]) / length, (end[0] - start[0]) / length
 
@@ -179,8 +178,10 @@ class _Stage:
         a, b = _beside(start, offset), _beside(end, offset)
         self.paper.arrow(a, b, DIMENSION, 0.45, both=True)
         outward = (math.copysign(1.0, offset) * nx, math.copysign(1.0, offset) * ny)
-        reach = 6.0 + abs(outward[0]) * label_width(latex) / 2
-        self.paper.label(latex, around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), outward, reach), DIMENSION)
+        places = around(
+            ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), outward, 6.0 + 4.0 * abs(outward[0]), label_width(latex)
+        )
+        self.paper.label(latex, places, DIMENSION)
 
 
 def _length(robot: Robot, data: DataPrinter, segment: Segment) -> str:

@@ -37,6 +37,9 @@ _STEP = 2.5
 
 _LABEL_COST = 14.0
 
+LETTER_WIDTH = 9.0
+"""Of a letter with its index [pt]."""
+
 _Box = tuple[float, float, float, float]
 """Left, bottom, right and top [pt]."""
 
@@ -148,21 +151,23 @@ def arrow_head(start: Point, tip: Point, color: Color, width: float) -> Path:
     return Path(corners, closed=True, stroke=None, fill=color)
 
 
-def around(place: Point, direction: Point, reach: float) -> list[Point]:
+def around(place: Point, direction: Point, reach: float, width: float = 0.0) -> list[Point]:
     """Candidates for a label: beyond the tip of an arrow, then beside it, then farther away.
 
     Args:
         place: The tip [pt].
         direction: Of the arrow, of any length.
         reach: Distance of the nearest candidates [pt].
+        width: Of the label, where it is more than a letter: it stands so much farther to the side [pt].
     """
     size = float(np.hypot(*direction))
     dx, dy = (direction[0] / size, direction[1] / size) if size > 1e-9 else (0.0, 1.0)
     found = []
-    for far in (reach, 1.5 * reach, 2.2 * reach):
+    for far in (reach, 1.5 * reach, 2.2 * reach, 3.0 * reach):
         for along, across in ((1.0, 0.0), (0.6, 0.8), (0.6, -0.8), (0.0, 1.0), (0.0, -1.0), (-0.6, 0.8), (-0.6, -0.8)):
             x, y = along * dx - across * dy, along * dy + across * dx
-            found.append((place[0] + far * x, place[1] + far * y))
+            aside = max(0.0, width - LETTER_WIDTH) / 2 * min(1.0, max(-1.0, 1.5 * x))
+            found.append((place[0] + far * x + aside, place[1] + far * y))
     return found
 
 

@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -204,3 +205,25 @@ def test_katex_understands_every_formula_of_a_handout(browser: Browser, tmp_path
     assert view.locator(".katex-error").all_inner_texts() == []
     assert view.locator(".math").count() == view.locator(".math.set").count() > 20
     view.close()
+
+
+def test_a_formula_that_scrolls_has_a_shadow_where_there_is_more(browser: Browser, file: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    opened = browser.new_page(viewport={"width": 390, "height": 800}, color_scheme="light")
+    opened.goto(file.as_uri())
+    opened.evaluate("document.fonts.ready.then(() => true)")
+    find = "() => [...document.querySelectorAll('.display')].find((box) => box.scrollWidth > box.clientWidth + 200)"
+    wide = opened.evaluate_handle(find).as_element()
+    assert wide is not None
+    wide.scroll_into_view_if_needed()
+    opened.wait_for_timeout(300)
+    darkness = []
+    for share in (0.0, 0.5, 1.0):
+        opened.evaluate(
+            "([box, share]) => { box.scrollLeft = share * (box.scrollWidth - box.clientWidth); }", [wide, share]
+        )
+        picture = image.open(BytesIO(wide.screenshot())).convert("L")
+        edges = [picture.crop((x, 0, x + 1, 3)) for x in (0, picture.width - 1)]
+        darkness.append([255 - edge.getextrema()[1] > 40 for edge in edges])
+    assert darkness == [[False, True], [True, True], [True, False]]
+    opened.close()

@@ -7,6 +7,7 @@ import math
 import os
 import shutil
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -210,6 +211,56 @@ def test_frames_and_labels_can_be_hidden(figure: Figure) -> None:
     without_frames = figure.picture()
     figure.page.locator(".viewer-names").uncheck()
     assert len({with_frames, without_frames, figure.picture()}) == 3
+
+
+@pytest.mark.parametrize(("name", "width"), [("kuka-kr5", 1000), ("scara-perugia", 400)])
+def test_no_posture_leaves_the_picture_and_no_names_cover_each_other(
+    name: str, width: int, browser: Any, tmp_path: Path
+) -> None:
+    figure = Figure(browser, tmp_path, Robot.load(name))
+    figure.page.set_viewport_size({"width": width, "height": 700})
+    figure.settle()
+    rng = np.random.default_rng(2)
+    low, high = ([getattr(travel, end) for travel in figure.travels] for end in ("lower", "upper"))
+    postures = [low, high, *rng.uniform(low, high, (8, figure.robot.n))]
+    shared = 0.0
+    for q in postures:
+        figure.set(q)
+        figure.settle()
+        assert np.abs(np.array(figure.page.evaluate("deriveViewer.onCanvas()"))[:, :2]).max() <= 1.0
+        names = figure.page.evaluate(BOXES)
+        stage = names.pop()
+        for box in names:
+            assert stage["left"] - 1 <= box["left"] <= box["right"] <= stage["right"] + 1
+            assert stage["top"] - 1 <= box["top"] <= box["bottom"] <= stage["bottom"] + 1
+        areas = [(box["right"] - box["left"]) * (box["bottom"] - box["top"]) for box in names]
+        shared += sum(overlap(a, b) for a, b in combinations(names, 2)) / sum(areas)
+    assert shared / len(postures) <= 0.01
+    figure.page.close()
+    assert figure.trouble == []
+
+
+BOXES = """() => [...document.querySelectorAll(".viewer-labels span"), document.querySelector(".viewer-stage")]
+  .map((element) => element.getBoundingClientRect().toJSON())"""
+
+
+def overlap(a: dict[str, float], b: dict[str, float]) -> float:
+    """The area that two boxes share."""
+    wide = min(a["right"], b["right"]) - max(a["left"], b["left"])
+    tall = min(a["bottom"], b["bottom"]) - max(a["top"], b["top"])
+    return max(0.0, wide) * max(0.0, tall)
+
+
+def test_the_matrix_stands_in_brackets(browser: Any, tmp_path: Path) -> None:
+    figure = Figure(browser, tmp_path, Robot.load("planar-2r-perugia"))
+    sides = figure.page.evaluate(
+        """() => ["::before", "::after"].map((side) => {
+          const style = getComputedStyle(document.querySelector(".viewer-pose table"), side);
+          return ["top", "right", "bottom", "left"].map((edge) => parseFloat(style[`border-${edge}-width`]) > 0);
+        })"""
+    )
+    assert sides == [[True, False, True, True], [True, True, True, False]]
+    figure.page.close()
 
 
 def test_dark_pages_get_a_dark_figure(browser: Any, tmp_path: Path) -> None:

@@ -39,6 +39,9 @@ _TRIED = 6
 _LAYERS = 3
 """Cells around the area in which the distance from it is known."""
 
+_DOUBT = 0.05
+"""Part of a cell by which the boundary may be off on average; arms that have an exact one show less than 0.01."""
+
 _REACHED = 1e-6
 _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
 
@@ -69,12 +72,26 @@ class _Cells:
             self.known[kept][:, at[0, order], at[1, order]] = q[:, order]
 
     def places(self, nodes: Array | Nodes) -> Array:
-        """Where nodes are, (2, k)."""
+        """Where nodes are.
+
+        Args:
+            nodes: Rows and columns, (2, k), whole or not.
+
+        Returns:
+            (2, k) [m].
+        """
         found: Array = self.origin[:, None] + self.width * nodes
         return found
 
     def starts(self, nodes: Nodes) -> tuple[Nodes, Array]:
-        """Configurations known at nodes and around them: which node each belongs to, and the configurations."""
+        """Configurations known at nodes and around them.
+
+        Args:
+            nodes: Rows and columns, (2, k).
+
+        Returns:
+            Which node each belongs to, and the configurations.
+        """
         rows, found = [], []
         for i, j in ((0, 0), *_NEIGHBOURS):
             a, b = np.clip(nodes[0] + i, 0, self.shape[0] - 1), np.clip(nodes[1] + j, 0, self.shape[1] - 1)
@@ -91,6 +108,9 @@ class _Cells:
 
     def visit(self, nodes: Nodes) -> Mask:
         """Finds out how far nodes are from what is reached, and remembers the configurations.
+
+        Args:
+            nodes: Rows and columns, (2, k).
 
         Returns:
             Which of them are reached.
@@ -112,6 +132,9 @@ class _Cells:
 
     def try_again(self, nodes: Nodes) -> Mask:
         """Looks for configurations that reach nodes far from those known around them, as behind a narrow limit.
+
+        Args:
+            nodes: Rows and columns, (2, k).
 
         Returns:
             Which of the nodes are reached.
@@ -156,7 +179,7 @@ def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
         for part in sorted(parts, key=lambda part: -float(part.area)):
             area = area.symmetric_difference(part)
         areas.append(closed(area, 0.05 * grid.width))
-    return Area(*areas)
+    return Area(areas[0], areas[1], _DOUBT * grid.width)
 
 
 def _spread(cells: _Cells) -> None:

@@ -76,10 +76,12 @@ class Area:
     Attributes:
         region: With all points.
         coarse: With half of the points of every curve, which tells how exact the area is.
+        margin: How far the points themselves may be off [m].
     """
 
     region: Region
     coarse: Region
+    margin: float = 0.0
 
     def changed(self, change: Callable[[Region], Region]) -> Area:
         """Another area, found in the same way.
@@ -87,17 +89,27 @@ class Area:
         Args:
             change: What becomes of a region.
         """
-        return Area(change(self.region), change(self.coarse))
+        return Area(change(self.region), change(self.coarse), self.margin)
+
+    def measured(self, measure: Callable[[Region], float]) -> Measure:
+        """A measure of it with its error.
+
+        Args:
+            measure: Of a region.
+        """
+        found = Measure.of(measure(self.region), measure(self.coarse))
+        doubt = measure(self.region.buffer(self.margin)) - measure(self.region) if self.margin else 0.0
+        return Measure(found.value, found.error + abs(doubt))
 
     @property
     def size(self) -> Measure:
         """Its size [m^2]."""
-        return Measure.of(self.region.area, self.coarse.area)
+        return self.measured(lambda region: float(region.area))
 
     @property
     def volume(self) -> Measure:
         """Of the solid of which it is a section, turned once around the axis [m^3]."""
-        return Measure.of(_revolved(self.region), _revolved(self.coarse))
+        return self.measured(_revolved)
 
 
 def shapely() -> Any:
