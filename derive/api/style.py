@@ -99,9 +99,7 @@ class FoundStyle:
     @property
     def summary(self) -> str:
         """How many formulas come out as printed, in words."""
-        count = len(self.verdicts)
-        formulas = "formula with a sum comes" if count == 1 else "formulas with a sum come"
-        return f"{self.reproduced} of {count} {formulas} out as printed, {self.default} in the default style"
+        return f"as printed: {self.reproduced} of {len(self.verdicts)} formulas, {self.default} in the default style"
 
     def _remarks(self) -> Iterator[str]:
         yield self.summary

@@ -22,7 +22,7 @@ from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY, parse
+from derive.model.quantities import parse
 from derive.robot.expression import (
     Call,
     Expression,
@@ -140,11 +140,10 @@ def printed_examples(file: CorpusFile) -> list[Example]:
     Returns:
         The examples, in the order of the file.
     """
-    found = []
+    found, model = [], Model(file.robot)
     for item in file.expected:
         name = f"{item.quantity}[]" if item.quantity == "T" else item.quantity
-        row = REGISTRY.get(item.quantity.partition("[")[0])
-        is_vector = row is not None and row.shape.endswith("x1")
+        is_vector = parse(model, item.quantity)[0].shape.endswith("x1")
         for entry in item.entries if item.status == "ok" else item.corrections:
             if entry.unknown is None and _has_sum(entry.formula):
                 place = f"[{entry.row}]" if is_vector else f"[{entry.row},{entry.column}]"

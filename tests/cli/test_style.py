@@ -66,7 +66,7 @@ def test_a_wrong_formula_ends_with_1_and_does_not_decide(folder: Path) -> None:
     wrong = GRAVITY.replace("g[1]", "g[2]")
     done = derive("style", "planar-2r-perugia", "--example", wrong, folder=folder)
     assert done.status == 1
-    assert "style: compact\n# 0 of 1" in done.stdout
+    assert "style: compact\n# as printed: 0 of 1" in done.stdout
     assert "it is not equal to the derived formula" in done.stdout
 
 
@@ -105,6 +105,6 @@ def test_a_handout_is_set_as_the_notes_are(folder: Path) -> None:
     ]
     assert printed[0] != printed[1] == printed[2]
     done = derive("handout", "planar-2r-perugia", "--parts", "gravity", "--style-from", "notes.yaml", folder=folder)
-    assert "style of notes.yaml: gravity: body; 1 of 1 formula with a sum comes out as printed" in done.stdout
+    assert "style of notes.yaml: gravity: body; as printed: 1 of 1 formulas" in done.stdout
     assert derive("handout", "planar-2r-perugia", "--style-from", "missing.yaml", folder=folder).status == 2
     assert style.SUMMARY
