@@ -184,14 +184,24 @@ def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool =
         finding = check_expression(Model(robot), quantity, formula)
         return Printout(FileReport(robot.name, robot.name, (finding,)), printer)
     is_file = formula.endswith(".tex") and "\n" not in formula
-    text = _latex_file(formula) if is_file else formula
+    text = latex_file(formula) if is_file else formula
     source = formula if is_file and formula.isprintable() else quoted(formula, 200) if is_file else "--latex"
     found = compare_latex(Model(robot), text, quantity, Location(source), document=is_file)
     return Printout(found.file_report(source, robot.name), printer)
 
 
-def _latex_file(path: str) -> str:
-    """The text of a LaTeX file."""
+def latex_file(path: str) -> str:
+    """The text of a LaTeX file.
+
+    Args:
+        path: The file, UTF-8.
+
+    Returns:
+        Its text.
+
+    Raises:
+        CheckError: It cannot be read.
+    """
     try:
         return Path(path).read_text(encoding="utf-8-sig")
     except OSError as error:

@@ -7,14 +7,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
+from derive.api.check import latex_file
 from derive.api.robots import RobotLike, load
+from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.findings import Outcome
-from derive.checking.latex_formula import read_latex
+from derive.checking.latex_check import check_latex
 from derive.checking.style_finding import Example, ExampleFinding, StyleEvidence, printed_examples
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.text import TextPrinter
 from derive.lecture.shorthand import read_formula
+from derive.model.model import Model
 from derive.robot.document import YamlMapping, read_tree
 from derive.robot.load import file_bytes
 from derive.robot.robot import Robot
@@ -148,7 +151,7 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
         sources: Corpus files with a robot and its printed formulas, of one book; or one robot, or the path of its file,
             or its name in the catalogue, with ``examples``.
         examples: Formulas of the one robot: texts such as ``tau[1] = m*l**2*qdd1``, also in LaTeX; or formulas by
-            quantity, ``{"tau[1]": "m*l**2*qdd1"}``; or a `Path` of a corpus file.
+            quantity, ``{"tau[1]": "m*l**2*qdd1"}``; or a `Path` of a corpus file, or of a LaTeX document on the robot.
 
     Returns:
         The style, and what it makes of each formula.
@@ -161,12 +164,13 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
     found = [example for source in sources for example in _printed_in(source)]
     given = [f"{name} = {text}" for name, text in examples.items()] if isinstance(examples, Mapping) else examples
     for example in given:
-        if isinstance(example, Path):
+        if isinstance(example, Path) and example.suffix != ".tex":
             found += _printed_in(example)
         elif len(sources) == 1:
-            found.append(_example(load(sources[0]), example))
+            found += _given(load(sources[0]), example)
         else:
-            raise CheckError(f"example {quoted(example)} of {len(sources)} robots", allowed="allowed: one robot")
+            shown = example.name if isinstance(example, Path) else example
+            raise CheckError(f"example {quoted(shown)} of {len(sources)} robots", allowed="allowed: one robot")
     if not found:
         raise CheckError(
             "no printed formula with a sum",
@@ -181,27 +185,33 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
 
 def _printed_in(source: RobotLike) -> list[Example]:
     """The printed formulas of a corpus file; none where a robot is given, or a file or name of one."""
+    load(source)  # refuses what is neither
     if isinstance(source, Robot) or not Path(source).is_file():
-        load(source)  # refuses what is neither
         return []
     name, data = str(source), file_bytes(Path(source))
     root = read_tree(data, name)
     if not isinstance(root, YamlMapping) or "expected" not in root.entries:
-        load(source)
         return []
-    return printed_examples(corpus_from_bytes(data, name))
+    return printed_examples(check_file(corpus_from_bytes(data, name)).findings)
 
 
-def _example(robot: Robot, text: str) -> Example:
-    """``tau[1] = ...``, or the same in LaTeX, as an example."""
-    left, equals, right = text.partition("=")
+def _given(robot: Robot, example: str | Path) -> list[Example]:
+    """``tau[1] = ...``, equations in LaTeX, or those of a LaTeX file."""
+    if isinstance(example, Path) or _LATEX.search(example):
+        of_file = isinstance(example, Path)
+        text, start = (latex_file(str(example)), str(example)) if of_file else (str(example), EXAMPLE)
+        findings = check_latex(Model(robot), text, start=Location(start), document=of_file).findings
+        unknown = next((finding.unknown for finding in findings if finding.unknown is not None), None)
+        if unknown is not None and not of_file:
+            raise unknown
+        return printed_examples(findings)
+    left, equals, right = example.partition("=")
     quantity, printed = left.strip(), right.strip()
     if not quantity or not printed:
         allowed = "allowed: a scalar quantity and what is printed for it, such as 'tau[1] = m*l**2*qdd1'"
-        raise CheckError(f"example {quoted(text)}", allowed=allowed, location=Location(EXAMPLE))
+        raise CheckError(f"example {quoted(example)}", allowed=allowed, location=Location(EXAMPLE))
     place = Location(EXAMPLE, 1, len(left + equals) + len(right) - len(right.lstrip()) + 1)
-    read = read_latex if _LATEX.search(printed) else read_formula
-    return Example(robot, quantity, read(printed, robot, place), printed, place)
+    return [Example(robot, quantity, read_formula(printed, robot, place), printed, place)]
 
 
 def _verdict(finding: ExampleFinding) -> ExampleVerdict:

@@ -16,8 +16,7 @@ from functools import cached_property
 from itertools import combinations, product
 
 from derive.algebra.angles import contracted_groups
-from derive.checking.findings import Outcome, form_of
-from derive.checking.printed import CorpusFile
+from derive.checking.findings import Finding, Outcome, Role, form_of
 from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
@@ -33,6 +32,7 @@ from derive.robot.expression import (
     children,
     multiply,
     names,
+    substitute,
 )
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
@@ -131,24 +131,21 @@ def find_style(examples: Iterable[Example]) -> StyleFinding:
     return evidence.finding(evidence.best_style())
 
 
-def printed_examples(file: CorpusFile) -> list[Example]:
-    """The right formulas of a corpus file that can be written in more than one way: those that contain a sum.
+def printed_examples(findings: Iterable[Finding]) -> list[Example]:
+    """The formulas that can be written in more than one way: those that contain a sum.
 
     Args:
-        file: A robot and what is printed about it.
+        findings: Comparisons of printed formulas; errata are left out, and what no robot knows.
 
     Returns:
-        The examples, in the order of the file.
+        The examples, in their order.
     """
-    found, model = [], Model(file.robot)
-    for item in file.expected:
-        name = f"{item.quantity}[]" if item.quantity == "T" else item.quantity
-        is_vector = parse(model, item.quantity)[0].shape.endswith("x1")
-        for entry in item.entries if item.status == "ok" else item.corrections:
-            if entry.unknown is None and _has_sum(entry.formula):
-                place = f"[{entry.row}]" if is_vector else f"[{entry.row},{entry.column}]"
-                scalar = item.quantity if item.shape == (1, 1) else name + place
-                found.append(Example(file.robot, scalar, entry.formula, entry.text, entry.location))
+    found = []
+    for finding in findings:
+        question, telling = finding.question, finding.role in (Role.PRINTED, Role.CORRECTION) and not finding.erratum
+        if telling and finding.unknown is None and question is not None and _has_sum(question.printed):
+            printed = substitute(question.printed, question.definitions)
+            found.append(Example(question.robot, finding.entry, printed, finding.text, finding.location))
     return found
 
 

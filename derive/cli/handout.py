@@ -42,7 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--notation", metavar="NAME=VALUE", type=_notation, action="append", help="such as angle=vartheta,inertia=M")
     grouped = parser.add_mutually_exclusive_group()
     grouped.add_argument("--style", metavar="STYLE", help="how expressions are grouped, as for derive show")
-    from_notes = "group expressions as these notes do: a corpus file with some of their formulas, see derive style"
+    from_notes = "group expressions as these notes do: a .tex file or a corpus file, see derive style"
     grouped.add_argument("--style-from", metavar="NOTES", help=from_notes)
     add(
         "--pages", metavar="N", type=_pages, help="most pages on paper, the least useful left out (default: 20; 0: all)"
@@ -120,7 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
         "style": arguments.style,
     }
     robot = load(arguments.robot)
-    found = None if arguments.style_from is None else find_style(arguments.style_from)
+    found = None if arguments.style_from is None else find_style(robot, examples=[Path(arguments.style_from)])
     if found is not None:
         options["style"] = found.style
     if arguments.fragment is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from derive.cli.terminal import DONE, FAILED, one_line, print_json
 
@@ -19,6 +20,9 @@ one book, or are given one by one, in the shorthand of lecture notes or as LaTeX
 Formulas without a sum tell nothing. Exit status 0 found, 1 a formula is wrong, 2 a formula that cannot be read.
 """
 
+FILES = (".tex", ".yaml", ".yml")
+"""Examples that end so are files."""
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The files or the robot, and its formulas.
@@ -28,7 +32,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """
     add = parser.add_argument
     add("sources", metavar="ROBOT_OR_CORPUS", nargs="+", help="corpus files; or a robot file or catalogue name")
-    add("--example", metavar="E", action="append", help="a printed formula of the robot, 'tau[1] = ...'; repeatable")
+    formula = "a printed formula of the robot, 'tau[1] = ...', or a .tex file; repeatable"
+    add("--example", metavar="E", action="append", help=formula)
     add("--json", action="store_true", help="machine-readable output")
 
 
@@ -43,7 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.style import find_style
 
-    found = find_style(*arguments.sources, examples=arguments.example or ())
+    given = [Path(text) if text.endswith(FILES) else text for text in arguments.example or ()]
+    found = find_style(*arguments.sources, examples=given)
     if arguments.json:
         print_json(found.as_dict())
     else:

@@ -46,10 +46,26 @@ def test_the_block_can_be_pasted_into_a_robot_file_and_prints_the_formulas_so(fo
 
 
 def test_examples_are_given_as_text_or_latex(folder: Path) -> None:
-    latex = r"g[1] = m_{l1} g l_1 c_1 + m_{m2} g a_1 c_1 + m_{l2} g \left(a_1 c_1 + l_2 c_{12}\right)"
+    latex = r"g_1 = m_{l1} g l_1 c_1 + m_{m2} g a_1 c_1 + m_{l2} g \left(a_1 c_1 + l_2 c_{12}\right)"
     expected = derive("style", "planar-2r-perugia", "--example", GRAVITY, folder=folder)
     assert expected.stdout.startswith("style:\n  gravity: body\n")
     assert derive("style", "planar-2r-perugia", "--example", latex, folder=folder) == expected
+
+
+def test_the_equations_of_a_latex_document_are_examples(folder: Path) -> None:
+    equations = r"""The torques of gravity are
+\begin{align}
+g_1 &= m_{l1} g l_1 c_1 + m_{m2} g a_1 c_1 + m_{l2} g \left(a_1 c_1 + l_2 c_{12}\right) \\
+g_2 &= m_{l2} g l_2 c_{12}
+\end{align}
+and \[ b_{12} = I_{l2} + m_{l2} l_2^2 + m_{l2} a_1 l_2 c_2 + k_{r2} I_{m2}. \]
+"""
+    (folder / "notes.tex").write_text(equations)
+    done = derive("style", "planar-2r-perugia", "--example", "notes.tex", folder=folder)
+    assert yaml.safe_load(done.stdout) == {"style": {"inertia": "geometry", "gravity": "body"}}
+    assert "# as printed: 2 of 2 formulas" in done.stdout
+    chosen = ["--style-from", "notes.tex", "--fragment", "g"]
+    assert "g(a_{1}c_{1} " in derive("handout", "planar-2r-perugia", *chosen, folder=folder).stdout
 
 
 def test_a_formula_that_no_style_or_another_one_prints_is_named_with_the_reason(folder: Path) -> None:
@@ -84,6 +100,9 @@ def test_the_report_as_json(folder: Path) -> None:
         ["planar-2r-perugia", "--example", "a1*c1 + a2*c12"],
         ["planar-2r-perugia", "--example", "= a1*c1 + a2*c12"],
         ["planar-2r-perugia", "--example", "p = a1*c1 + a2*c12"],
+        ["planar-2r-perugia", "--example", "a_1 c_1 + a_2 c_{12}"],
+        ["planar-2r-perugia", "--example", "p_x = a_1 c_1 + z c_{12}"],
+        ["planar-2r-perugia", "--example", "missing.tex"],
         ["planar-2r-perugia", "--example", "nothing[1] = a1*c1 + a2*c12"],
         ["planar-2r-perugia", "--example", "p[1] = a1*c1 + zz*c12"],
         ["planar-2r-perugia", "--example", "p[1] = a1*(c1 + "],

@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
+from derive.checking.findings import FileReport
 from derive.checking.printed import CorpusFile
 from derive.checking.style_finding import Example, StyleEvidence, printed_examples
 from derive.robot.style import Style
@@ -47,8 +49,13 @@ def corpus_file(path: Path) -> CorpusFile:
 
 
 @cache
+def report(path: Path) -> FileReport:
+    return check_file(corpus_file(path))
+
+
+@cache
 def by_robot() -> Mapping[str, Sequence[Example]]:
-    return {path.stem: printed_examples(corpus_file(path)) for path in FILES}
+    return {path.stem: printed_examples(report(path).findings) for path in FILES}
 
 
 @cache

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from derive.checking.comparison import check_file
 from tests.lectures.results import CORPUS
 from tests.lectures.test_same_form import compared, contains_sum, shape
 from tests.places import ROOT
-from tests.textbooks.collection import FILES, by_book, by_robot, corpus_file, share
+from tests.textbooks.collection import FILES, by_book, by_robot, report, share
 
 DEFAULT, FOUND = 0.67, 0.94
 """Shares that are reached; docs/lecture-form.md names them."""
@@ -21,7 +20,7 @@ QUICK = [title for title in by_book() if title.startswith(("Angeles", "Ghosal", 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_formula_is_right(path: Path) -> None:
-    findings = check_file(corpus_file(path)).findings
+    findings = report(path).findings
     assert findings
     assert [finding.entry for finding in findings if not finding.verdict.equal] == []
     assert all(finding.verdict.exact for finding in findings)
