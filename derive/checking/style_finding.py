@@ -257,7 +257,14 @@ class _Robot:
         return frozenset(name for cell in cells for name in names(cell)) - angles
 
     def model(self, style: Style) -> Model:
-        """The model in a style."""
+        """The model in a style.
+
+        Args:
+            style: The style.
+
+        Returns:
+            A model that shares what is exact with those of the other styles.
+        """
         if style not in self._models:
             if style.contraction not in self._exact:
                 self._exact[style.contraction] = Model(self.robot, style)
@@ -265,7 +272,15 @@ class _Robot:
         return self._models[style]
 
     def form(self, quantity: str, style: Style) -> object:
-        """The form of a scalar quantity in a style."""
+        """The form of a scalar quantity in a style.
+
+        Args:
+            quantity: Its name.
+            style: The style.
+
+        Returns:
+            What is equal for expressions of the same form.
+        """
         key = (quantity, style)
         if key not in self._forms:
             self._forms[key] = form_of(expression_from_sympy(scalar_quantity(self.model(style), quantity)))
@@ -289,7 +304,14 @@ class _Part:
         self._fits: dict[tuple[StrEnum, ...], bool] = {}
 
     def fits(self, style: Style) -> bool:
-        """Whether it comes out as printed."""
+        """Whether it comes out as printed.
+
+        Args:
+            style: The style.
+
+        Returns:
+            Whether the derived formula has the printed form in that style.
+        """
         key = tuple(getattr(style, name) for name in self.options)
         if key not in self._fits:
             alone = _effective(Style().changed(dict(zip(self.options, key, strict=True))), self.options)
@@ -297,7 +319,14 @@ class _Part:
         return self._fits[key]
 
     def remedies(self, style: Style) -> list[Style]:
-        """The styles with the fewest changes, one or two, in which it comes out as printed."""
+        """The styles with the fewest changes, one or two, in which it comes out as printed.
+
+        Args:
+            style: The style that is changed.
+
+        Returns:
+            The styles; none where more changes would be needed, or no style writes it so.
+        """
         for count in (1, 2):
             chosen = (
                 style.changed(dict(zip(some, values, strict=True)))
