@@ -39,7 +39,7 @@ from derive.robot.robot import Robot
 from derive.robot.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 
 _BODIES = ("products", "factors", "brackets")
-_GRAVITY = (*_BODIES, "g")
+_GRAVITY = ("products", "factors", "g")
 
 OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "B": ("inertia", *_BODIES),

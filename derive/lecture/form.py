@@ -8,6 +8,7 @@ Ties go to the rule that comes first.
 from __future__ import annotations
 
 from bisect import insort
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
@@ -71,12 +72,14 @@ class SymbolRoles:
     Attributes:
         inertial: Masses and moments of inertia.
         gravity: Symbols of the acceleration of gravity.
+        offsets: Lengths along joint axes, not those of links.
         moments: Moments of inertia alone.
         point_masses: Whether no body has a moment of inertia.
     """
 
     inertial: frozenset[str] = frozenset()
     gravity: frozenset[str] = frozenset()
+    offsets: frozenset[str] = frozenset()
     moments: frozenset[str] = frozenset()
     point_masses: bool = False
 
@@ -91,6 +94,7 @@ class LectureForm:
 
     Attributes:
         table: The numbers of the printed factors.
+        is_of_short_arm: Whether no entry of the arm's T has more than `MOST_SHORT_TERMS`.
     """
 
     def __init__(self, domain: PolynomialDomain, roles: SymbolRoles | None = None, style: Style | None = None) -> None:
@@ -100,6 +104,7 @@ class LectureForm:
         self._products = ProductBuilder(self.table)
         self._terms: dict[str, Terms] = {}
         self._dynamic_cache: dict[tuple[str, Grouping | None], Expr] = {}
+        self.is_of_short_arm: Callable[[], bool] = lambda: False
         roles, factors = roles or SymbolRoles(), list(enumerate(self.table.factors))
         symbols = {i: getattr(f.argument, "name", "") for i, f in factors if f.kind is Kind.PARAMETER}
         self.inertial: Level = frozenset(i for i, name in symbols.items() if name in roles.inertial)
@@ -107,6 +112,9 @@ class LectureForm:
         self._point_masses = roles.point_masses
         self._gravity: Level = frozenset(i for i, name in symbols.items() if name in roles.gravity)
         self._lengths: Level = frozenset(i for i, f in factors if f.kind in (Kind.PARAMETER, Kind.VARIABLE))
+        self._offsets: Level = frozenset(
+            i for i, f in factors if f.kind is Kind.VARIABLE or symbols.get(i, "") in roles.offsets
+        )
         self._sines: Level = frozenset(i for i, f in factors if f.kind in (Kind.SINE, Kind.COSINE))
         self._not_gravity: Level = frozenset(i for i, _ in factors) - self._gravity
         self._not_inertial: Level = frozenset(i for i, _ in factors) - self.inertial
@@ -149,19 +157,21 @@ class LectureForm:
         if len(terms) > MAX_CANDIDATE_TERMS:
             return flat(terms)
         if not any(f in self._lengths for m in terms for f, _ in m):
-            short = self.style.short is ShortSums.EXPANDED and len(terms) <= MOST_SHORT_TERMS
+            short = self._stays_flat(terms, ShortSums.EXPANDED)
             return flat(terms) if short else self._by_joints(terms, self.style.rotations)
         return self._with_lengths(terms)
 
     def _with_lengths(self, terms: Terms) -> Plan:
         """`_kinematic_plan` of a position."""
-        if self._stays_flat(terms):
+        if self._stays_flat(terms, ShortSums.POSITIONS, ShortSums.EXPANDED):
             return flat(terms)
         match self.style.positions:
             case LengthOrder.USUAL:
-                by_base, by_length = self._by_joints(terms, Order.BASE), self._by_length(terms, Order.BASE)
-                saved = by_length.operations - by_base.operations
-                return by_length if saved < SAVING and self._has_direction(terms) else by_base
+                by_base, by_offset = self._by_joints(terms, Order.BASE), self._by_offset(terms)
+                saved = by_offset.operations - by_base.operations
+                return by_offset if saved < SAVING and self._has_direction(terms) else by_base
+            case LengthOrder.OFFSET:
+                return self._by_offset(terms)
             case LengthOrder.LENGTH:
                 return self._by_length(terms, Order.BASE)
             case LengthOrder.LENGTH_TOOL:
@@ -176,6 +186,17 @@ class LectureForm:
         first = next((joint for joint in self._outwards if any(f in joint for m in terms for f, _ in m)), frozenset())
         brackets = partition({m: c for m, c in terms.items() if project(m, first)}, self._lengths)
         return any(len(partition(part, first)) > 1 for part in brackets.values())
+
+    def _by_offset(self, terms: Terms) -> Plan:
+        """Each offset in front of the direction that it multiplies; the link lengths nested."""
+
+        def _split(rest: Terms) -> Plan:
+            beside = {m: c for m, c in rest.items() if project(m, self._offsets)}
+            links = {m: c for m, c in rest.items() if m not in beside}
+            plans = [grouped(beside, self._lengths, lambda part: self._by_joints(part, Order.BASE))] if beside else []
+            return joined([*plans, *([self._by_joints(links, Order.BASE)] if links else [])])
+
+        return factored(terms, _split)
 
     def _by_length(self, terms: Terms, inside: Order) -> Plan:
         """Each length in front of what it multiplies, a common sine or cosine in front of all."""
@@ -200,10 +221,14 @@ class LectureForm:
         return cheapest([nested(terms, levels), flat(terms)])
 
     def _beside_length(self, terms: Terms, order: Order) -> Plan:
-        return flat(terms) if self._stays_flat(terms) else self._by_joints(terms, order)
+        short = self._stays_flat(terms, ShortSums.POSITIONS, ShortSums.EXPANDED)
+        return flat(terms) if short else self._by_joints(terms, order)
 
-    def _stays_flat(self, terms: Terms) -> bool:
-        return self.style.short is not ShortSums.NESTED and len(terms) <= MOST_SHORT_TERMS
+    def _stays_flat(self, terms: Terms, *styles: ShortSums) -> bool:
+        """Whether a sum is short and left expanded, in these styles or because the whole arm is short."""
+        if len(terms) > MOST_SHORT_TERMS:
+            return False
+        return self.style.short in styles or (self.style.short is ShortSums.SHORT_ARMS and self.is_of_short_arm())
 
     def determinant(self, p: Polynomial) -> Expr:
         """A scalar whose zeros matter, as a product wherever it is one.
@@ -261,7 +286,8 @@ class LectureForm:
         """A sum in masses and inertias, grouped by body, by geometry, by function of q, or expanded."""
         if grouping is Grouping.BODY:
             return self._by_body(terms)
-        if self.style.factors is CommonFactors.ALL and grouping is not Grouping.EXPANDED:
+        by_geometry = grouping is Grouping.GEOMETRY or (grouping is Grouping.USUAL and self._point_masses)
+        if self.style.factors is CommonFactors.ALL and by_geometry:
             return factored(terms, lambda rest: self._not_by_body(rest, grouping))
         return self._not_by_body(terms, grouping)
 
@@ -271,7 +297,7 @@ class LectureForm:
 
     def _by_body(self, terms: Terms) -> Plan:
         """``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``: geometry collected for each mass and moment of inertia."""
-        if self.style.brackets is Brackets.LONG:
+        if self.style.brackets is Brackets.LONG and not any(project(m, self._gravity) for m in terms):
             bodies = partition(terms, self.inertial)
             short = [flat(_whole(body, part)) for body, part in bodies.items() if len(part) < 3]
             long = [_whole(body, part) for body, part in bodies.items() if len(part) > 2]

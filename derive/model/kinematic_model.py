@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Self
 
 import sympy
@@ -12,7 +12,7 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError
-from derive.lecture.form import LectureForm
+from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.model.kinematics import Kinematics
@@ -98,7 +98,16 @@ class KinematicModel:
     @cached_property
     def form(self) -> LectureForm:
         """How expressions are written."""
-        return LectureForm(self.domain, symbol_roles(self.robot), self.style)
+        form = LectureForm(self.domain, symbol_roles(self.robot), self.style)
+
+        @cache
+        def _is_short() -> bool:
+            end = self.kinematics.end
+            entries = [*(entry for row in end.rotation for entry in row), *end.position]
+            return not self._is_long and all(len(form.terms(entry)) <= MOST_SHORT_TERMS for entry in entries)
+
+        form.is_of_short_arm = _is_short
+        return form
 
     @cached_property
     def _long(self) -> LongChain:

@@ -58,7 +58,7 @@ def symmetric_matrix(n: int, upper: Sequence[Any]) -> Matrix:
 
 
 def symbol_roles(robot: Robot) -> SymbolRoles:
-    """Symbols of masses, moments of inertia and gravity, by which dynamics is grouped.
+    """Symbols of masses, moments of inertia, gravity and offsets, by which expressions are grouped.
 
     Lengths in a moment of inertia are none of them: of ``m*l**2/12`` the mass alone leads.
 
@@ -77,7 +77,9 @@ def symbol_roles(robot: Robot) -> SymbolRoles:
     inertias, heavy = frozenset(set().union(*plain) - lengths), frozenset(masses - lengths)
     gravity = frozenset(name for cell in robot.gravity or () for name in names(cell))
     point_masses = robot.has_dynamics and all(cell == ZERO for cell in moments)
-    return SymbolRoles(heavy | inertias, gravity, inertias, point_masses)
+    links = {name for joint in robot.joints for name in names(joint.a)}
+    offsets = frozenset(name for joint in robot.joints for name in names(joint.d)) - links
+    return SymbolRoles(heavy | inertias, gravity, offsets, inertias, point_masses)
 
 
 def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:

@@ -71,11 +71,13 @@ class LengthOrder(StrEnum):
 
     Attributes:
         USUAL: As `BASE`; but where a length multiplies a direction in all brackets, such as the one from the wrist to
-            the tool, as `LENGTH` unless that costs two operations.
+            the tool, as `OFFSET` unless that costs two operations.
         BASE: The joints from the base outwards, lengths inside the first bracket: ``c1*(a2*c2 + a3*c23)``.
         BASE_EXPANDED: The first joint alone.
         TOOL: The joints from the tool inwards.
         TOOL_EXPANDED: The last joint alone.
+        OFFSET: Each offset d along a joint axis stands in front, the link lengths are nested from the base outwards:
+            ``d6*(c1*s5 + s1*c5) + c1*(a2*c2 + a3*c23) + d4*s1``.
         LENGTH: Each length, then the joints from the base outwards: ``d6*(c1*(c2*s5 + s2*c5) + s1) + c1*s2*q3``.
         LENGTH_TOOL: Each length, then the joints from the tool inwards.
         LENGTH_EXPANDED: Each length, what it multiplies expanded.
@@ -87,6 +89,7 @@ class LengthOrder(StrEnum):
     BASE_EXPANDED = "base-expanded"
     TOOL = "tool"
     TOOL_EXPANDED = "tool-expanded"
+    OFFSET = "offset"
     LENGTH = "length"
     LENGTH_TOOL = "length-tool"
     LENGTH_EXPANDED = "length-expanded"
@@ -98,11 +101,13 @@ class ShortSums(StrEnum):
 
     Attributes:
         NESTED: As a longer one: ``c1*(a2*c2 + a3*c23)``.
+        SHORT_ARMS: As a sum of products where no entry of the arm's T is longer, else nested.
         POSITIONS: One with lengths as a sum of products: ``a2*c1*c2 + a3*c1*c23``, but ``c1*(c2*c4 + s2*s4)``.
         EXPANDED: Any one as a sum of products.
     """
 
     NESTED = "nested"
+    SHORT_ARMS = "short-arms"
     POSITIONS = "positions"
     EXPANDED = "expanded"
 
@@ -148,7 +153,7 @@ class CommonFactors(StrEnum):
     Attributes:
         NONE: None: ``m3*(a2*l3*c2*s23 + l3**2*c23*s23)``.
         FUNCTIONS: Functions of q: ``m3*s23*(a2*l3*c2 + l3**2*c23)``.
-        ALL: Lengths too: ``m3*l3*s23*(a2*c2 + l3*c23)``; of an entry that is not grouped by body, those of the whole.
+        ALL: Lengths too: ``m3*l3*s23*(a2*c2 + l3*c23)``; of an entry by geometry, those of the whole.
     """
 
     NONE = "none"
@@ -206,7 +211,7 @@ class Rates(StrEnum):
 
 
 class Brackets(StrEnum):
-    """Which bodies' coefficients stand in brackets.
+    """Which bodies' coefficients stand in brackets, apart from torques of gravity, where all do.
 
     Attributes:
         ALL: All sums: ``m2*(l2**2 + a1*l2*c2) + I2``.
