@@ -331,7 +331,8 @@ class KinematicModel:
         """Determinant of a square block of J.
 
         Args:
-            rows: Rows of J from 1; default 1 to 3 for three joints, all six for six.
+            rows: Rows of J from 1; by default those that are not zero everywhere if they are as many as the columns,
+                such as 1, 2, 6 of an arm of three joints in the plane, else the first.
             columns: Columns of J from 1; default all.
 
         Returns:
@@ -341,7 +342,11 @@ class KinematicModel:
             QuantityError: The block is not square, or the arm is too long for a closed form.
         """
         columns = tuple(range(1, self.n + 1)) if columns is None else tuple(columns)
-        rows = tuple(range(1, min(len(columns), 6) + 1)) if rows is None else tuple(rows)
+        linear, angular = self.jacobian_columns
+        entries = [(*v, *w) for v, w in zip(linear, angular, strict=True)]
+        if rows is None:
+            moving = [row for row in range(1, 7) if any(column[row - 1] for column in entries)]
+            rows = moving if len(moving) == len(columns) else range(1, min(len(columns), 6) + 1)
         inside = all(1 <= r <= 6 for r in rows) and all(1 <= c <= self.n for c in columns)
         if len(rows) != len(columns) or not inside:
             raise QuantityError(
@@ -349,8 +354,7 @@ class KinematicModel:
                 allowed=f"as many rows (1 to 6) as columns (1 to {self.n})",
                 remedy="name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3",
             )
-        linear, angular = self.jacobian_columns
-        block = [[(*linear[c - 1], *angular[c - 1])[r - 1] for c in columns] for r in rows]
+        block = [[entries[c - 1][r - 1] for c in columns] for r in rows]
         return self.form.determinant(determinant(block))
 
     @cached_property

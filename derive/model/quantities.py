@@ -135,7 +135,7 @@ def _rank(model: DynamicModel) -> Expr:
 
 
 _END = "end effector in the world; T[i] frame i there; T[i,j] frame j in frame i"
-_DETERMINANT = "determinant of J, of its first rows for fewer than six joints"
+_DETERMINANT = "determinant of J; of fewer than six joints, of the rows that move or the first"
 _DECIDES = "determinant that decides the rank of J, in factors"
 _ROWS = "determinant of as many rows of J as joints, such as detJ_rows[1,2,6]"
 _J_11, _J_12 = "rows 1-3, columns 1-3 of J", "rows 1-3, the other columns of J"
