@@ -89,7 +89,7 @@ def example(context: Context) -> Iterator[Block]:
     yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
     if robot.has_dynamics:
         missing = _unnumbered(robot)
-        yield from [_needs_numbers(context, missing)] if missing else _dynamics(context, chosen.q)
+        yield from [_needs_numbers(context, missing)] if missing else _dynamics(context, robot, chosen.q)
 
 
 def _assumed(context: Context) -> dict[str, Expression]:
@@ -143,9 +143,8 @@ def _unit(cell: Expression, context: Context) -> Box:
     return EMPTY if context.notation.degrees else _RADIAN
 
 
-def _dynamics(context: Context, q: Sequence[float]) -> Iterator[Block]:
+def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
     _ = context.text
-    robot = context.robot
     square = "\\mathrm{kg\\,m^2}"
     joint_types = {joint.is_revolute for joint in robot.joints}
     if robot.n > _LARGEST:
@@ -165,7 +164,7 @@ def _dynamics(context: Context, q: Sequence[float]) -> Iterator[Block]:
         task = _("Compute the inertia matrix in numbers.")
         yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
     yield Paragraph(_("The gravity vector:"))
-    yield _gravity(context, q)
+    yield _gravity(context, robot, q)
 
 
 # -- numbers
@@ -202,9 +201,9 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
     return Formula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
 
 
-def _gravity(context: Context, q: Sequence[float]) -> Formula:
+def _gravity(context: Context, robot: Robot, q: Sequence[float]) -> Formula:
     """g component by component, each with its unit."""
-    values = [row[0] for row in _cleaned(value_at(context.robot, "g", q))]
+    values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
     names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
     units = [_NEWTON_METRE if joint.is_revolute else _NEWTON for joint in context.robot.joints]
     lines = pack(

@@ -282,6 +282,12 @@ def test_lengths_without_numbers_are_those_of_the_drawing() -> None:
     assert end.rows == given.rows
 
 
+def test_lengths_of_the_drawing_serve_the_dynamics_too() -> None:
+    """Where all that it needs besides has numbers."""
+    robot = Robot.from_text(ARM.replace("a2: 0.5, m2: 2", "m2: 2"))
+    assert "\\mathbf{B} = " in mathematics(part_of(assemble.context_of(robot), "example"))
+
+
 def test_symbols_of_the_dynamics_without_numbers_are_named() -> None:
     """Instead of its inertia matrix and gravity."""
     kinematic = Robot.from_text(ARM.replace("a2: 0.5, m2: 2", "a2: 0.5"))
