@@ -18,16 +18,17 @@ from typing import TypeVar
 from derive.errors import DeriveError, OutputError
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, read_manifest
+from derive.publish.processes import uninterrupted
 from derive.publish.staging import (
     backup_of,
     exchange,
     exclusively,
     flush_folder,
     hold,
-    make_staging,
     recover,
     release,
     remove,
+    staging_of,
 )
 
 _CACHE = "__pycache__"
@@ -68,15 +69,15 @@ def publish(
         OutputError: The target is not ours to replace, or the system refused to write.
     """
     names = (*files, *further)
-    with _system_errors(target):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with exclusively(target.parent) as locks_work:
-            recover(target.parent, locks_work)
-            require_replaceable(target, robot_name, names)
-            staging = make_staging(target)
-            lock = hold(staging)
+    staging, lock = staging_of(target), None
     try:
         with _system_errors(target):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with exclusively(target.parent) as locks_work:
+                recover(target.parent, locks_work)
+                require_replaceable(target, robot_name, names)
+                staging.mkdir()
+                lock = hold(staging)
             for name, data in files.items():
                 _write_new(staging / name, data)
             flush_folder(staging)
@@ -89,8 +90,9 @@ def publish(
             _take_place(staging, target)
         return result
     finally:
-        remove(staging)
-        release(lock)
+        with uninterrupted():
+            remove(staging)
+            release(lock)
 
 
 def heal(parent: Path) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -19,7 +18,7 @@ from derive.publish.manifest import compiled_files, contents, is_current, read_m
 from derive.publish.render import compile_libraries, library_names, render_robot
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
-from derive.targets.compiler import Command, require_compiler
+from derive.targets.compiler import Command, compiling_meanwhile, require_compiler
 from derive.targets.target import Target, package_name
 from derive.verification.verify import Report, verify
 from derive.version import __version__
@@ -203,15 +202,12 @@ def _compile_and_verify(
 ) -> Report | None:
     """Finishes and checks a folder in which all texts are written."""
     tell(robot.name, "compile and verify" if compiler and verified else "verify" if verified else "compile")
-    with ThreadPoolExecutor(1) as pool:  # the C compiler works while what needs no library is verified
-        ready = pool.submit(compile_libraries, folder, targets, compiler, former).result if compiler else _nothing
+    if compiler is None:
+        return verify(robot, folder) if verified else None
+    with compiling_meanwhile(compile_libraries, folder, targets, compiler, former) as ready:
         found = verify(robot, folder, libraries=ready) if verified else None
         ready()
     return found
-
-
-def _nothing() -> None:
-    """There are no libraries to wait for."""
 
 
 @contextmanager

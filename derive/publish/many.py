@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
-import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
+from multiprocessing import resource_tracker
 from pathlib import Path
-from types import FrameType
 from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
 from derive.programs.search_policy import Effort
 from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress, build_robot, check_robot
+from derive.publish.processes import interruptible, uninterrupted
 from derive.robot.robot import Robot
 from derive.targets.target import package_name
 
 R = TypeVar("R", BuildResult, CheckResult)
+
+GRACE = 10.0
+"""Seconds that processes have to clean up after an interrupt."""
+
+FAILED = 1
+"""Exit status of a process that was asked to end."""
 
 
 def build_many(
@@ -111,18 +119,10 @@ def _run(
     """The work on every robot, here or in processes of their own."""
     if min(jobs, len(robots)) <= 1:
         done: list[R | BuildFailure] = []
-        noted: list[int] = []
-
-        def _note(number: int, _frame: FrameType | None) -> None:
-            noted.append(number)
-            raise KeyboardInterrupt
-
-        with _interrupts(_note):
-            for robot in robots:
+        for robot in robots:
+            with interruptible():
                 done.append(_attempt(work, robot))
-                if noted:  # what is raised inside of a finaliser or a foreign library's call may never arrive
-                    raise KeyboardInterrupt
-                _tell(done[-1], progress)
+            _tell(done[-1], progress)
         return done
     results = _in_processes(work, robots, jobs, progress)
     lost = [index for index in range(len(robots)) if index not in results]
@@ -151,11 +151,11 @@ def _in_processes(
 ) -> dict[int, R | BuildFailure]:
     """Results by index; robots whose process died are missing."""
     results: dict[int, R | BuildFailure] = {}
-    with _pool(min(jobs, len(robots))) as pool:
-        with _interrupts(signal.SIG_IGN):  # a terminal interrupts every process: those started here leave it to us
-            futures: dict[Future[R | BuildFailure], int] = {
-                pool.submit(_attempt, work, robot): index for index, robot in enumerate(robots)
-            }
+    with interruptible(), _pool(min(jobs, len(robots))) as pool:
+        futures: dict[Future[R | BuildFailure], int] = {}
+        with uninterrupted():  # a terminal interrupts every process: those started here leave it to us
+            for index, robot in enumerate(robots):
+                futures[pool.submit(_attempt_unless_ended, work, robot)] = index
         for future in as_completed(futures):
             try:
                 results[futures[future]] = future.result()
@@ -165,31 +165,33 @@ def _in_processes(
     return results
 
 
+def _attempt_unless_ended(work: Callable[[Robot], R], robot: Robot) -> R | BuildFailure:
+    """One robot in a process of its own, which cleans up and ends when it is asked to."""
+    try:
+        with interruptible(signal.SIGTERM):
+            return _attempt(work, robot)
+    except KeyboardInterrupt:
+        pass
+    os._exit(FAILED)  # what the work held is freed by now; the pool would give this process the next robot
+
+
 @contextmanager
 def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes that end with us: after an interrupt they are stopped at once, which no folder minds."""
+    """Processes that end with us: after an interrupt they are asked to clean up, and killed where they do not."""
     others = multiprocessing.active_children()
-    pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
+    resource_tracker.ensure_running()  # it lets interrupts through when it starts
+    with uninterrupted():
+        pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
     try:
         yield pool
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
-        for process in multiprocessing.active_children():
-            if process not in others:
-                process.terminate()
+        ours = [process for process in multiprocessing.active_children() if process not in others]
+        for process in ours:
+            process.terminate()
+        deadline = time.monotonic() + GRACE
+        for process in ours:
+            process.join(max(0.0, deadline - time.monotonic()))
+            process.kill()
         raise
     pool.shutdown()
-
-
-@contextmanager
-def _interrupts(answer: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
-    """Another answer to interrupts; only the main thread can give one, and who ignores them goes on ignoring them."""
-    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    if ignored or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, answer)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)

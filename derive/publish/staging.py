@@ -134,18 +134,16 @@ def release(descriptor: int | None) -> None:
         os.close(descriptor)
 
 
-def make_staging(target: Path) -> Path:
-    """A new, empty folder beside the target.
+def staging_of(target: Path) -> Path:
+    """Where a new folder may be written, beside the target and under a name that nobody else has.
 
     Args:
         target: The folder that it will replace.
 
     Returns:
-        Its path.
+        Its path; there is nothing yet.
     """
-    path = target.with_name(f".derive-{target.name}-{secrets.token_hex(4)}")
-    path.mkdir()
-    return path
+    return target.with_name(f".derive-{target.name}-{secrets.token_hex(4)}")
 
 
 def backup_of(target: Path) -> Path:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
+import signal
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import ParamSpec, TypeVar
 
 from derive.errors import TargetError
 
@@ -17,7 +21,13 @@ NAMES = ("cc", "gcc", "clang")
 SECONDS = 600
 """Longest run of a compiler."""
 
+PATIENCE = 3
+"""Seconds that a compiler which is to end has to clean up."""
+
 Command = tuple[str, ...]
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def find_compiler(environment: Mapping[str, str] | None = None) -> Command | None:
@@ -67,17 +77,69 @@ def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, op
     """
     command = [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"]
     try:
-        done = subprocess.run(
-            command,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=SECONDS,
-            start_new_session=True,  # an interrupt from the terminal is ours to answer
-        )
+        status, said = _run(command)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise TargetError(f"the C compiler {compiler[0]} did not run: {type(error).__name__}: {error}") from error
-    if done.returncode != 0:
-        reason = next((line for line in done.stderr.splitlines() if "error" in line), "without saying why")
+    if status != 0:
+        reason = next((line for line in said.splitlines() if "error" in line), "without saying why")
         raise TargetError(f"the C compiler {compiler[0]} failed: {reason.strip()}")
+
+
+def _run(command: Sequence[str]) -> tuple[int, str]:
+    """Exit status and messages of a compiler, which ends with all that it has started if this is left early."""
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        errors="replace",
+        start_new_session=True,  # an interrupt from the terminal is ours to answer
+    )
+    _running.add(process)
+    try:
+        _, said = process.communicate(timeout=SECONDS)
+    except BaseException:
+        _end(process)
+        raise
+    finally:
+        _running.discard(process)
+    return process.returncode, said
+
+
+_running: set[subprocess.Popen[str]] = set()
+"""Compilers at work."""
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End a compiler and the passes that it has started; asked first, it removes its temporary files."""
+    for number in ("SIGTERM", "SIGKILL"):
+        if process.poll() is None:
+            with suppress(OSError):  # it has ended meanwhile
+                os.killpg(process.pid, getattr(signal, number)) if hasattr(os, "killpg") else process.kill()
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=PATIENCE)
+
+
+@contextmanager
+def compiling_meanwhile(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
+    """Let compilers work beside what follows; they are stopped if that fails or is interrupted.
+
+    Args:
+        work: Runs compilers.
+        arguments: Its arguments.
+        options: Its named arguments.
+
+    Yields:
+        What waits for its result and returns it.
+    """
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(work, *arguments, **options)
+        try:
+            yield future.result
+        except BaseException:
+            while not future.done():  # it may try another compilation
+                for process in tuple(_running):
+                    _end(process)
+                wait([future], timeout=0.05)
+            raise

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import numpy as np
 from derive.errors import VerificationError
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.targets.compiler import Command, find_compiler
+from derive.targets.compiler import Command, compiling_meanwhile, find_compiler
 from derive.verification.expectation import Expectation, PartialExpectation, expectation
 from derive.verification.generated import COMPILED, MODULES, TARGETS, GeneratedModel, compile_models, load_models
 from derive.verification.oracle.frames import Array
@@ -129,12 +128,11 @@ def verify(
 
 def _models(folder: Path, compiler: Command | None, libraries: Callable[[], None]) -> Iterator[GeneratedModel]:
     """All targets; the C compiler works while the others are verified."""
-    with ThreadPoolExecutor(1) as pool:
-        compiled = pool.submit(compile_models, folder, compiler)
+    with compiling_meanwhile(compile_models, folder, compiler) as compiled:
         yield from load_models(folder, needing_library=False)
         libraries()
         yield from load_models(folder, needing_library=True)
-        yield from compiled.result()
+        yield from compiled()
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> Row:
