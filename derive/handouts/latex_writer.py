@@ -176,7 +176,7 @@ def _written(block: Block, _: Text) -> str:
             rows = ["".join(_gap(gap) for gap in row) for row in gap_rows(gaps)]
             return _macro("blank", number=number, task=latex_words(task), points=points, displays=displays(rows))
         case Table(header, rows, long):
-            head, *body = (" & ".join(map(latex_words, row)) for row in (header, *rows))
+            head, *body = (_strut(row) + " & ".join(map(latex_words, row)) for row in (header, *rows))
             return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
         case Figure(drawing, caption):
             return _macro("figure", drawing=latex_drawing(drawing), caption=latex_words(caption))
@@ -201,6 +201,11 @@ def omitted_words(block: Formula, _: Text) -> str:
             function=block.function,
         )
     return _("These entries are too long to print; multiplied out they have so many terms:")
+
+
+def _strut(row: Iterable[str]) -> str:
+    """What keeps fractions off the rules of a table."""
+    return "\\rule[-1.3ex]{0pt}{4ex}" if any("frac" in cell for cell in row) else ""
 
 
 def _gap(gap: Gap) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
-from derive.handouts.document import Block, Document, Formula, Paragraph, Rows, Section, Steps
+from derive.handouts.document import Block, Document, Formula, Paragraph, Rows, Section, Steps, Table
 from derive.handouts.language import Text
 from derive.handouts.latex_writer import latex
 from derive.handouts.layout.quantity import POLICY, SheetPolicy
@@ -156,3 +156,11 @@ def test_code_has_spaces_of_one_width() -> None:
     """TeX would stretch the one behind a colon."""
     text = section_source((Paragraph("Under `figure: values:`."),))
     assert "\\texttt{figure:\\ values:}" in text
+
+
+def test_short_displays_stay_on_one_page_and_fractions_off_the_rules() -> None:
+    short, long = (section_source((Rows(("a = b",) * rows),)) for rows in (14, 15))
+    assert short.count("\\\\*") == 13
+    assert "\\\\*" not in long
+    table = section_source((Table(("$i$",), (("$\\tfrac{\\pi}{2}$",), ("$0$",))),))
+    assert table.count("\\rule[") == 1

@@ -30,6 +30,9 @@ TALLEST_MATRIX = 40
 BREAK_AFTER = 250
 """Rows in one display; TeX sets a display as a whole, and its memory is finite."""
 
+KEPT_TOGETHER = 14
+"""Rows of a display that is not broken over pages; a matrix that is printed as one counts as four."""
+
 GAP = Box(" \\qquad ", 20.0)
 """Between two equations on one line."""
 
@@ -118,8 +121,14 @@ def displays(lines: Sequence[str]) -> list[str]:
         ``align*`` environments of amsmath.
     """
     parts = (lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER))
-    bodies = (" \\\\\n".join(f"& {line.rstrip()}" for line in part) for part in parts)
+    bodies = (_row_end(part).join(f"& {line.rstrip()}" for line in part) for part in parts)
     return [f"\\begin{{align*}}\n{body}\n\\end{{align*}}" for body in bodies]
+
+
+def _row_end(lines: Sequence[str]) -> str:
+    """Between the rows of a display; what is short is kept on one page."""
+    height = sum(4 if "bmatrix" in line else 1 for line in lines)
+    return " \\\\*\n" if height <= KEPT_TOGETHER else " \\\\\n"
 
 
 def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> list[str]:
