@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 
 import sympy
 
@@ -29,6 +30,15 @@ from derive.model.model import Model
 from derive.model.quantities import REGISTRY, Quantity, parse
 from derive.robot.expression import Call, Expression, Name, is_constant
 from derive.robot.names import joint_label, robot_symbols
+
+MAX_EQUATIONS = 1_500
+"""Equations of one text; a whole handout of a 6R arm has some 600."""
+
+MAX_SIDES = 20
+"""Sides of one equation."""
+
+MAX_PASSES = 12
+"""How often definitions are gone through that need one that stands behind them."""
 
 _LENT = frozenset("uvwhkexyzfFQ")
 """Letters that are a quantity's with an index, and just as often a short name for a part of a formula."""
@@ -151,7 +161,11 @@ class _Check:
         self.model, self.robot, self.text, self.asked, self.start = model, model.robot, text, quantity, start
         self.document = document
         has_time = "t" not in robot_symbols(self.robot)
-        self.equations = tuple(equations(text, start, document=document, time=has_time))
+        found = islice(equations(text, start, document=document, time=has_time), MAX_EQUATIONS + 1)
+        self.equations = tuple(found)
+        if len(self.equations) > MAX_EQUATIONS or any(len(e.sides) > MAX_SIDES for e in self.equations):
+            allowed = f"at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
+            raise CheckError("too many equations in one text", allowed=allowed, location=start)
         if not self.equations:
             raise CheckError("empty formula", remedy="write a formula or an equation", location=start)
         labels = [joint_label(joint.variable) for joint in self.robot.joints]
@@ -198,7 +212,7 @@ class _Check:
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
         waiting = [(i, e, names) for i, e in enumerate(self.equations) if any(names := tuple(self._new_names(i, e)))]
-        while True:
+        for _ in range(MAX_PASSES):
             left = [some for some in waiting if not self._defines(*some)]
             if len(left) == len(waiting):
                 return
@@ -255,7 +269,10 @@ class _Check:
 
     def _equation(self, index: int, equation: Equation) -> Iterator[Finding]:
         pieces = [piece for piece in equation.sides if (index, piece.offset) not in self.names]
-        first, *others = sides = [self._side(piece, i, len(pieces)) for i, piece in enumerate(pieces)]
+        sides = [self._side(piece, len(pieces) > 1) for piece in pieces]
+        if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
+            sides[1:] = [self._side(piece, False) for piece in pieces[1:]]
+        first, *others = sides
         if len(sides) == 2 and (cells := self._named_cells(*sides)):
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
@@ -279,13 +296,13 @@ class _Check:
             for name in named or [_Side(first.piece)]:
                 yield from self._compared(name, table, side.piece.start)
 
-    def _side(self, piece: Piece, place: int, count: int) -> _Side:
+    def _side(self, piece: Piece, may_name: bool) -> _Side:
         left = None if piece.matrices else taken_apart(piece.text)
         targets = self._targets(left) if left else ()
-        if count > 1 and _PRODUCT.fullmatch(piece.text.strip()) and left is None:
+        if may_name and _PRODUCT.fullmatch(piece.text.strip()) and left is None:
             where = self.plain.location(piece.start)
             return _Side(piece, error=CheckError("a product of matrices", remedy="multiply it out", location=where))
-        if place == 0 and count > 1 and left is not None and targets and not self._is_own(left):
+        if may_name and left is not None and targets and not self._is_own(left):
             return _Side(piece, left, targets)
         try:
             return _Side(piece, left, targets, self.reader.value(piece))

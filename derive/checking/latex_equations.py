@@ -59,6 +59,7 @@ _ENDS_OPEN = re.compile(r"(?:[-+*/=]|\\(?:cdot|times|ast))\s*$")
 _PROSE = re.compile(r"(?:[^\W\d_]|(?<=\w)-(?=\w)|[\s.,;:()'\u2019])*")
 _FENCE = re.compile(
     r"\\\[(?P<square>.*?)\\\]|\$\$(?P<double>.*?)\$\$|\\\((?P<round>.*?)\\\)|(?<!\\)\$(?P<single>[^$]*)(?<!\\)\$"
+    r"|\\(?P<macro>eq|mx|whole)\s*(?=\{)"
     r"|\\begin\s*\{(?P<name>[A-Za-z]+)(?P<star>\*?)\}(?P<display>.*?)\\end\s*\{(?P=name)(?P=star)\}",
     re.DOTALL,
 )
@@ -168,7 +169,12 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
     position = begin_document if document and "\\begin{document}" in plain else 0
     while match := _FENCE.search(plain, position):
         name = match["name"]
-        if name is None or name in _KNOWN:
+        if match["macro"]:  # of the handout's fragments; the second group of \\mx says the same entry by entry
+            closing = _closing(plain, match.end())
+            fences.append((match.end() + 1, closing))
+            is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
+            position = _closing(plain, closing + 1) if is_pair else closing
+        elif name is None or name in _KNOWN:
             if match.lastgroup and not (document and match["single"] is not None):
                 fences.append((match.start(), match.end()))
             position = match.end()
@@ -189,6 +195,16 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
         where = place(plain, offset + len(text) - len(text.lstrip()), start)
         raise CheckError("formula partly outside the dollar signs", remedy="enclose all of it", location=where)
     yield 0, len(plain)
+
+
+def _closing(text: str, opening: int) -> int:
+    """Where the brace is that closes the one at a place; the end of the text where there is none."""
+    depth = 0
+    for match in re.compile(r"\\.|[{}]", re.DOTALL).finditer(text, opening):
+        depth += {"{": 1, "}": -1}.get(match[0], 0)
+        if depth == 0:
+            return match.start()
+    return len(text)
 
 
 def _read(plain: str, begin: int, end: int, typed: str, start: Location) -> Piece:

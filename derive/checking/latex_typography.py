@@ -33,6 +33,7 @@ _INK = re.compile(
     rf"|\\(?:{_IDLE}){_END}"
     rf"|\\(?:underline|smash|cancel|mathop|mathrel|mathbin|mathord|mathopen|mathclose|mathinner|hbox){_END}"
     r"|\\(?:hskip|kern|mkern|mskip)\s*-?[0-9.]+\s*[a-z]{2}"
+    r"|\\(?:brk|fac)\s*[0-9]"  # where the handout's fragments may be broken
     r"|\\[,;:!> /]|~"
     r"|\\(?:mathrm|mathit|mathbf|text|textrm|mbox)\s*\{\s*\}"
     r"|\{\s*\}"

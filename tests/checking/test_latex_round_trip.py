@@ -70,7 +70,8 @@ def test_fragments_of_the_handout_are_read_back(name: str) -> None:
     for quantity in FRAGMENTS:
         if robot.has_dynamics or not REGISTRY[quantity.split("[")[0]].dynamic:
             report = check_latex(model, fragment_text(robot, HandoutOptions(), quantity), document=True)
-            assert not report.skipped, quantity
+            long = [skipped for skipped in report.skipped if "\\colon" in skipped.text]  # printed as a number of terms
+            assert len(long) == len(report.skipped), quantity
             assert all(finding.verdict.equal for finding in report.findings), quantity
 
 
