@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -73,6 +73,7 @@ def handout(
     q: Sequence[float | str] | None = None,
     exercise: bool = False,
     force: bool = False,
+    progress: Callable[[str, str], None] | None = None,
     pages: int | None = None,
 ) -> HandoutResult:
     """Write the equations of a robot as a sheet to hand out, as ``derive handout`` does.
@@ -91,6 +92,7 @@ def handout(
         q: Joint values that are drawn and computed, in the units of the robot file.
         exercise: Whether an exercise and its solutions are written instead of one sheet.
         force: Whether to overwrite files that derive did not write.
+        progress: Called with the robot's name and the stage that it has reached.
         pages: Most pages on paper, 20 if not given; 0 for any number. What is least useful is left out first.
 
     Returns:
@@ -112,7 +114,8 @@ def handout(
     shown = with_options(load(robot), parts, language, derivation, notation, q, style)
     if pages is not None:
         shown = replace(shown, handout=replace(shown.handout, pages=pages))
-    made = handout_files(shown, shown.handout, [form for form in Format if form in wanted], exercise_sheets=exercise)
+    forms = [form for form in Format if form in wanted]
+    made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress)
     paths = write_files(made.files, Path(out), force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)
     return HandoutResult(shown.name, files, made.parts, time.perf_counter() - started, made.shortened)

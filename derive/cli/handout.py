@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from derive.cli.terminal import print_json
+from derive.cli.terminal import print_json, progress
 from derive.errors import DeriveError, OutputError
 from derive.robot.style import Derivation, NotationOptions, chosen_notation, chosen_parts
 
@@ -132,7 +132,8 @@ def run(arguments: argparse.Namespace) -> int:
             write_files({target.name: text.encode()}, target.parent, force=arguments.force)
         return 0
     flags = {"exercise": arguments.exercise, "force": arguments.force, "pages": arguments.pages}
-    result = handout(robot, arguments.out, formats=formats, **options, **flags)
+    with progress(1, quiet=arguments.quiet or arguments.json) as tell:
+        result = handout(robot, arguments.out, formats=formats, **options, **flags, progress=tell)
     if arguments.json:
         print_json(result.as_dict() | {"remarks": robot.remarks_as_dicts})
     elif not arguments.quiet:

@@ -9,11 +9,15 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shutil
+import signal
 import sys
+import threading
+import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from derive.errors import DeriveError, RobotFileWarning
@@ -128,7 +132,9 @@ Tell = Callable[[str, str], None]
 
 @contextmanager
 def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
-    """A bar over the robots of a long command, on standard error.
+    """A line on standard error with the robot, its stage and the time it has taken; it is gone at the end.
+
+    An alarm of the system moves the clock on: a thread would keep builds from using a second process.
 
     Args:
         total: Number of robots.
@@ -140,17 +146,34 @@ def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
     if quiet or not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+    terminal, done, shown, since = sys.stderr.fileno(), 0, "", time.monotonic()
 
-    columns = (SpinnerColumn(), BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}", markup=False))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=total)
+    def _draw(*_alarm: object) -> None:
+        width = shutil.get_terminal_size().columns - 1
+        count = f"[{done}/{total}] " if total > 1 else ""
+        text = one_line(f"{count}{shown}  {time.monotonic() - since:.0f} s")[:width] if shown else ""
+        with suppress(OSError):  # the terminal has gone
+            os.write(terminal, f"\r\x1b[K{text}".encode(errors="replace"))
 
-        def _tell(robot: str, stage: str) -> None:
-            bar.update(task, description=f"{robot}: {stage}", advance=1 if stage in ("done", "failed") else 0)
+    def _tell(robot: str, stage: str) -> None:
+        nonlocal done, shown, since
+        if robot != shown.partition(": ")[0]:
+            since = time.monotonic()
+        done, shown = done + (stage in ("done", "failed")), f"{robot}: {stage}"
+        _draw()
 
+    ticks = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGALRM, _draw) if ticks else None
+    try:
+        if ticks:
+            signal.setitimer(signal.ITIMER_REAL, 1.0, 1.0)
         yield _tell
+    finally:
+        if ticks:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, before)
+        shown = ""
+        _draw()
 
 
 def positive(text: str) -> int:

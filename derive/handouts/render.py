@@ -45,7 +45,12 @@ class Handout:
 
 
 def handout_files(
-    robot: Robot, options: HandoutOptions, formats: Collection[Format], *, exercise_sheets: bool = False
+    robot: Robot,
+    options: HandoutOptions,
+    formats: Collection[Format],
+    *,
+    exercise_sheets: bool = False,
+    progress: Callable[[str, str], None] | None = None,
 ) -> Handout:
     """Makes the files of a handout, in memory.
 
@@ -54,6 +59,7 @@ def handout_files(
         options: What the handout shows.
         formats: Which forms.
         exercise_sheets: Whether an exercise and its solutions are made instead of one sheet.
+        progress: Called with the robot's name and the stage that is reached.
 
     Returns:
         The files, named after the robot.
@@ -62,6 +68,8 @@ def handout_files(
         TargetError: There is no such language, or a package for the web page is missing.
         LatexError: LaTeX is missing or refused the document.
     """
+    tell = progress or (lambda robot, stage: None)
+    tell(robot.name, "formulas")
     context = context_of(robot, options)
     whole = document(context)
     paper = within(whole, options.pages, context.text)
@@ -77,9 +85,11 @@ def handout_files(
         if Format.TEX in formats:
             handout.files[f"{name}.tex"] = tex.encode()
         if Format.PDF in formats:
+            tell(robot.name, "pdflatex")
             compiled = compile_latex(tex, name)
             handout.files[f"{name}.pdf"], handout.pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
         if Format.HTML in formats:
+            tell(robot.name, "web page")
             handout.files[f"{name}.html"] = _page(made_from(whole), context).encode()
     return handout
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import shlex
 import subprocess
 import sys
@@ -81,7 +82,8 @@ def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> 
     while chunk := _read(terminal):
         shown += chunk
     assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
-    assert b"planar-3r" in shown
+    assert re.search(rb"planar-3r: verify  \d+ s", shown)
+    assert shown.endswith(b"\r\x1b[K")
     assert "\x1b" not in (tmp_path / "out.txt").read_text()
 
 
