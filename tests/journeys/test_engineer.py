@@ -1,0 +1,72 @@
+"""A control engineer: from a data sheet to code in a loop, changed, extended and still verified."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from tests.journeys.person import Person
+
+SIMULATION = """\
+import numpy as np
+from generated.my_puma import model_numpy as puma
+
+q, qd, step = np.array([0.1, -0.4, 0.3, 0.2, 0.5, -0.1]), np.zeros(6), 1e-4
+energy = lambda: float(puma.kinetic_energy(q, qd) + puma.potential_energy(q))
+before = energy()
+for _ in range(500):
+    half = qd + step / 2 * puma.forward_dynamics(q, qd, np.zeros(6))
+    q = q + step * half
+    qd = qd + step * puma.forward_dynamics(q + 0 * half, half, np.zeros(6))
+print(abs(energy() - before))
+"""
+
+CONTROLLER = """\
+import numpy as np
+from generated.my_puma import model_numpy as puma
+
+q, qd, wanted = np.full(6, 0.3), np.full(6, 0.1), np.ones(6)
+tau = puma.inverse_dynamics(q, qd, wanted)
+print(np.abs(puma.forward_dynamics(q, qd, tau) - wanted).max() < 1e-9)
+"""
+
+
+def test_from_a_known_robot_to_a_controller_of_its_own(tmp_path: Path) -> None:
+    engineer = Person(tmp_path)
+    engineer.types("derive new my-puma --from puma560-corke")
+    text = (tmp_path / "my-puma.yaml").read_text(encoding="utf-8")
+    engineer.writes("my-puma.yaml", text.replace("    friction", "    # friction"))
+    report = engineer.types("derive build my-puma.yaml --effort quick --target numpy --json").stdout
+    (built,) = json.loads(report)
+    assert built["verification"]["worst"] < 1e-9
+    assert engineer.runs(CONTROLLER) == "True\n"
+    assert float(engineer.runs(SIMULATION)) < 1e-2
+
+    engineer.types("derive build my-puma.yaml --effort quick --target c")
+    folder = tmp_path / "generated" / "my_puma"
+    assert {"model_numpy.py", "model.c", "model.h"} <= {path.name for path in folder.iterdir()}
+    engineer.types("derive build my-puma.yaml --effort quick --check")
+    engineer.types("derive verify my-puma.yaml")
+
+    lines = (tmp_path / "my-puma.yaml").read_text(encoding="utf-8").replace("mass: 17.4", "mass: 17.5")
+    engineer.writes("my-puma.yaml", lines)
+    assert "stale" in engineer.types("derive build my-puma.yaml --effort quick --check", status=1).stdout
+    engineer.types("derive build my-puma.yaml --effort quick")
+    engineer.types("derive build my-puma.yaml --effort quick --check")
+
+
+def test_a_payload_that_changes_at_run_time(tmp_path: Path) -> None:
+    engineer = Person(tmp_path)
+    engineer.writes(
+        "arm.yaml",
+        "name: 2r-arm\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
+        "gravity: [0, -9.81, 0]\nlinks:\n  - {mass: 3, com: [-0.25, 0, 0]}\n  - {mass: payload}\n",
+    )
+    engineer.types("derive build arm.yaml --target numpy")
+    shown = engineer.types("derive show arm.yaml g --at '0, 0, payload=2'").stdout
+    wanted = [9.81 * (3 * 0.25 + 2 * 0.9), 9.81 * 2 * 0.4]
+    assert [float(line) for line in shown.splitlines()[-2:]] == np.round(wanted, 5).tolist()
+    program = "from generated.robot_2r_arm import model_numpy as m\nprint(*m.gravity_vector([0, 0], params={'payload': 2.0}))"
+    assert np.allclose([float(word) for word in engineer.runs(program).split()], wanted)
