@@ -1,0 +1,83 @@
+"""A researcher: symbols left free, closed forms compared with a paper, identification, functions of (q, parameters)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import sympy
+
+import derive as package
+from derive.notebook import Model
+from tests.journeys.person import Person
+
+ARM = """\
+name: elbow
+convention: standard
+joints:
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, a: a2}
+  - {type: revolute, a: a3}
+links:
+  - {mass: m1, inertia: {yy: I1}}
+  - {mass: m2, com: [l2 - a2, 0, 0], inertia: {yy: I2, zz: I2}}
+  - {mass: m3, com: [l3 - a3, 0, 0], inertia: {yy: I3, zz: I3}}
+"""
+
+
+def test_closed_forms_of_an_arm_with_free_symbols(tmp_path: Path) -> None:
+    researcher = Person(tmp_path)
+    researcher.writes("elbow.yaml", ARM)
+    shown = researcher.types("derive show elbow.yaml singularities 'det(J)' 'M[1,1]' coriolis").stdout
+    assert all(name in shown for name in ("singularities", "a2*s3*(", "I1 + "))
+    parts = json.loads(researcher.types("derive show elbow.yaml tau B_qdd Cqd g --format json").stdout)["quantities"]
+    for k in range(3):
+        tau, *others = (sympy.sympify(parts[name][k][0]) for name in ("tau", "B_qdd", "Cqd", "g"))
+        assert sympy.expand(tau - sum(others)) == 0
+    paper = "m_2 l_2^2 c_2^2 + m_3 (a_2 c_2 + l_3 c_{23})^2 + I_1 + I_2 c_2^2 + I_3 c_{23}^2"
+    verdict = researcher.types(f"derive check elbow.yaml --quantity 'B[1,1]' --latex '{paper}'").stdout
+    assert verdict.startswith("B[1,1]: ")
+    assert "wrong" not in verdict
+
+
+def test_what_can_be_identified_and_generated_functions_of_the_parameters(tmp_path: Path) -> None:
+    researcher = Person(tmp_path)
+    researcher.writes("elbow.yaml", ARM)
+    robot = package.load(tmp_path / "elbow.yaml")
+    model = Model(robot)
+    assert len(model.base_parameters) < 3 * 10
+    built = package.build(robot, tmp_path / "generated", targets=["numpy"], effort="quick")
+    assert built.report is not None
+    assert built.report.worst < 1e-9
+    names = ("g", "a2", "a3", "m1", "m2", "m3", "l2", "l3", "I1", "I2", "I3")
+    program = (
+        "import numpy as np\nfrom generated.elbow import model_numpy as m\n"
+        f"p = dict(zip({names}, np.linspace(0.5, 1.5, {len(names)})))\n"
+        "q, qd, qdd = np.random.default_rng(1).uniform(-1, 1, (3, 50, 3))\n"
+        "Y = m.base_regressor(q, qd, qdd, params=p)\n"
+        "tau = m.inverse_dynamics(q, qd, qdd, params=p)\n"
+        "found = np.linalg.lstsq(Y.reshape(-1, Y.shape[-1]), tau.reshape(-1), rcond=None)[0]\n"
+        "print(np.abs(found - m.base_parameters(params=p)).max())\n"
+    )
+    assert float(researcher.runs(program)) < 1e-8
+
+
+def test_the_style_of_a_paper_is_found_from_its_formulas(tmp_path: Path) -> None:
+    researcher = Person(tmp_path)
+    examples = {
+        "B[1,1]": "(m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2",
+        "g[1]": "(m1 + m2)*g*a1*c1 + m2*g*a2*c12",
+    }
+    researcher.writes(
+        "double.yaml",
+        "name: double\nconvention: standard\njoints:\n  - {type: revolute, a: a1}\n  - {type: revolute, a: a2}\n"
+        "gravity: [0, -g, 0]\nlinks: [{mass: m1}, {mass: m2}]\n",
+    )
+    given = " ".join(f"--example '{name} = {text}'" for name, text in examples.items())
+    found = researcher.types(f"derive style double.yaml {given}").stdout
+    block = found[found.index("style:") :]
+    text = (tmp_path / "double.yaml").read_text(encoding="utf-8")
+    researcher.writes("styled.yaml", text + "\n".join(line for line in block.splitlines() if line.startswith((" ", "style:"))) + "\n")
+    for name, formula in examples.items():
+        command = f"derive check styled.yaml --quantity '{name}' --expression '{formula}'"
+        assert "same form" in researcher.types(command).stdout
