@@ -68,5 +68,7 @@ def test_a_payload_that_changes_at_run_time(tmp_path: Path) -> None:
     shown = engineer.types("derive show arm.yaml g --at '0, 0, payload=2'").stdout
     wanted = [9.81 * (3 * 0.25 + 2 * 0.9), 9.81 * 2 * 0.4]
     assert [float(line) for line in shown.splitlines()[-2:]] == np.round(wanted, 5).tolist()
-    program = "from generated.robot_2r_arm import model_numpy as m\nprint(*m.gravity_vector([0, 0], params={'payload': 2.0}))"
+    program = (
+        "from generated.robot_2r_arm import model_numpy as m\nprint(*m.gravity_vector([0, 0], params={'payload': 2.0}))"
+    )
     assert np.allclose([float(word) for word in engineer.runs(program).split()], wanted)

@@ -29,7 +29,7 @@ def test_closed_forms_of_an_arm_with_free_symbols(tmp_path: Path) -> None:
     researcher = Person(tmp_path)
     researcher.writes("elbow.yaml", ARM)
     shown = researcher.types("derive show elbow.yaml singularities 'det(J)' 'M[1,1]' coriolis").stdout
-    assert all(name in shown for name in ("singularities", "a2*s3*(", "I1 + "))
+    assert all(name in shown for name in ("singularities = -a2*a3*s3*(a2*c2 + a3*c23)", "(elbow)", "M[1,1] = I1 + "))
     parts = json.loads(researcher.types("derive show elbow.yaml tau B_qdd Cqd g --format json").stdout)["quantities"]
     for k in range(3):
         tau, *others = (sympy.sympify(parts[name][k][0]) for name in ("tau", "B_qdd", "Cqd", "g"))
@@ -77,7 +77,9 @@ def test_the_style_of_a_paper_is_found_from_its_formulas(tmp_path: Path) -> None
     found = researcher.types(f"derive style double.yaml {given}").stdout
     block = found[found.index("style:") :]
     text = (tmp_path / "double.yaml").read_text(encoding="utf-8")
-    researcher.writes("styled.yaml", text + "\n".join(line for line in block.splitlines() if line.startswith((" ", "style:"))) + "\n")
+    researcher.writes(
+        "styled.yaml", text + "\n".join(line for line in block.splitlines() if line.startswith((" ", "style:"))) + "\n"
+    )
     for name, formula in examples.items():
         command = f"derive check styled.yaml --quantity '{name}' --expression '{formula}'"
         assert "same form" in researcher.types(command).stdout

@@ -25,14 +25,21 @@ links:
 def test_from_the_table_of_a_slide_to_a_checked_answer(tmp_path: Path) -> None:
     student = Person(tmp_path)
     student.writes("homework.yaml", TABLE)
-    assert "90 rad is more than a turn; if degrees are meant write pi/2" in student.types("derive show homework.yaml T").stderr
+    assert (
+        "90 rad is more than a turn; if degrees are meant write pi/2"
+        in student.types("derive show homework.yaml T").stderr
+    )
     student.writes("homework.yaml", TABLE.replace("90", "pi/2") + LINKS)
     shown = student.types("derive show homework.yaml")
     assert shown.stderr == ""
     assert all(name in shown.stdout for name in ("inertia matrix", "christoffel", "gravity", "singularities"))
 
     assert student.types("derive show homework.yaml p").stdout == "p =\n   q2*s1\n  -q2*c1\n       0\n"
-    assert student.types("derive show homework.yaml p --at 'pi/2, 0.2'").stdout.splitlines()[-3:] == ["  0.2", "    0", "    0"]
+    assert student.types("derive show homework.yaml p --at 'pi/2, 0.2'").stdout.splitlines()[-3:] == [
+        "  0.2",
+        "    0",
+        "    0",
+    ]
     assert "J or" in student.types("derive show homework.yaml jacobain", status=2).stderr
 
     right = student.types("derive check homework.yaml --quantity 'B[1,1]' --expression 'I1 + I2 + m2*q2**2'")
@@ -51,7 +58,11 @@ SLIPS = [
     ('a: "0,4"', "a: 0.4", "write 0.4, with a decimal point"),
     ("limits: 170", "limits: [-170, 170]", "write limits: [-170, 170]"),
     ("com: {x: -0.2}", "com: [-0.2, 0, 0]", "write com: [-0.2, 0, 0]"),
-    ("inertia: [[1, 0, 0], [0, 2, 0], [0, 0, 3]]", "inertia: {xx: 1, yy: 2, zz: 3}", "write inertia: {xx: 1, yy: 2, zz: 3}"),
+    (
+        "inertia: [[1, 0, 0], [0, 2, 0], [0, 0, 3]]",
+        "inertia: {xx: 1, yy: 2, zz: 3}",
+        "write inertia: {xx: 1, yy: 2, zz: 3}",
+    ),
     ("theta: 1.5708 + q2", "theta: 90 + q2", "if radians are meant write 90"),
 ]
 """What a beginner writes, what it should be, and what the message says."""
