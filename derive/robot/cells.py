@@ -8,13 +8,16 @@ Arguments of sin, cos and tan are angles too, in every cell; where pi occurs in 
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from math import pi
 
-from derive.errors import DeriveError, ExpressionError, Location, listed, near_miss, path_text, quoted
+from derive.errors import DeriveError, ExpressionError, Location, RobotFileWarning, listed, near_miss, path_text, quoted
 from derive.robot.description import Description, FileUnits, Joint
 from derive.robot.document import Document, KeyPath
+from derive.robot.evaluate import evaluate
 from derive.robot.expression import (
     ZERO,
     Call,
@@ -24,6 +27,7 @@ from derive.robot.expression import (
     contains_pi,
     is_constant,
     linear_terms,
+    multiple_of_pi,
     multiply,
     names,
     number,
@@ -150,6 +154,8 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
             raise DeriveError(f"{value} holds a name", allowed=allowed)
         if joint is None:
             return plain_number(expression, robot.units)
+        if joint.is_revolute and name == joint.variable:
+            _remark_on_degrees(expression, value, robot.units)
         return (angle_in_radians if joint.is_revolute else length_in_metres)(expression, robot.units)
     except ExpressionError as error:
         raise DeriveError(f"{value}: {error.found}", allowed=allowed, remedy=cell_hint(typed)) from None
@@ -157,6 +163,13 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
         raise DeriveError(
             f"pi in the {value}, but angles of this robot file are in degrees", remedy="write 90 for pi/2"
         ) from None
+
+
+def _remark_on_degrees(angle: Expression, value: str, units: FileUnits) -> None:
+    if units.degrees or contains_pi(angle) or abs(turned := evaluate(angle, {})) <= 4 * pi:
+        return
+    remedy = f"if degrees are meant write {multiple_of_pi(Fraction(turned).limit_denominator(1000) / 180)}"
+    warnings.warn(f"{value} is more than two turns in radians; {remedy}", RobotFileWarning, stacklevel=4)
 
 
 def typed_point(

@@ -68,6 +68,18 @@ def test_python_warns_and_keeps_it(folder: Path) -> None:
     assert len(robot.remarks) == 1
 
 
+def test_degrees_that_are_typed_are_remarked_on_like_those_of_a_file(tmp_path: Path) -> None:
+    words = "derive: remark: value '90' of q1 is more than two turns in radians; if degrees are meant write pi/2\n"
+    for command in (
+        ("show", "scara-perugia", "p", "--at", "90,0,0,0"),
+        ("plot", "scara-perugia", "-q", "90,0,0,0", "-o", "a.svg"),
+    ):
+        done = derive(*command, folder=tmp_path)
+        assert (done.status, done.stderr) == (0, words)
+        assert derive(*command, "--strict", folder=tmp_path).status == 2
+    assert derive("show", "puma560-corke", "p", "--at", "90,0,0,0,0,0", folder=tmp_path).stderr == ""
+
+
 def test_values_of_options_may_begin_with_a_minus_sign(tmp_path: Path) -> None:
     scara = ("check", "scara-perugia", "--quantity", "T[1,2]")
     assert derive(*scara, "--expression", "-c12*s4 + s12*c4", folder=tmp_path).status == 0
