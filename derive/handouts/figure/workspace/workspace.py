@@ -180,6 +180,7 @@ class _Search:
     point: ArmPoint
     wrist: Wrist | None
     centres: dict[Picture, Area] = field(default_factory=dict)
+    followed: dict[Picture, Area] = field(default_factory=dict)
 
     @property
     def pictures(self) -> tuple[Picture, ...]:
@@ -200,17 +201,30 @@ class _Search:
         return self.point.turn is not None and self.point.ranges[self.point.turn].full
 
     def _view(self, picture: Picture) -> WorkspaceView:
-        plane, wrist, around = PlaneMap.of(self.point, picture), self.wrist, None
-        if wrist is not None and wrist.complete and not wrist.planar and not plane.has_exact_curves:
-            around = self._around(wrist, picture)
-            exact = PlaneMap.of(replace(self.point, place=wrist.centre), picture).has_exact_curves
-            hand, in_space = wrist.hand, picture is Picture.SECTION
-            reachable = around.changed(lambda region: enlarged(region, hand, in_space))
-        else:
-            reachable, exact = _area(plane), plane.has_exact_curves
+        plane = PlaneMap.of(self.point, picture)
+        reachable, exact = self._reachable(plane)
         if reachable.region.is_empty:
             return WorkspaceView(picture, reachable, None, exact, plane.values(_line(plane))[0].T)
         return WorkspaceView(picture, reachable, self._dexterous(picture, reachable), exact, np.zeros((0, 2)))
+
+    def _reachable(self, plane: PlaneMap) -> tuple[Area, bool]:
+        """What is reached in a picture, and whether its boundary is exact."""
+        wrist, picture = self.wrist, plane.picture
+        if plane.has_exact_curves:
+            return _area(plane), True
+        centre = plane
+        if wrist is not None and wrist.complete and not wrist.planar:
+            centre = PlaneMap.of(replace(self.point, place=wrist.centre), picture)
+        exact = centre.has_exact_curves
+        if picture is Picture.TOP and not exact and self.revolves and Picture.SECTION in self.pictures:
+            section, _ = self._reachable(PlaneMap.of(self.point, Picture.SECTION))
+            return section.changed(_seen_along_axis), False
+        if wrist is not None and centre is not plane:
+            hand, in_space = wrist.hand, picture is Picture.SECTION
+            return self._around(wrist, picture).changed(lambda region: enlarged(region, hand, in_space)), exact
+        if picture not in self.followed:
+            self.followed[picture] = _area(plane)
+        return self.followed[picture], False
 
     def _around(self, wrist: Wrist, picture: Picture) -> Area:
         """Where the wrist's centre gets to."""

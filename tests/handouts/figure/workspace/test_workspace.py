@@ -29,7 +29,8 @@ def test_a_complete_wrist_keeps_the_hand_off_the_outside_and_the_hole() -> None:
         Robot.load("anthropomorphic-wrist")
     )  # a2 = 1, d4 = 0.8, d6 = 0.6: the hand is longer than the hole
     assert [view.picture for view in found.views] == [Picture.SECTION, Picture.TOP]
-    section, _ = found.views
+    section, top = found.views
+    assert abs(top.reachable.size.value - math.pi * 2.4**2) <= top.reachable.size.error
     assert section.dexterous is not None
     assert section.exact
     assert abs(section.reachable.size.value - math.pi / 2 * 2.4**2) <= section.reachable.size.error
