@@ -151,12 +151,12 @@ class _Sparing:
         for block in blocks:
             shown: Block = block
             if test(block):
-                shown = Paragraph(self._sentence(block))
+                shown = Paragraph(self._sentence(block), is_answer=True)
             elif isinstance(block, Steps):
                 shown = replace(block, blocks=self.blocks(block.blocks, test))
             elif isinstance(block, Formula) and any(map(test, block.rows)):
                 rows = tuple(rows for rows in block.rows if not test(rows))
-                shown = replace(block, rows=rows, note=self._note(block))
+                shown = replace(block, rows=rows, note=self._note(block), blanks=())
             if not kept or shown != kept[-1]:
                 kept.append(shown)
         return tuple(kept)
@@ -248,5 +248,5 @@ def _said(document: Document, sections: dict[str, Section], touched: list[str], 
         titles=titles,
     )
     kept = [sections[section.part] for section in document.sections if section.part in sections]
-    first = replace(kept[0], blocks=(Paragraph(sentence), *kept[0].blocks))
+    first = replace(kept[0], blocks=(Paragraph(sentence, is_answer=True), *kept[0].blocks))
     return replace(document, sections=(first, *kept[1:]))

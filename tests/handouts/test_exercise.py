@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.assemble import context_of, document
+from derive.handouts.budget import within
 from derive.handouts.context import Context
 from derive.handouts.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Steps, gap_rows
 from derive.handouts.exercise import exercise, solutions
@@ -168,3 +169,11 @@ def test_a_gap_fits_its_answer() -> None:
 def test_two_halves_share_a_line(lines: float) -> None:
     half, whole = Gap("a", lines, is_half=True), Gap("b", lines)
     assert gap_rows([half, half, half, whole, half, half]) == [(half, half), (half,), (whole,), (half, half)]
+
+
+def test_what_is_left_out_for_the_page_limit_is_not_asked_for() -> None:
+    """Nor is it spoken of."""
+    context, whole, sheet, _ = sheets_of("scara-perugia")
+    short = exercise(within(whole, 2, context.text), context.text)
+    assert len(questions(short)) < len(questions(sheet))
+    assert not any(isinstance(block, Paragraph) and "page limit" in block.text for block in blocks(short))
