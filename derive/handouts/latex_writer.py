@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cache
+from typing import Any
 
 from jinja2.environment import Template, TemplateModule
 
@@ -53,7 +54,12 @@ def latex(document: Document, text: Text) -> str:
     words = (
         [word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in document.title.split()
     )
-    sections = [{"title": latex_words(part.title), "blocks": _joined(part.blocks, text)} for part in document.sections]
+    sections: list[dict[str, Any]] = []
+    for part in document.sections:
+        is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], Paragraph)
+        if is_short and sections:
+            sections[-1]["blocks"] = _held(sections[-1]["blocks"])
+        sections.append({"title": latex_words(part.title), "blocks": _joined(part.blocks, text), "stays": is_short})
     return latex_template("document.tex.jinja").render(
         name=document.name,
         version=document.version,
@@ -67,6 +73,14 @@ def latex(document: Document, text: Text) -> str:
         figure_preamble=PREAMBLE.rstrip(),
         sections=sections,
     )
+
+
+def _held(blocks: list[str]) -> list[str]:
+    """A section behind whose last display no page ends, so that a sentence in a section of its own is never alone."""
+    before, display, last = "\n".join(blocks).rpartition(_DISPLAY)
+    is_long = "\\\\\n" in last.partition(_DISPLAY_END)[0]
+    held = "" if is_long or not display else "\\postdisplaypenalty=10000 \\interdisplaylinepenalty=10000 "
+    return [f"{before}{held}{display}{last}"]
 
 
 # -- templates

@@ -164,3 +164,26 @@ def test_short_displays_stay_on_one_page_and_fractions_off_the_rules() -> None:
     assert "\\\\*" not in long
     table = section_source((Table(("$i$",), (("$\\tfrac{\\pi}{2}$",), ("$0$",))),))
     assert table.count("\\rule[") == 1
+
+
+def page_of(mark: str) -> str:
+    """LaTeX that writes into the log on which page it is printed."""
+    return f"x \\write16{{{mark} on \\the\\count0}}"
+
+
+@pytest.mark.slow
+def test_a_section_of_one_sentence_does_not_stand_alone_on_a_page(tmp_path: Path) -> None:
+    """However far the page before it is filled: the display before it goes with it."""
+    pages = set()
+    for rows in (38, 40, 42):
+        filling = Rows(tuple(f"a_{{{k}}} = b" for k in range(rows)))
+        last = Rows((page_of("display"),))
+        ending = Section("example", "Example", (Paragraph(f"A sentence ${page_of('sentence')}$."),))
+        sections = (Section("table", "Table", (filling, Paragraph("Then:"), last)), ending)
+        log = run_latex(latex(Document("Bar", "", "bar", "en", "0", "0", "", sections), Text()), tmp_path)
+        display, sentence = (re.search(rf"{mark} on (\d)", log.text) for mark in ("display", "sentence"))
+        assert display is not None
+        assert sentence is not None
+        assert display[1] == sentence[1]
+        pages.add(sentence[1])
+    assert pages == {"1", "2"}
