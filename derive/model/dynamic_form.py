@@ -211,9 +211,13 @@ class DynamicForm:
             pairs: Coefficients in lumped parameters, and products of rates.
         """
         bodies: dict[Monomial, list[Expr]] = {}
+        factored: dict[tuple[tuple[Expr, Fraction], ...], Expr] = {}
         for (body, geometry), rates in self._combinations(pairs).items():
-            rate = sympy.factor(sympy.Add(*(_rational(value) * rate for rate, value in rates.items())))
-            bodies.setdefault(body, []).append(self.form.monomial(geometry) * rate)
+            key = tuple(rates.items())
+            if key not in factored:
+                total = sympy.Add(*(_rational(value) * rate for rate, value in key))
+                factored[key] = sympy.factor(total) if len(key) > 1 else total
+            bodies.setdefault(body, []).append(self.form.monomial(geometry) * factored[key])
         half = sympy.Rational(1, 2)
         inside = {body: sympy.Add(*(2 * part for part in parts)) for body, parts in bodies.items()}
         return sympy.Add(*(sympy.Mul(half, self.form.monomial(body), value) for body, value in inside.items()))
