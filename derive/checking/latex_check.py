@@ -43,6 +43,9 @@ MAX_PASSES = 12
 _LENT = frozenset("uvwhkexyzfFQ")
 """Letters that are a quantity's with an index, and just as often a short name for a part of a formula."""
 
+_ANY = frozenset("fFhkKuvwQeVLWS")
+"""Letters for anything: they contradict no quantity that is asked about."""
+
 _ROWS = re.compile(r"\\\\|&")
 
 _PRODUCT = re.compile(
@@ -278,6 +281,7 @@ class _Check:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
         named = [side for side in sides if side.targets and (side.value is None or (side is first and others))]
+        named = [side for side in named if side.left is not None and side.left.head not in _ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
         for side in sides if len(sides) == 1 else others:
             if side.error is not None and side not in named:
@@ -383,7 +387,8 @@ class _Check:
             (entry,) = table.rows[0]
             side = _Side(Piece(entry.text, entry.offset), value=entry.formula)
             identity = tuple(self._identities([name, side]))
-            chosen = identity if not chosen or identity[0].verdict.equal else chosen
+            is_token = name.left is not None and name.left.head in ("c", "s")
+            chosen = identity if not chosen or is_token or identity[0].verdict.equal else chosen
         if not chosen:
             shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
             quantity = rights[0].quantity if rights else self.asked
@@ -407,7 +412,7 @@ class _Check:
             for right in all_meant
             if (same := next((other for other in asked if _agree(right, other)), None))
         ]
-        if not agreeing and all_meant:
+        if not agreeing and all_meant and name.left is not None and name.left.head not in _ANY:
             text, means = self._typed(name.piece), all_meant[0]
             raise CheckError(
                 f"left side {quoted(text)} means {_shown(means)}, but the quantity asked about is {self.asked}",

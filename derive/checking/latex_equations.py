@@ -53,6 +53,9 @@ _SEPARATOR = re.compile(
     rf"\{{(?:\s*[,;.]?\s*(?:{_WORDS})\s*[:,]?\s*|[^{{}}A-Za-z]*|\s[^{{}}]*|[^{{}}]*\s|[^{{}}]+\s[^{{}}]+)\}}"
     r"|(?P<mark>[,;])"
 )
+_NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*\)[\s\v.,;]*$")
+"""The number of an equation that is typed behind it."""
+
 _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
 _ENDS_OPEN = re.compile(r"(?:[-+*/=]|\\(?:cdot|times|ast))\s*$")
@@ -319,9 +322,11 @@ def _split(piece: Piece, sign: str) -> list[Piece]:
 def _equations(display: Piece) -> Iterator[Equation]:
     text = _without_fences(display.text)
     spans = _joined(text, [span for row in _spans(text, "\f") for span in _row_parts(text, row)])
-    text = text.replace("\f", " ").replace("\v", " ")
+    shown, text = text, text.replace("\f", " ").replace("\v", " ")
     for begin, end in spans:
         whole = Piece(text, display.offset, display.matrices)
+        if number := _NUMBERED.search(shown[begin:end]):
+            end = begin + number.start()
         printed = text[begin:end].rstrip()
         end = begin + len(printed if printed.endswith("...") else printed.rstrip(" \n\r.,;:"))
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]

@@ -319,6 +319,8 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         if not of_vector or head in ("p", "P", "o", "O", "x", "X", "r", "d"):
             yield Target("p", row)
         yield from (Target("T", row, (column,)) for column in columns if plain)
+        if not of_vector and head in ("x", "X"):
+            yield from (Target("p"), Target("p", (1, 2)))
         return
     column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head)
     if column and plain and not left.sub:

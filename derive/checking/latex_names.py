@@ -129,7 +129,7 @@ class LatexNames:
             return Call(_ANGLE[text[0].lower()], (Name(angle),))
         if opposed:
             signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
-            angles = [self._angle(label) for label in labels]
+            angles = [add(*terms) if (terms := self._sum_of_angles(x)) else self._angle(x) for x in labels]
             others = (negate(a) if sign == "-" else a for sign, a in zip(signs, angles[1:], strict=True))
             return Call(_ANGLE[opposed[1].lower()], (add(angles[0], *others),))
         name = self._name(text)

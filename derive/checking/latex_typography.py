@@ -47,8 +47,8 @@ _RATE = re.compile(
 )
 _OF_TIME = re.compile(r"(?P<primes>'{0,2})(?P<space>\s*)(?:\{\s*\(\s*t\s*\)\s*\}|\(\s*t\s*\))")
 _FONT = re.compile(
-    r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|text|textrm|textit|textbf|mbox|vec)"
-    r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))"
+    r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|vec)"
+    r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{[^{}]*[_^\\])"
 )
 _SAME = str.maketrans(
     {

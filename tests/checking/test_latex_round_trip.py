@@ -40,8 +40,10 @@ def quantities(model: Model) -> Iterator[str]:
     """Every quantity that the robot has, with indices where it takes some."""
     n = model.robot.n
     for row in REGISTRY.values():
-        for count in row.indices:
-            name = row.name + ("", "[1]", f"[0,{n}]", "[1,1,2]")[count]
+        for indices in ("", "[1]", f"[0,{n}]", "[1,2]", "[1,1,2]"):
+            name = row.name + indices
+            if indices.count(",") + bool(indices) not in row.indices:
+                continue
             try:
                 value = model.quantity(name)
             except DeriveError:
