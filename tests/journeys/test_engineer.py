@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,50 +12,50 @@ from tests.journeys.person import Person
 
 SIMULATION = """\
 import numpy as np
-from generated.my_puma import model_numpy as puma
+from generated.my_scara import model_numpy as scara
 
-q, qd, step = np.array([0.1, -0.4, 0.3, 0.2, 0.5, -0.1]), np.zeros(6), 1e-4
-energy = lambda: float(puma.kinetic_energy(q, qd) + puma.potential_energy(q))
+q, qd, step = np.array([0.1, -0.4, 0.3, 0.2]), np.array([1.0, -2.0, 0.1, 3.0]), 1e-4
+energy = lambda: float(scara.kinetic_energy(q, qd) + scara.potential_energy(q))
 before = energy()
 for _ in range(500):
-    half = qd + step / 2 * puma.forward_dynamics(q, qd, np.zeros(6))
+    half = qd + step / 2 * scara.forward_dynamics(q, qd, np.zeros(4))
     q = q + step * half
-    qd = qd + step * puma.forward_dynamics(q + 0 * half, half, np.zeros(6))
+    qd = qd + step * scara.forward_dynamics(q + 0 * half, half, np.zeros(4))
 print(abs(energy() - before))
 """
 
 CONTROLLER = """\
 import numpy as np
-from generated.my_puma import model_numpy as puma
+from generated.my_scara import model_numpy as scara
 
-q, qd, wanted = np.full(6, 0.3), np.full(6, 0.1), np.ones(6)
-tau = puma.inverse_dynamics(q, qd, wanted)
-print(np.abs(puma.forward_dynamics(q, qd, tau) - wanted).max() < 1e-9)
+q, qd, wanted = np.full(4, 0.3), np.full(4, 0.1), np.ones(4)
+tau = scara.inverse_dynamics(q, qd, wanted)
+print(np.abs(scara.forward_dynamics(q, qd, tau) - wanted).max() < 1e-9)
 """
 
 
 def test_from_a_known_robot_to_a_controller_of_its_own(tmp_path: Path) -> None:
     engineer = Person(tmp_path)
-    engineer.types("derive new my-puma --from puma560-corke")
-    text = (tmp_path / "my-puma.yaml").read_text(encoding="utf-8")
-    engineer.writes("my-puma.yaml", text.replace("    friction", "    # friction"))
-    report = engineer.types("derive build my-puma.yaml --effort quick --target numpy --json").stdout
+    engineer.types("derive new my-scara --from scara-matlab")
+    text = (tmp_path / "my-scara.yaml").read_text(encoding="utf-8")
+    engineer.writes("my-scara.yaml", re.sub(r"(B\d): [\d.]+", r"\1: 0", text))
+    report = engineer.types("derive build my-scara.yaml --effort quick --target numpy --json").stdout
     (built,) = json.loads(report)
     assert built["verification"]["worst"] < 1e-9
     assert engineer.runs(CONTROLLER) == "True\n"
     assert float(engineer.runs(SIMULATION)) < 1e-2
 
-    engineer.types("derive build my-puma.yaml --effort quick --target c")
-    folder = tmp_path / "generated" / "my_puma"
+    engineer.types("derive build my-scara.yaml --effort quick --target c")
+    folder = tmp_path / "generated" / "my_scara"
     assert {"model_numpy.py", "model.c", "model.h"} <= {path.name for path in folder.iterdir()}
-    engineer.types("derive build my-puma.yaml --effort quick --check")
-    engineer.types("derive verify my-puma.yaml")
+    engineer.types("derive build my-scara.yaml --effort quick --check --target numpy,c")
+    engineer.types("derive verify my-scara.yaml")
 
-    lines = (tmp_path / "my-puma.yaml").read_text(encoding="utf-8").replace("mass: 17.4", "mass: 17.5")
-    engineer.writes("my-puma.yaml", lines)
-    assert "stale" in engineer.types("derive build my-puma.yaml --effort quick --check", status=1).stdout
-    engineer.types("derive build my-puma.yaml --effort quick")
-    engineer.types("derive build my-puma.yaml --effort quick --check")
+    lines = (tmp_path / "my-scara.yaml").read_text(encoding="utf-8").replace("mass: 8", "mass: 8.5")
+    engineer.writes("my-scara.yaml", lines)
+    assert "stale" in engineer.types("derive build my-scara.yaml --effort quick --check", status=1).stdout
+    engineer.types("derive build my-scara.yaml --effort quick")
+    engineer.types("derive build my-scara.yaml --effort quick --check")
 
 
 def test_a_payload_that_changes_at_run_time(tmp_path: Path) -> None:
