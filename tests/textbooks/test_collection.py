@@ -11,7 +11,7 @@ from tests.lectures.test_same_form import compared, contains_sum, shape
 from tests.places import ROOT
 from tests.textbooks.collection import FILES, by_book, by_robot, report, share
 
-DEFAULT, FOUND = 0.67, 0.94
+DEFAULT, FOUND = 0.72, 0.98
 """Shares that are reached; docs/lecture-form.md names them."""
 
 EXAMPLES = [example for examples in by_robot().values() for example in examples]
@@ -27,8 +27,9 @@ def test_every_formula_is_right(path: Path) -> None:
 
 
 def test_the_collection_is_as_large_as_the_documentation_says() -> None:
-    said = f"{len(EXAMPLES)} formulas with a sum of {len(FILES)} robots from {len(by_book())} books"
-    assert said in " ".join((ROOT / "docs" / "lecture-form.md").read_text(encoding="utf-8").split())
+    page = " ".join((ROOT / "docs" / "lecture-form.md").read_text(encoding="utf-8").split())
+    assert f"{len(EXAMPLES)} formulas with a sum of {len(FILES)} robots from {len(by_book())} books" in page
+    assert f"{100 * DEFAULT:.0f} % of them come out as printed in the default style, {100 * FOUND:.0f} % in" in page
     assert all(contains_sum(example.formula) for example in EXAMPLES)
 
 
@@ -41,7 +42,7 @@ def test_most_formulas_come_out_as_printed_in_the_default_style() -> None:
     rows = [row for path in FILES for row in compared(path)]
     same = sum(shape(ours) == shape(printed) for _, ours, printed in rows)
     assert len(rows) == len(EXAMPLES)
-    assert same >= DEFAULT * len(rows)
+    assert same >= DEFAULT * len(rows), f"{same} of {len(rows)}"
 
 
 @pytest.mark.parametrize("book", QUICK)
