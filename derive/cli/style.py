@@ -14,8 +14,8 @@ comments which do not, and why. The formulas are those of corpus files (a block 
 one book, or are given one by one, in the shorthand of lecture notes or as LaTeX:
 
   derive style notes.yaml
-  derive style planar-2r-perugia --example 'g[1] = ml1*l1*g*c1 + ml2*g*(a1*c1 + l2*c12)'
-  derive style planar-2r-perugia --example 'g_1 = m_{l1} l_1 g c_1 + m_{l2} g (a_1 c_1 + l_2 c_{12})'
+  derive style planar-2r-perugia --example 'B[1,2] = Il2 + ml2*l2**2 + ml2*a1*l2*c2 + kr2*Im2'
+  derive style planar-2r-perugia --example 'b_{12} = I_{l2} + m_{l2} l_2^2 + m_{l2} a_1 l_2 c_2 + k_{r2} I_{m2}'
 
 Formulas without a sum tell nothing. Exit status 0 found, 1 a formula is wrong, 2 a formula that cannot be read.
 """

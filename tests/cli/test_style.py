@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
@@ -84,6 +85,13 @@ def test_a_wrong_formula_ends_with_1_and_does_not_decide(folder: Path) -> None:
     assert done.status == 1
     assert "style: compact\n# as printed: 0 of 1" in done.stdout
     assert "it is not equal to the derived formula" in done.stdout
+
+
+def test_the_examples_of_the_help_are_right(folder: Path) -> None:
+    typed = [shlex.split(line) for line in style.DESCRIPTION.splitlines() if "--example" in line]
+    assert len(typed) == 2
+    for _, *arguments in typed:
+        assert derive(*arguments, folder=folder).stdout.startswith("style:\n  inertia: geometry\n# as printed: 1 of 1")
 
 
 def test_the_report_as_json(folder: Path) -> None:
