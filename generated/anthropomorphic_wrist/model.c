@@ -544,6 +544,140 @@ void anthropomorphic_wrist_jacobian_batch(size_t count, const double *restrict q
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void anthropomorphic_wrist_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_d4 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_a2;
+    k[2] = p_d4;
+}
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q3;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+    angles[3 * lanes] = q6;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s3 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double s6 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c3 = cosines[0];
+    const double c4 = cosines[lanes];
+    const double c5 = cosines[2 * lanes];
+    const double c6 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = c4*s6;
+    const double t2 = s4*c6;
+    const double t3 = t1 + c5*t2;
+    const double t4 = t2 + t1*c5;
+    const double t5 = k1*s5;
+    const double t6 = c4*t5;
+    const double t7 = s4*t5;
+    const double t8 = t6 + k2*c3;
+    const double t9 = k3 + k1*c5;
+    const double t10 = t9 + k2*s3;
+    const double t11 = ca5*t8 + sa5*t10;
+    const double t12 = s6*s4;
+    const double t13 = s6*s5;
+    const double t14 = s4*s5;
+    const double t15 = c4*c6;
+    const double t16 = c6*s5;
+    const double t17 = c4*s5;
+    const double t18 = t12 - c5*t15;
+    const double t19 = t15 - c5*t12;
+    const double t20 = ca5*t7;
+    const double t21 = sa5*t7;
+    result[0] = -(t16*t21 + (t3*t11 + t18*t20));
+    result[lanes] = t8*t16 - t10*t18;
+    result[2 * lanes] = t6*t16 - t9*t18;
+    result[3 * lanes] = s6*t5;
+    result[4 * lanes] = k1*c6;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = t21*t13 - (t11*t19 + t20*t4);
+    result[7 * lanes] = -(t10*t4 + t8*t13);
+    result[8 * lanes] = -(t6*t13 + t9*t4);
+    result[9 * lanes] = c6*t5;
+    result[10 * lanes] = -k1*s6;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t20*t17 + c5*t21 - t11*t14;
+    result[13 * lanes] = t10*t17 - c5*t8;
+    result[14 * lanes] = k3*t17;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = ca5*t16 - sa5*t18;
+    result[19 * lanes] = t3;
+    result[20 * lanes] = t3;
+    result[21 * lanes] = -t16;
+    result[22 * lanes] = s6;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = -(ca5*t13 + sa5*t4);
+    result[25 * lanes] = t19;
+    result[26 * lanes] = t19;
+    result[27 * lanes] = t13;
+    result[28 * lanes] = c6;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = sa5*t17 - c5*ca5;
+    result[31 * lanes] = t14;
+    result[32 * lanes] = t14;
+    result[33 * lanes] = c5;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 1.0;
+}
+
+void anthropomorphic_wrist_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[5 * jacobian_end_lanes], sines[5 * jacobian_end_lanes], cosines[5 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(5 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, k, result + i, jacobian_end_lanes, 1);
+}
+
+void anthropomorphic_wrist_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[6 * jacobian_end_lanes], result_block[36 * jacobian_end_lanes];
+        load(6, q + 6 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, k, result_block);
+        store(36, result_block, jacobian_end_lanes, result + 36 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

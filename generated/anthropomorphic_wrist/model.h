@@ -47,6 +47,7 @@ enum {
     anthropomorphic_wrist_forward_kinematics_constant_count = 3,
     anthropomorphic_wrist_link_transforms_constant_count = 3,
     anthropomorphic_wrist_jacobian_constant_count = 3,
+    anthropomorphic_wrist_jacobian_end_constant_count = 3,
     anthropomorphic_wrist_jacobian_dot_constant_count = 3,
     anthropomorphic_wrist_analytic_jacobian_rpy_constant_count = 3,
     anthropomorphic_wrist_analytic_jacobian_zyz_constant_count = 3,
@@ -102,6 +103,23 @@ void anthropomorphic_wrist_jacobian_batch(size_t count, const double *q, const d
 
 /** The constants of anthropomorphic_wrist_jacobian, 3, from the parameters, 3. */
 void anthropomorphic_wrist_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 6, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 52 mul, 23 add, 5 sin, 5 cos.
+ */
+void anthropomorphic_wrist_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of anthropomorphic_wrist_jacobian_end, 3, from the parameters, 3. */
+void anthropomorphic_wrist_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

@@ -19,6 +19,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
@@ -37,6 +38,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 39, "add": 19, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "link_transforms": {"mul": 51, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian": {"mul": 43, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_end": {"mul": 52, "add": 23, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 111, "add": 66, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
@@ -52,6 +54,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -232,6 +235,59 @@ def _jacobian(functions, k, q):
         0.0, s1, s1, t16, t17, c5*t16 + s5*t22,
         0.0, -c1, -c1, t20, -t23, c5*t20 - s5*t18,
         1.0, 0.0, 0.0, -t3, -t21, s5*t11 - c5*t3,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_a2, p_d4,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_a2, p_d4 = k
+    c4 = cos(q4)
+    s6 = sin(q6)
+    t1 = c4*s6
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t2 = s4*c6
+    c5 = cos(q5)
+    t3 = t1 + c5*t2
+    t4 = t2 + t1*c5
+    s5 = sin(q5)
+    t5 = p_d6*s5
+    t6 = c4*t5
+    t7 = s4*t5
+    c3 = cos(q3)
+    t8 = t6 + p_a2*c3
+    t9 = q2 + q3
+    t10 = cos(t9)
+    t11 = sin(t9)
+    t12 = p_d4 + p_d6*c5
+    s3 = sin(q3)
+    t13 = t12 + p_a2*s3
+    t14 = t10*t8 + t11*t13
+    t15 = s6*s4
+    t16 = s6*s5
+    t17 = s4*s5
+    t18 = c4*c6
+    t19 = c6*s5
+    t20 = c4*s5
+    t21 = t15 - c5*t18
+    t22 = t18 - c5*t15
+    t23 = t10*t7
+    t24 = t11*t7
+    return (
+        -(t19*t24 + (t3*t14 + t21*t23)), t8*t19 - t13*t21, t6*t19 - t12*t21, s6*t5, p_d6*c6, 0.0,
+        t24*t16 - (t14*t22 + t23*t4), -(t13*t4 + t8*t16), -(t6*t16 + t12*t4), c6*t5, -p_d6*s6, 0.0,
+        t23*t20 + c5*t24 - t14*t17, t13*t20 - c5*t8, p_d4*t20, 0.0, 0.0, 0.0,
+        t10*t19 - t11*t21, t3, t3, -t19, s6, 0.0,
+        -(t10*t16 + t11*t4), t22, t22, t16, c6, 0.0,
+        t11*t20 - c5*t10, t17, t17, c5, 0.0, 1.0,
     )
 
 
@@ -477,7 +533,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -514,6 +570,17 @@ jacobian = _function(
     shape=(6, 6),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 6),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1, 2,
     ),

@@ -38,6 +38,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 39, "add": 19, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "link_transforms": {"mul": 51, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian": {"mul": 43, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_end": {"mul": 52, "add": 23, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 111, "add": 66, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
@@ -53,6 +54,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -109,6 +111,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 43 mul, 18 add, 5 sin, 5 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 6):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 52 mul, 23 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -350,6 +369,59 @@ def _jacobian(functions, k, q):
         0.0, s1, s1, t16, t17, c5*t16 + s5*t22,
         0.0, -c1, -c1, t20, -t23, c5*t20 - s5*t18,
         1.0, 0.0, 0.0, -t3, -t21, s5*t11 - c5*t3,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_a2, p_d4,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_a2, p_d4 = k
+    c4 = cos(q4)
+    s6 = sin(q6)
+    t1 = c4*s6
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t2 = s4*c6
+    c5 = cos(q5)
+    t3 = t1 + c5*t2
+    t4 = t2 + t1*c5
+    s5 = sin(q5)
+    t5 = p_d6*s5
+    t6 = c4*t5
+    t7 = s4*t5
+    c3 = cos(q3)
+    t8 = t6 + p_a2*c3
+    t9 = q2 + q3
+    t10 = cos(t9)
+    t11 = sin(t9)
+    t12 = p_d4 + p_d6*c5
+    s3 = sin(q3)
+    t13 = t12 + p_a2*s3
+    t14 = t10*t8 + t11*t13
+    t15 = s6*s4
+    t16 = s6*s5
+    t17 = s4*s5
+    t18 = c4*c6
+    t19 = c6*s5
+    t20 = c4*s5
+    t21 = t15 - c5*t18
+    t22 = t18 - c5*t15
+    t23 = t10*t7
+    t24 = t11*t7
+    return (
+        -(t19*t24 + (t3*t14 + t21*t23)), t8*t19 - t13*t21, t6*t19 - t12*t21, s6*t5, p_d6*c6, 0.0,
+        t24*t16 - (t14*t22 + t23*t4), -(t13*t4 + t8*t16), -(t6*t16 + t12*t4), c6*t5, -p_d6*s6, 0.0,
+        t23*t20 + c5*t24 - t14*t17, t13*t20 - c5*t8, p_d4*t20, 0.0, 0.0, 0.0,
+        t10*t19 - t11*t21, t3, t3, -t19, s6, 0.0,
+        -(t10*t16 + t11*t4), t22, t22, t16, c6, 0.0,
+        t11*t20 - c5*t10, t17, t17, c5, 0.0, 1.0,
     )
 
 
@@ -987,6 +1059,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -1018,7 +1092,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -1145,6 +1219,16 @@ _FUNCTIONS = {
         shape=(6, 6),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 6),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
         needs=(
             0, 1, 2,
         ),

@@ -33,6 +33,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 6, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "link_transforms": {"mul": 6, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
@@ -48,6 +49,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -106,6 +108,24 @@ def jacobian(q, params=None, out=None):
     Geometric, from axes and origins: 2 mul, 1 sin, 1 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 1):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, from axes and origins: no operations.
+    Once per set of parameters: 2 mul, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -243,6 +263,30 @@ def _jacobian(functions, k, q):
         0.0,
         0.0,
         1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    sin, cos, sqrt, sign = functions
+    p_a1, p_alpha1 = p
+    t1 = cos(p_alpha1)
+    t2 = p_a1*t1
+    t3 = sin(p_alpha1)
+    t4 = p_a1*t3
+    return (
+        t1, t2, t3, t4,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    k1, k2, k3, k4 = k
+    return (
+        0.0,
+        k2,
+        -k4,
+        0.0,
+        k3,
+        k1,
     )
 
 
@@ -722,6 +766,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -753,7 +799,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -882,6 +928,16 @@ _FUNCTIONS = {
         hoisted=_jacobian_constants,
         needs=(
             1,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 1),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
+        needs=(
+            1, 2,
         ),
     ),
     "jacobian_dot": _Function(

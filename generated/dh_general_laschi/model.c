@@ -318,6 +318,58 @@ void dh_general_laschi_jacobian_batch(size_t count, const double *restrict q, co
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void dh_general_laschi_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[1];
+    const double p_alpha1 = params[2];
+    const double t1 = cos(p_alpha1);
+    const double t2 = sin(p_alpha1);
+    k[0] = t1;
+    k[1] = p_a1*t1;
+    k[2] = t2;
+    k[3] = p_a1*t2;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    result[0] = 0.0;
+    result[lanes] = k2;
+    result[2 * lanes] = -k4;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = k3;
+    result[5 * lanes] = k1;
+}
+
+void dh_general_laschi_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    jacobian_end_lane(k, result, 1, 1);
+}
+
+static void jacobian_end_block(const double *restrict k, double *restrict result)
+{
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(k, result + i, jacobian_end_lanes, 1);
+}
+
+void dh_general_laschi_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double result_block[6 * jacobian_end_lanes];
+        jacobian_end_block(k, result_block);
+        store(6, result_block, jacobian_end_lanes, result + 6 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -42,6 +42,7 @@ enum {
     dh_general_laschi_forward_kinematics_constant_count = 4,
     dh_general_laschi_link_transforms_constant_count = 4,
     dh_general_laschi_jacobian_constant_count = 1,
+    dh_general_laschi_jacobian_end_constant_count = 4,
     dh_general_laschi_jacobian_dot_constant_count = 1,
     dh_general_laschi_analytic_jacobian_rpy_constant_count = 1,
     dh_general_laschi_analytic_jacobian_zyz_constant_count = 1,
@@ -99,6 +100,24 @@ void dh_general_laschi_jacobian_batch(size_t count, const double *q, const doubl
 
 /** The constants of dh_general_laschi_jacobian, 1, from the parameters, 3. */
 void dh_general_laschi_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       4 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 1, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, from axes and origins: no operations.
+ * Once per set of parameters: 2 mul, 1 sin, 1 cos.
+ */
+void dh_general_laschi_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_laschi_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of dh_general_laschi_jacobian_end, 4, from the parameters, 3. */
+void dh_general_laschi_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

@@ -14,6 +14,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
@@ -32,6 +33,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 6, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "link_transforms": {"mul": 6, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
@@ -47,6 +49,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -123,6 +126,30 @@ def _jacobian(functions, k, q):
         0.0,
         0.0,
         1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    sin, cos, sqrt, sign = functions
+    p_a1, p_alpha1 = p
+    t1 = cos(p_alpha1)
+    t2 = p_a1*t1
+    t3 = sin(p_alpha1)
+    t4 = p_a1*t3
+    return (
+        t1, t2, t3, t4,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    k1, k2, k3, k4 = k
+    return (
+        0.0,
+        k2,
+        -k4,
+        0.0,
+        k3,
+        k1,
     )
 
 
@@ -210,7 +237,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -249,6 +276,17 @@ jacobian = _function(
     hoisted=_jacobian_constants,
     needs=(
         1,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 1),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
+    needs=(
+        1, 2,
     ),
 )
 jacobian_dot = _function(

@@ -307,6 +307,42 @@ void dh_modified_deluca_jacobian_batch(size_t count, const double *restrict q, c
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+KERNEL void jacobian_end_lane(double *restrict result, const size_t lanes)
+{
+    result[0] = 0.0;
+    result[lanes] = 0.0;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 1.0;
+}
+
+void dh_modified_deluca_jacobian_end(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    jacobian_end_lane(result, 1);
+}
+
+static void jacobian_end_block(double *restrict result)
+{
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(result + i, jacobian_end_lanes);
+}
+
+void dh_modified_deluca_jacobian_end_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double result_block[6 * jacobian_end_lanes];
+        jacobian_end_block(result_block);
+        store(6, result_block, jacobian_end_lanes, result + 6 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -100,6 +100,19 @@ void dh_modified_deluca_jacobian_batch(size_t count, const double *q, const doub
 void dh_modified_deluca_jacobian_constants(const double *params, double *k);
 
 /**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  J_end, 6 x 1, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, from axes and origins: no operations.
+ */
+void dh_modified_deluca_jacobian_end(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_jacobian_end_batch(size_t count, const double *q, double *result);
+
+/**
  * Rate of change of the geometric Jacobian, in the world frame.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.

@@ -14,6 +14,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
@@ -32,6 +33,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 7, "add": 1, "div": 2, "sin": 1, "cos": 1, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
@@ -47,6 +49,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -129,6 +132,17 @@ def _jacobian(functions, k, q):
     )
 
 
+def _jacobian_end(functions, k, q):
+    return (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+    )
+
+
 def _jacobian_dot(functions, k, q, qd):
     return (
         0.0,
@@ -195,7 +209,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -235,6 +249,13 @@ jacobian = _function(
     needs=(
         2,
     ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 1),
+    kernel=_jacobian_end,
 )
 jacobian_dot = _function(
     "jacobian_dot",

@@ -33,6 +33,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 7, "add": 1, "div": 2, "sin": 1, "cos": 1, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
@@ -48,6 +49,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -107,6 +109,23 @@ def jacobian(q, params=None, out=None):
     Once per set of parameters: 1 sin, 1 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 1):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, from axes and origins: no operations.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -248,6 +267,17 @@ def _jacobian(functions, k, q):
         0.0,
         -k1,
         k2,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    return (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
     )
 
 
@@ -709,6 +739,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -740,7 +772,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -870,6 +902,12 @@ _FUNCTIONS = {
         needs=(
             2,
         ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 1),
+        kernel=_jacobian_end,
     ),
     "jacobian_dot": _Function(
         name="jacobian_dot",

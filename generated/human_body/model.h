@@ -67,6 +67,7 @@ enum {
     human_body_forward_kinematics_constant_count = 8,
     human_body_link_transforms_constant_count = 8,
     human_body_jacobian_constant_count = 8,
+    human_body_jacobian_end_constant_count = 8,
     human_body_jacobian_dot_constant_count = 8,
     human_body_analytic_jacobian_rpy_constant_count = 8,
     human_body_analytic_jacobian_zyz_constant_count = 8,
@@ -122,6 +123,23 @@ void human_body_jacobian_batch(size_t count, const double *q, const double *k, d
 
 /** The constants of human_body_jacobian, 8, from the parameters, 8. */
 void human_body_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       8 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 21, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 336 mul, 172 add, 20 sin, 20 cos.
+ */
+void human_body_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void human_body_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of human_body_jacobian_end, 8, from the parameters, 8. */
+void human_body_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

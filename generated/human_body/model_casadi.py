@@ -34,6 +34,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
@@ -62,6 +63,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 253, "add": 133, "div": 0, "sin": 21, "cos": 21, "sqrt": 0},
     "link_transforms": {"mul": 254, "add": 133, "div": 0, "sin": 21, "cos": 21, "sqrt": 0},
     "jacobian": {"mul": 330, "add": 167, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
+    "jacobian_end": {"mul": 336, "add": 172, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
     "jacobian_dot": {"mul": 753, "add": 496, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 453, "add": 234, "div": 2, "sin": 21, "cos": 21, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 432, "add": 224, "div": 2, "sin": 20, "cos": 20, "sqrt": 1},
@@ -77,6 +79,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -728,6 +731,211 @@ def _jacobian(functions, k, q):
         c19*t68 + s19*t67, s20*t69 + (t67*t32 - t68*t34),
         1.0, 0.0, s2, t4, t2, t8, t6, t12, t10, t16, t14, t20, t18, t24, t22, t28, t26, t33, t30,
         c19*t33 - s19*t31, s20*t30 - (t31*t32 + t33*t34),
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L4, p_L5, p_L3, p_L2, p_L1,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    p_L8, p_L7, p_L6, p_L4, p_L5, p_L3, p_L2, p_L1 = k
+    s20 = sin(q20)
+    c20 = cos(q20)
+    s19 = sin(q19)
+    t1 = c20*s19
+    c18 = cos(q18)
+    c19 = cos(q19)
+    t2 = c20*c19
+    s18 = sin(q18)
+    t3 = c18*s20 + s18*t2
+    t4 = c18*t2 - s18*s20
+    c17 = cos(q17)
+    s17 = sin(q17)
+    t5 = s17*t1 - c17*t4
+    t6 = s17*t4 + c17*t1
+    c16 = cos(q16)
+    s16 = sin(q16)
+    t7 = c16*t6 - s16*t3
+    t8 = s16*t6 + c16*t3
+    s15 = sin(q15)
+    c15 = cos(q15)
+    t9 = c15*t5 + s15*t8
+    c14 = cos(q14)
+    t10 = c15*t8 - s15*t5
+    s14 = sin(q14)
+    t11 = c14*t7 - s14*t10
+    t12 = s14*t7 + c14*t10
+    s13 = sin(q13)
+    c13 = cos(q13)
+    t13 = c13*t9 + s13*t12
+    s12 = sin(q12)
+    t14 = c13*t12 - s13*t9
+    c12 = cos(q12)
+    t15 = s12*t11 + c12*t14
+    t16 = c12*t11 - s12*t14
+    c11 = cos(q11)
+    s11 = sin(q11)
+    t17 = c11*t16 + s11*t13
+    s10 = sin(q10)
+    t18 = s11*t16 - c11*t13
+    c10 = cos(q10)
+    t19 = s10*t15 - c10*t18
+    t20 = s10*t18 + c10*t15
+    c9 = cos(q9)
+    s9 = sin(q9)
+    t21 = s9*t17 + c9*t20
+    t22 = s9*t20 - c9*t17
+    c8 = cos(q8)
+    s8 = sin(q8)
+    t23 = c8*t22 - s8*t19
+    t24 = s8*t22 + c8*t19
+    c7 = cos(q7)
+    s7 = sin(q7)
+    t25 = s7*t21 + c7*t24
+    s6 = sin(q6)
+    t26 = s7*t24 - c7*t21
+    c6 = cos(q6)
+    t27 = s6*t23 + c6*t26
+    t28 = s6*t26 - c6*t23
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t29 = c5*t28 + s5*t25
+    s4 = sin(q4)
+    t30 = s5*t28 - c5*t25
+    c4 = cos(q4)
+    t31 = s4*t27 + c4*t30
+    t32 = s4*t30 - c4*t27
+    c3 = cos(q3)
+    s3 = sin(q3)
+    t33 = s3*t29 + t32*c3
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t34 = c2*s3
+    t35 = c2*c3
+    t36 = s2*t31 + (t34*t32 - t35*t29)
+    c21 = cos(q21)
+    s21 = sin(q21)
+    t37 = c20*s21
+    t38 = c20*c21
+    t39 = c21*c19
+    t40 = s19*c21
+    t41 = s21*s19
+    t42 = s21*c19
+    t43 = t39 - s20*t41
+    t44 = t41 - s20*t39
+    t45 = t40 + s20*t42
+    t46 = t42 + t40*s20
+    t47 = t37*c18 - s18*t45
+    t48 = s18*t37 + c18*t45
+    t49 = s17*t43 + t48*c17
+    t50 = s17*t48 - c17*t43
+    t51 = c16*t50 + s16*t47
+    t52 = t50*s16 - c16*t47
+    t53 = c15*t49 - t52*s15
+    t54 = c15*t52 + s15*t49
+    t55 = c14*t51 - s14*t54
+    t56 = t51*s14 + c14*t54
+    t57 = c13*t53 - t56*s13
+    t58 = c13*t56 + s13*t53
+    t59 = t55*s12 + c12*t58
+    t60 = c12*t55 - s12*t58
+    t61 = t60*c11 - s11*t57
+    t62 = s11*t60 + c11*t57
+    t63 = s10*t59 - t62*c10
+    t64 = s10*t62 + c10*t59
+    t65 = s9*t61 + t64*c9
+    t66 = s9*t64 - c9*t61
+    t67 = c8*t66 - s8*t63
+    t68 = t66*s8 + c8*t63
+    t69 = s7*t65 + t68*c7
+    t70 = s7*t68 - c7*t65
+    t71 = s6*t67 + c6*t70
+    t72 = s6*t70 - t67*c6
+    t73 = t72*c5 + s5*t69
+    t74 = s5*t72 - c5*t69
+    t75 = s4*t71 + c4*t74
+    t76 = s4*t74 - t71*c4
+    t77 = s3*t73 + c3*t76
+    t78 = t75*s2 + (t34*t76 - t35*t73)
+    t79 = c18*t38 + s18*t44
+    t80 = s18*t38 - c18*t44
+    t81 = s17*t46 - c17*t80
+    t82 = s17*t80 + c17*t46
+    t83 = c16*t82 + s16*t79
+    t84 = s16*t82 - c16*t79
+    t85 = c15*t81 + s15*t84
+    t86 = c15*t84 - s15*t81
+    t87 = c14*t83 - s14*t86
+    t88 = s14*t83 + c14*t86
+    t89 = c13*t85 + s13*t88
+    t90 = c13*t88 - s13*t85
+    t91 = s12*t87 + c12*t90
+    t92 = c12*t87 - s12*t90
+    t93 = c11*t92 + s11*t89
+    t94 = s11*t92 - c11*t89
+    t95 = s10*t91 - c10*t94
+    t96 = s10*t94 + c10*t91
+    t97 = s9*t93 + c9*t96
+    t98 = s9*t96 - c9*t93
+    t99 = c8*t98 - s8*t95
+    t100 = s8*t98 + c8*t95
+    t101 = s7*t97 + c7*t100
+    t102 = s7*t100 - c7*t97
+    t103 = s6*t99 + c6*t102
+    t104 = s6*t102 - c6*t99
+    t105 = c5*t104 + s5*t101
+    t106 = s5*t104 - c5*t101
+    t107 = s4*t103 + c4*t106
+    t108 = s4*t106 - c4*t103
+    t109 = s3*t105 + c3*t108
+    t110 = s2*t107 + (t34*t108 - t35*t105)
+    t111 = p_L8*s18
+    t112 = p_L8*t37 + p_L7*t47
+    t113 = p_L8*t38 + p_L7*t79
+    t114 = p_L8*s20 + p_L7*t3
+    t115 = t113 - p_L6*t86
+    t116 = t112 - p_L6*t54
+    t117 = t114 + p_L6*t10
+    t118 = p_L4*t57 - (t116 - p_L5*t58)
+    t119 = p_L4*t89 + (t115 - p_L5*t90)
+    t120 = t119 + p_L3*t95
+    t121 = t118 - p_L3*t63
+    t122 = t121 - p_L2*t69
+    t123 = t120 + p_L2*t101
+    t124 = t123 - p_L1*t107
+    t125 = t122 + p_L1*t75
+    t126 = p_L4*t13 - (t117 + p_L5*t14)
+    t127 = t126 + p_L3*t19
+    t128 = t127 + p_L2*t25
+    t129 = t128 - p_L1*t31
+    return (
+        -(t125*t36 + t129*t78), t125*t33 + t129*t77, -(t75*t129 + t125*t31), t122*t29 + t128*t73,
+        -(t122*t27 + t71*t128), t69*t128 + t122*t25, -(t121*t23 + t67*t127), t121*t21 + t65*t127,
+        t121*t19 + t63*t127, t61*t126 + t118*t17, t59*t126 + t118*t15, t118*t13 - t57*t126,
+        -(t55*t117 + t116*t11), t53*t117 - t116*t9, -(t51*t114 + t112*t7), t49*t114 - t112*t5, t111*t46,
+        -p_L8*t44, 0.0, 0.0, 0.0,
+        t36*t124 - t129*t110, t129*t109 - t33*t124, t31*t124 - t129*t107, t128*t105 - t29*t123,
+        t27*t123 - t128*t103, t128*t101 - t25*t123, t23*t120 - t127*t99, t127*t97 - t21*t120,
+        t127*t95 - t19*t120, t126*t93 - t17*t119, t126*t91 - t15*t119, t126*t89 - t13*t119,
+        -(t11*t115 + t117*t87), -(t117*t85 + t9*t115), -(t114*t83 + t7*t113), -(t114*t81 + t5*t113), t43*t111,
+        -p_L8*t45, 0.0, 0.0, 0.0,
+        -(t78*t124 + t125*t110), t77*t124 + t125*t109, -(t75*t124 + t125*t107), t73*t123 + t122*t105,
+        -(t71*t123 + t122*t103), t122*t101 + t69*t123, -(t121*t99 + t67*t120), t121*t97 + t65*t120,
+        t63*t120 + t121*t95, t61*t119 + t118*t93, t59*t119 + t118*t91, t118*t89 - t57*t119,
+        t55*t115 - t116*t87, -(t53*t115 + t116*t85), t51*t113 - t112*t83, -(t112*t81 + t49*t113), -t1*t111,
+        -p_L8*t2, 0.0, 0.0, 0.0,
+        -t110, t109, -t107, t105, -t103, t101, -t99, t97, t95, t93, t91, t89, t87, t85, t83, t81, t79, t46,
+        t38, s21, 0.0,
+        t78, -t77, t75, -t73, t71, -t69, t67, -t65, -t63, -t61, -t59, t57, -t55, t53, -t51, t49, -t47, t43,
+        -t37, c21, 0.0,
+        t36, -t33, t31, -t29, t27, -t25, t23, -t21, -t19, -t17, -t15, -t13, -t11, -t9, -t7, -t5, t3, -t1, s20,
+        0.0, 1.0,
     )
 
 
@@ -1626,7 +1834,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -1663,6 +1871,17 @@ jacobian = _function(
     shape=(6, 21),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2, 3, 4, 5, 6, 7,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 21),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1, 2, 3, 4, 5, 6, 7,
     ),

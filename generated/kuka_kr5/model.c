@@ -512,6 +512,127 @@ void kuka_kr5_jacobian_batch(size_t count, const double *restrict q, double *res
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q3;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+    angles[3 * lanes] = q6;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s3 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double s6 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c3 = cosines[0];
+    const double c4 = cosines[lanes];
+    const double c5 = cosines[2 * lanes];
+    const double c6 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double t1 = c4*s6;
+    const double t2 = s4*c6;
+    const double t3 = t1 + c5*t2;
+    const double t4 = t2 + t1*c5;
+    const double t5 = 0.295 + 0.08*c5;
+    const double t6 = t5 - 0.27*s3;
+    const double t7 = 0.08*s5;
+    const double t8 = s4*t7;
+    const double t9 = 0.09 - c4*t7;
+    const double t10 = t9 + 0.27*c3;
+    const double t11 = ca5*t6 + (0.075 + sa5*t10);
+    const double t12 = s6*s4;
+    const double t13 = s6*s5;
+    const double t14 = s4*s5;
+    const double t15 = c4*c6;
+    const double t16 = c6*s5;
+    const double t17 = c4*s5;
+    const double t18 = t12 - c5*t15;
+    const double t19 = t15 - c5*t12;
+    const double t20 = sa5*t8;
+    const double t21 = ca5*t8;
+    result[0] = t16*t21 + (t3*t11 - t18*t20);
+    result[lanes] = t6*t18 + t10*t16;
+    result[2 * lanes] = t9*t16 + t5*t18;
+    result[3 * lanes] = -s6*t7;
+    result[4 * lanes] = -0.08*c6;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = t21*t13 - (t11*t19 - t20*t4);
+    result[7 * lanes] = t10*t13 - t6*t4;
+    result[8 * lanes] = t9*t13 - t5*t4;
+    result[9 * lanes] = c6*t7;
+    result[10 * lanes] = -0.08*s6;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = -(t11*t14 + (t20*t17 - c5*t21));
+    result[13 * lanes] = t6*t17 + c5*t10;
+    result[14 * lanes] = c5*t9 + t5*t17;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = -(sa5*t16 + ca5*t18);
+    result[19 * lanes] = t3;
+    result[20 * lanes] = t3;
+    result[21 * lanes] = -t16;
+    result[22 * lanes] = s6;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = ca5*t4 - sa5*t13;
+    result[25 * lanes] = -t19;
+    result[26 * lanes] = -t19;
+    result[27 * lanes] = -t13;
+    result[28 * lanes] = -c6;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = -(c5*sa5 + ca5*t17);
+    result[31 * lanes] = -t14;
+    result[32 * lanes] = -t14;
+    result[33 * lanes] = -c5;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = -1.0;
+}
+
+void kuka_kr5_jacobian_end(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, result, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * jacobian_end_lanes], sines[5 * jacobian_end_lanes], cosines[5 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(5 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, result + i, jacobian_end_lanes);
+}
+
+void kuka_kr5_jacobian_end_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[6 * jacobian_end_lanes], result_block[36 * jacobian_end_lanes];
+        load(6, q + 6 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, result_block);
+        store(36, result_block, jacobian_end_lanes, result + 36 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -80,6 +80,19 @@ void kuka_kr5_jacobian(const double *q, double *result);
 void kuka_kr5_jacobian_batch(size_t count, const double *q, double *result);
 
 /**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  J_end, 6 x 6, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 53 mul, 26 add, 5 sin, 5 cos.
+ */
+void kuka_kr5_jacobian_end(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_jacobian_end_batch(size_t count, const double *q, double *result);
+
+/**
  * Rate of change of the geometric Jacobian, in the world frame.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.

@@ -19,6 +19,7 @@ Every parameter has its number in this file.
     forward_kinematics(q) -> T
     link_transforms(q) -> T_i
     jacobian(q) -> J
+    jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
@@ -41,6 +42,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 41, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "link_transforms": {"mul": 56, "add": 29, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian": {"mul": 44, "add": 20, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_end": {"mul": 53, "add": 26, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 113, "add": 69, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 89, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 65, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
@@ -56,6 +58,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -218,6 +221,51 @@ def _jacobian(functions, k, q):
         0.0, -s1, -s1, -t21, -t15, -(c5*t21 + s5*t23),
         0.0, c1, c1, -t18, t24, s5*t16 - c5*t18,
         1.0, 0.0, 0.0, t4, -t19, t4*c5 + s5*t22,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c4 = cos(q4)
+    s6 = sin(q6)
+    t1 = c4*s6
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t2 = s4*c6
+    c5 = cos(q5)
+    t3 = t1 + c5*t2
+    t4 = t2 + t1*c5
+    t5 = 0.295 + 0.08*c5
+    s3 = sin(q3)
+    t6 = t5 - 0.27*s3
+    t7 = q2 + q3
+    t8 = cos(t7)
+    t9 = sin(t7)
+    s5 = sin(q5)
+    t10 = 0.08*s5
+    t11 = s4*t10
+    t12 = 0.09 - c4*t10
+    c3 = cos(q3)
+    t13 = t12 + 0.27*c3
+    t14 = t8*t6 + (0.075 + t9*t13)
+    t15 = s6*s4
+    t16 = s6*s5
+    t17 = s4*s5
+    t18 = c4*c6
+    t19 = c6*s5
+    t20 = c4*s5
+    t21 = t15 - c5*t18
+    t22 = t18 - c5*t15
+    t23 = t9*t11
+    t24 = t8*t11
+    return (
+        t19*t24 + (t3*t14 - t21*t23), t6*t21 + t13*t19, t12*t19 + t5*t21, -s6*t10, -0.08*c6, 0.0,
+        t24*t16 - (t14*t22 - t23*t4), t13*t16 - t6*t4, t12*t16 - t5*t4, c6*t10, -0.08*s6, 0.0,
+        -(t14*t17 + (t23*t20 - c5*t24)), t6*t20 + c5*t13, c5*t12 + t5*t20, 0.0, 0.0, 0.0,
+        -(t9*t19 + t8*t21), t3, t3, -t19, s6, 0.0,
+        t8*t4 - t9*t16, -t22, -t22, -t16, -c6, 0.0,
+        -(c5*t9 + t8*t20), -t17, -t17, -c5, 0.0, -1.0,
     )
 
 
@@ -439,7 +487,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -467,6 +515,13 @@ jacobian = _function(
     output="J",
     shape=(6, 6),
     kernel=_jacobian,
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 6),
+    kernel=_jacobian_end,
 )
 jacobian_dot = _function(
     "jacobian_dot",

@@ -40,6 +40,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 41, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "link_transforms": {"mul": 56, "add": 29, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian": {"mul": 44, "add": 20, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_end": {"mul": 53, "add": 26, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 113, "add": 69, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 89, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 65, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
@@ -55,6 +56,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -110,6 +112,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 44 mul, 20 add, 5 sin, 5 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 6):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 53 mul, 26 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -321,6 +340,51 @@ def _jacobian(functions, k, q):
         0.0, -s1, -s1, -t21, -t15, -(c5*t21 + s5*t23),
         0.0, c1, c1, -t18, t24, s5*t16 - c5*t18,
         1.0, 0.0, 0.0, t4, -t19, t4*c5 + s5*t22,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c4 = cos(q4)
+    s6 = sin(q6)
+    t1 = c4*s6
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t2 = s4*c6
+    c5 = cos(q5)
+    t3 = t1 + c5*t2
+    t4 = t2 + t1*c5
+    t5 = 0.295 + 0.08*c5
+    s3 = sin(q3)
+    t6 = t5 - 0.27*s3
+    t7 = q2 + q3
+    t8 = cos(t7)
+    t9 = sin(t7)
+    s5 = sin(q5)
+    t10 = 0.08*s5
+    t11 = s4*t10
+    t12 = 0.09 - c4*t10
+    c3 = cos(q3)
+    t13 = t12 + 0.27*c3
+    t14 = t8*t6 + (0.075 + t9*t13)
+    t15 = s6*s4
+    t16 = s6*s5
+    t17 = s4*s5
+    t18 = c4*c6
+    t19 = c6*s5
+    t20 = c4*s5
+    t21 = t15 - c5*t18
+    t22 = t18 - c5*t15
+    t23 = t9*t11
+    t24 = t8*t11
+    return (
+        t19*t24 + (t3*t14 - t21*t23), t6*t21 + t13*t19, t12*t19 + t5*t21, -s6*t10, -0.08*c6, 0.0,
+        t24*t16 - (t14*t22 - t23*t4), t13*t16 - t6*t4, t12*t16 - t5*t4, c6*t10, -0.08*s6, 0.0,
+        -(t14*t17 + (t23*t20 - c5*t24)), t6*t20 + c5*t13, c5*t12 + t5*t20, 0.0, 0.0, 0.0,
+        -(t9*t19 + t8*t21), t3, t3, -t19, s6, 0.0,
+        t8*t4 - t9*t16, -t22, -t22, -t16, -c6, 0.0,
+        -(c5*t9 + t8*t20), -t17, -t17, -c5, 0.0, -1.0,
     )
 
 
@@ -936,6 +1000,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -967,7 +1033,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -1085,6 +1151,12 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6, 6),
         kernel=_jacobian,
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 6),
+        kernel=_jacobian_end,
     ),
     "jacobian_dot": _Function(
         name="jacobian_dot",

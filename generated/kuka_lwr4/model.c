@@ -576,6 +576,150 @@ void kuka_lwr4_jacobian_batch(size_t count, const double *restrict q, double *re
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = q7;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double s7 = sines[5 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double c7 = cosines[5 * lanes];
+    const double t1 = s5*s6;
+    const double t2 = c5*s6;
+    const double t3 = c4*c6 + s4*t2;
+    const double t4 = c6*s4 - c4*t2;
+    const double t5 = s3*t4 - c3*t1;
+    const double t6 = s2*(c3*t4 + s3*t1) + c2*t3;
+    const double t7 = s7*s6;
+    const double t8 = c7*c5;
+    const double t9 = c5*s7;
+    const double t10 = s5*s7;
+    const double t11 = s5*c7;
+    const double t12 = t8 - c6*t10;
+    const double t13 = t10 - c6*t8;
+    const double t14 = t11 + c6*t9;
+    const double t15 = t9 + t11*c6;
+    const double t16 = t14*s4 - c4*t7;
+    const double t17 = c4*t14 + s4*t7;
+    const double t18 = t17*s3 - c3*t12;
+    const double t19 = s2*(c3*t17 + s3*t12) - c2*t16;
+    const double t20 = c7*s6;
+    const double t21 = s4*t13 + c4*t20;
+    const double t22 = c4*t13 - s4*t20;
+    const double t23 = s3*t22 - c3*t15;
+    const double t24 = s2*(c3*t22 + s3*t15) - c2*t21;
+    const double t25 = 0.39*t20;
+    const double t26 = 0.39*t7;
+    const double t27 = t25 + 0.4*t21;
+    const double t28 = t26 - 0.4*t16;
+    const double t29 = t28 + 0.3105*t19;
+    const double t30 = t27 - 0.3105*t24;
+    const double t31 = 0.078*s7;
+    const double t32 = 0.078*c7;
+    const double t33 = 0.078 + 0.39*c6;
+    const double t34 = t33 + 0.4*t3;
+    const double t35 = t34 + 0.3105*t6;
+    result[0] = t6*t29 - t19*t35;
+    result[lanes] = t34*t18 - t28*t5;
+    result[2 * lanes] = t16*t34 + t3*t28;
+    result[3 * lanes] = t12*t33 - t1*t26;
+    result[4 * lanes] = -s6*t31;
+    result[5 * lanes] = -t32;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = t6*t30 + t35*t24;
+    result[8 * lanes] = -(t34*t23 + t5*t27);
+    result[9 * lanes] = t3*t27 - t34*t21;
+    result[10 * lanes] = -(t1*t25 + t33*t15);
+    result[11 * lanes] = -s6*t32;
+    result[12 * lanes] = t31;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = t29*t24 + t19*t30;
+    result[15 * lanes] = -(t18*t27 + t28*t23);
+    result[16 * lanes] = -(t16*t27 + t28*t21);
+    result[17 * lanes] = -0.39*t2;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = -t24;
+    result[22 * lanes] = t23;
+    result[23 * lanes] = t21;
+    result[24 * lanes] = t15;
+    result[25 * lanes] = t20;
+    result[26 * lanes] = -s7;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = -t19;
+    result[29 * lanes] = t18;
+    result[30 * lanes] = t16;
+    result[31 * lanes] = t12;
+    result[32 * lanes] = -t7;
+    result[33 * lanes] = -c7;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = t6;
+    result[36 * lanes] = -t5;
+    result[37 * lanes] = t3;
+    result[38 * lanes] = -t1;
+    result[39 * lanes] = c6;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 1.0;
+}
+
+void kuka_lwr4_jacobian_end(const double *restrict q, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, result, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, double *restrict result)
+{
+    double angles[6 * jacobian_end_lanes], sines[6 * jacobian_end_lanes], cosines[6 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(6 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, result + i, jacobian_end_lanes);
+}
+
+void kuka_lwr4_jacobian_end_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[7 * jacobian_end_lanes], result_block[42 * jacobian_end_lanes];
+        load(7, q + 7 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, result_block);
+        store(42, result_block, jacobian_end_lanes, result + 42 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -42,6 +42,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 66, "add": 32, "div": 0, "sin": 7, "cos": 7, "sqrt": 0},
     "link_transforms": {"mul": 71, "add": 35, "div": 0, "sin": 7, "cos": 7, "sqrt": 0},
     "jacobian": {"mul": 78, "add": 35, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian_end": {"mul": 78, "add": 37, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian_dot": {"mul": 195, "add": 117, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 125, "add": 57, "div": 2, "sin": 7, "cos": 7, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 109, "add": 49, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
@@ -57,6 +58,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -112,6 +114,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 78 mul, 35 add, 6 sin, 6 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 7):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, from axes and origins: 78 mul, 37 add, 6 sin, 6 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -364,6 +383,66 @@ def _jacobian(functions, k, q):
         0.0, s1, -t12, -t20, -t22, t24, -t23,
         0.0, -c1, -t11, t14, -t15, -t17, -t16,
         1.0, 0.0, c2, -t4, t6, t8, t7,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    c6 = cos(q6)
+    s5 = sin(q5)
+    s6 = sin(q6)
+    t1 = s5*s6
+    c4 = cos(q4)
+    c5 = cos(q5)
+    t2 = c5*s6
+    s4 = sin(q4)
+    t3 = c4*c6 + s4*t2
+    t4 = c6*s4 - c4*t2
+    s3 = sin(q3)
+    c3 = cos(q3)
+    t5 = s3*t4 - c3*t1
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t6 = s2*(c3*t4 + s3*t1) + c2*t3
+    c7 = cos(q7)
+    s7 = sin(q7)
+    t7 = s7*s6
+    t8 = c7*c5
+    t9 = c5*s7
+    t10 = s5*s7
+    t11 = s5*c7
+    t12 = t8 - c6*t10
+    t13 = t10 - c6*t8
+    t14 = t11 + c6*t9
+    t15 = t9 + t11*c6
+    t16 = t14*s4 - c4*t7
+    t17 = c4*t14 + s4*t7
+    t18 = t17*s3 - c3*t12
+    t19 = s2*(c3*t17 + s3*t12) - c2*t16
+    t20 = c7*s6
+    t21 = s4*t13 + c4*t20
+    t22 = c4*t13 - s4*t20
+    t23 = s3*t22 - c3*t15
+    t24 = s2*(c3*t22 + s3*t15) - c2*t21
+    t25 = 0.39*t20
+    t26 = 0.39*t7
+    t27 = t25 + 0.4*t21
+    t28 = t26 - 0.4*t16
+    t29 = t28 + 0.3105*t19
+    t30 = t27 - 0.3105*t24
+    t31 = 0.078*s7
+    t32 = 0.078*c7
+    t33 = 0.078 + 0.39*c6
+    t34 = t33 + 0.4*t3
+    t35 = t34 + 0.3105*t6
+    return (
+        t6*t29 - t19*t35, t34*t18 - t28*t5, t16*t34 + t3*t28, t12*t33 - t1*t26, -s6*t31, -t32, 0.0,
+        t6*t30 + t35*t24, -(t34*t23 + t5*t27), t3*t27 - t34*t21, -(t1*t25 + t33*t15), -s6*t32, t31, 0.0,
+        t29*t24 + t19*t30, -(t18*t27 + t28*t23), -(t16*t27 + t28*t21), -0.39*t2, 0.0, 0.0, 0.0,
+        -t24, t23, t21, t15, t20, -s7, 0.0,
+        -t19, t18, t16, t12, -t7, -c7, 0.0,
+        t6, -t5, t3, -t1, c6, 0.0, 1.0,
     )
 
 
@@ -1030,6 +1109,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -1061,7 +1142,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -1179,6 +1260,12 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6, 7),
         kernel=_jacobian,
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 7),
+        kernel=_jacobian_end,
     ),
     "jacobian_dot": _Function(
         name="jacobian_dot",

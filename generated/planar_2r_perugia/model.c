@@ -348,6 +348,75 @@ void planar_2r_perugia_jacobian_batch(size_t count, const double *restrict q, co
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void planar_2r_perugia_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    k[0] = p_a1;
+    k[1] = p_a2;
+}
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double c2 = cosines[0];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    result[0] = k1*s2;
+    result[lanes] = 0.0;
+    result[2 * lanes] = k2 + k1*c2;
+    result[3 * lanes] = k2;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 1.0;
+    result[11 * lanes] = 1.0;
+}
+
+void planar_2r_perugia_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1], cosines[1];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * jacobian_end_lanes], sines[1 * jacobian_end_lanes], cosines[1 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(1 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, k, result + i, jacobian_end_lanes, 1);
+}
+
+void planar_2r_perugia_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[2 * jacobian_end_lanes], result_block[12 * jacobian_end_lanes];
+        load(2, q + 2 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, k, result_block);
+        store(12, result_block, jacobian_end_lanes, result + 12 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 
@@ -710,6 +779,148 @@ void planar_2r_perugia_gravity_vector_batch(size_t count, const double *restrict
         load(2, q + 2 * start, rows, q_block, gravity_vector_lanes);
         gravity_vector_block(q_block, k, result_block);
         store(2, result_block, gravity_vector_lanes, result + 2 * start, rows);
+    }
+}
+
+/* kinetic_energy */
+enum { kinetic_energy_lanes = 32 };
+
+void planar_2r_perugia_kinetic_energy_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_ml1 = params[3];
+    const double p_l1 = params[4];
+    const double p_Il1 = params[5];
+    const double p_Im1 = params[7];
+    const double p_kr1 = params[8];
+    const double p_ml2 = params[9];
+    const double p_l2 = params[10];
+    const double p_Il2 = params[11];
+    const double p_mm2 = params[12];
+    const double p_Im2 = params[13];
+    const double p_kr2 = params[14];
+    const double t1 = p_l1*(p_ml1*p_l1) + (p_Il1 + (p_ml2 + p_mm2)*(p_a1*p_a1));
+    const double t2 = 0.5*p_Im2;
+    const double t3 = p_ml2*p_l2;
+    const double t4 = p_Il2 + p_l2*t3;
+    const double t5 = 0.5*t4;
+    k[0] = 0.5*(p_kr1*(p_Im1*p_kr1) + t1) + (t2 + t5);
+    k[1] = p_a1*t3;
+    k[2] = t5 + t2*(p_kr2*p_kr2);
+    k[3] = t4 + p_Im2*p_kr2;
+}
+
+KERNEL void kinetic_energy_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void kinetic_energy_lane(const double *restrict qd, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double qd1 = qd[0];
+    const double qd2 = qd[lanes];
+    const double c2 = cosines[0];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double t1 = qd1*qd1;
+    const double t2 = qd2*qd1;
+    result[0] = k4*t2 + (k1*t1 + (qd2*(k3*qd2) + (t1 + t2)*(k2*c2)));
+}
+
+void planar_2r_perugia_kinetic_energy(const double *restrict q, const double *restrict qd, const double *restrict k, double *restrict result)
+{
+    double angles[1], cosines[1];
+    kinetic_energy_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    kinetic_energy_lane(qd, cosines, k, result, 1, 1);
+}
+
+static void kinetic_energy_block(const double *restrict q, const double *restrict qd, const double *restrict k, double *restrict result)
+{
+    double angles[1 * kinetic_energy_lanes], sines[1 * kinetic_energy_lanes], cosines[1 * kinetic_energy_lanes];
+    for (size_t i = 0; i < kinetic_energy_lanes; ++i)
+        kinetic_energy_angles(q + i, angles + i, kinetic_energy_lanes);
+    sines_cosines(1 * kinetic_energy_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < kinetic_energy_lanes; ++i)
+        kinetic_energy_lane(qd + i, cosines + i, k, result + i, kinetic_energy_lanes, 1);
+}
+
+void planar_2r_perugia_kinetic_energy_batch(size_t count, const double *restrict q, const double *restrict qd, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += kinetic_energy_lanes) {
+        const size_t rows = count - start < kinetic_energy_lanes ? count - start : kinetic_energy_lanes;
+        double q_block[2 * kinetic_energy_lanes], qd_block[2 * kinetic_energy_lanes], result_block[1 * kinetic_energy_lanes];
+        load(2, q + 2 * start, rows, q_block, kinetic_energy_lanes);
+        load(2, qd + 2 * start, rows, qd_block, kinetic_energy_lanes);
+        kinetic_energy_block(q_block, qd_block, k, result_block);
+        store(1, result_block, kinetic_energy_lanes, result + 1 * start, rows);
+    }
+}
+
+/* potential_energy */
+enum { potential_energy_lanes = 32 };
+
+void planar_2r_perugia_potential_energy_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_g = params[2];
+    const double p_ml1 = params[3];
+    const double p_l1 = params[4];
+    const double p_ml2 = params[9];
+    const double p_l2 = params[10];
+    const double p_mm2 = params[12];
+    k[0] = p_g*(p_a1*(p_ml2 + p_mm2) + p_ml1*p_l1);
+    k[1] = p_l2*(p_g*p_ml2);
+}
+
+KERNEL void potential_energy_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    angles[0] = q1;
+    angles[lanes] = q1 + q2;
+}
+
+KERNEL void potential_energy_lane(const double *restrict sines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    result[0] = k1*s1 + k2*sa2;
+}
+
+void planar_2r_perugia_potential_energy(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2];
+    potential_energy_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    potential_energy_lane(sines, k, result, 1, 1);
+}
+
+static void potential_energy_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * potential_energy_lanes], sines[2 * potential_energy_lanes], cosines[2 * potential_energy_lanes];
+    for (size_t i = 0; i < potential_energy_lanes; ++i)
+        potential_energy_angles(q + i, angles + i, potential_energy_lanes);
+    sines_cosines(2 * potential_energy_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < potential_energy_lanes; ++i)
+        potential_energy_lane(sines + i, k, result + i, potential_energy_lanes, 1);
+}
+
+void planar_2r_perugia_potential_energy_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += potential_energy_lanes) {
+        const size_t rows = count - start < potential_energy_lanes ? count - start : potential_energy_lanes;
+        double q_block[2 * potential_energy_lanes], result_block[1 * potential_energy_lanes];
+        load(2, q + 2 * start, rows, q_block, potential_energy_lanes);
+        potential_energy_block(q_block, k, result_block);
+        store(1, result_block, potential_energy_lanes, result + 1 * start, rows);
     }
 }
 
@@ -1197,8 +1408,8 @@ KERNEL void regressor_lane(const double *restrict qd, const double *restrict qdd
     result[9 * lanes] = 0.0;
     result[10 * lanes] = 0.0;
     result[11 * lanes] = k5*qdd1;
-    result[12 * lanes] = t9*t15 + t12*t10;
-    result[13 * lanes] = t2*t10 + (t12 - t9*t14);
+    result[12 * lanes] = t9*t15 + t10*t12;
+    result[13 * lanes] = t10*t2 + (t12 - t9*t14);
     result[14 * lanes] = -(t9*t2 + (t15 + t14*t10));
     result[15 * lanes] = 0.0;
     result[16 * lanes] = 0.0;
@@ -1318,8 +1529,8 @@ KERNEL void base_regressor_lane(const double *restrict qd, const double *restric
     result[0] = t1;
     result[lanes] = -t2;
     result[2 * lanes] = qdd1;
-    result[3 * lanes] = t5 - (t10*t6 - t11*t7);
-    result[4 * lanes] = -(t8 + (t11*t6 + t10*t7));
+    result[3 * lanes] = t5 - (t6*t10 - t7*t11);
+    result[4 * lanes] = -(t8 + (t6*t11 + t7*t10));
     result[5 * lanes] = t11;
     result[6 * lanes] = t12;
     result[7 * lanes] = 0.0;

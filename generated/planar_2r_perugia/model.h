@@ -55,11 +55,14 @@ enum {
     planar_2r_perugia_forward_kinematics_constant_count = 2,
     planar_2r_perugia_link_transforms_constant_count = 2,
     planar_2r_perugia_jacobian_constant_count = 2,
+    planar_2r_perugia_jacobian_end_constant_count = 2,
     planar_2r_perugia_jacobian_dot_constant_count = 2,
     planar_2r_perugia_analytic_jacobian_rpy_constant_count = 2,
     planar_2r_perugia_inertia_matrix_constant_count = 5,
     planar_2r_perugia_coriolis_matrix_constant_count = 1,
     planar_2r_perugia_gravity_vector_constant_count = 2,
+    planar_2r_perugia_kinetic_energy_constant_count = 4,
+    planar_2r_perugia_potential_energy_constant_count = 2,
     planar_2r_perugia_inverse_dynamics_constant_count = 7,
     planar_2r_perugia_forward_dynamics_constant_count = 7,
     planar_2r_perugia_coriolis_vector_constant_count = 1,
@@ -120,6 +123,23 @@ void planar_2r_perugia_jacobian_batch(size_t count, const double *q, const doubl
 
 /** The constants of planar_2r_perugia_jacobian, 2, from the parameters, 15. */
 void planar_2r_perugia_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 2, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, from axes and origins: 2 mul, 1 add, 1 sin, 1 cos.
+ */
+void planar_2r_perugia_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_jacobian_end, 2, from the parameters, 15. */
+void planar_2r_perugia_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.
@@ -210,6 +230,43 @@ void planar_2r_perugia_gravity_vector_batch(size_t count, const double *q, const
 
 /** The constants of planar_2r_perugia_gravity_vector, 2, from the parameters, 15. */
 void planar_2r_perugia_gravity_vector_constants(const double *params, double *k);
+
+/**
+ * Kinetic energy, rotors and armatures included.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  qd       joint velocities [rad/s, m/s], one entry per joint.
+ * @param[in]  k       4 constants from kinetic_energy_constants().
+ * @param[out] result  T, scalar: qd^T B qd / 2 [J].
+ *
+ * Closed form: 8 mul, 4 add, 1 cos.
+ * Once per set of parameters: 15 mul, 9 add.
+ */
+void planar_2r_perugia_kinetic_energy(const double *q, const double *qd, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_kinetic_energy_batch(size_t count, const double *q, const double *qd, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_kinetic_energy, 4, from the parameters, 15. */
+void planar_2r_perugia_kinetic_energy_constants(const double *params, double *k);
+
+/**
+ * Potential energy of links and rotors in the field of gravity.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from potential_energy_constants().
+ * @param[out] result  U, scalar: the sum of -m g . p [J], which is zero at the origin of the world frame.
+ *
+ * Gravity on composite first moments in base parameters: 2 mul, 2 add, 2 sin.
+ * Once per set of parameters: 5 mul, 2 add.
+ */
+void planar_2r_perugia_potential_energy(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_potential_energy_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_potential_energy, 2, from the parameters, 15. */
+void planar_2r_perugia_potential_energy_constants(const double *params, double *k);
 
 /**
  * Joint torques and forces of a motion, friction included.

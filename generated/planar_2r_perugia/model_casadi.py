@@ -15,11 +15,14 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     inertia_matrix(q, params) -> B
     coriolis_matrix(q, qd, params) -> C
     gravity_vector(q, params) -> g
+    kinetic_energy(q, qd, params) -> T
+    potential_energy(q, params) -> U
     inverse_dynamics(q, qd, qdd, params) -> tau
     forward_dynamics(q, qd, tau, params) -> qdd
     coriolis_vector(q, qd, params) -> c
@@ -54,11 +57,14 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "gravity_vector": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 2, "sqrt": 0},
+    "kinetic_energy": {"mul": 8, "add": 4, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "potential_energy": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 0, "sqrt": 0},
     "inverse_dynamics": {"mul": 17, "add": 13, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "forward_dynamics": {"mul": 14, "add": 12, "div": 3, "sin": 2, "cos": 2, "sqrt": 0},
     "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -82,11 +88,14 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
+    "kinetic_energy",
+    "potential_energy",
     "inverse_dynamics",
     "forward_dynamics",
     "coriolis_vector",
@@ -175,6 +184,29 @@ def _jacobian(functions, k, q):
     return (
         -(p_a1*s1 + t3), -t3,
         p_a1*c1 + t5, t5,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        1.0, 1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    p_a1, p_a2 = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        p_a1*s2, 0.0,
+        p_a2 + p_a1*c2, p_a2,
         0.0, 0.0,
         0.0, 0.0,
         0.0, 0.0,
@@ -310,6 +342,56 @@ def _gravity_vector(functions, k, q):
     c1 = cos(q1)
     return (
         t4 + k2*c1, t4,
+    )
+
+
+def _kinetic_energy_constants(functions, p):
+    p_a1, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2 = p
+    t1 = p_l1*(p_ml1*p_l1) + (p_Il1 + (p_ml2 + p_mm2)*(p_a1*p_a1))
+    t2 = 0.5*p_Im2
+    t3 = p_ml2*p_l2
+    t4 = p_Il2 + p_l2*t3
+    t5 = 0.5*t4
+    t6 = 0.5*(p_kr1*(p_Im1*p_kr1) + t1) + (t2 + t5)
+    t7 = p_a1*t3
+    t8 = t5 + t2*(p_kr2*p_kr2)
+    t9 = t4 + p_Im2*p_kr2
+    return (
+        t6, t7, t8, t9,
+    )
+
+
+def _kinetic_energy(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    k1, k2, k3, k4 = k
+    t10 = qd1*qd1
+    t11 = qd2*qd1
+    c2 = cos(q2)
+    t12 = k4*t11 + (k1*t10 + (qd2*(k3*qd2) + (t10 + t11)*(k2*c2)))
+    return (
+        t12,
+    )
+
+
+def _potential_energy_constants(functions, p):
+    p_a1, p_g, p_ml1, p_l1, p_ml2, p_l2, p_mm2 = p
+    t1 = p_g*(p_a1*(p_ml2 + p_mm2) + p_ml1*p_l1)
+    t2 = p_l2*(p_g*p_ml2)
+    return (
+        t1, t2,
+    )
+
+
+def _potential_energy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    k1, k2 = k
+    s1 = sin(q1)
+    t3 = sin(q1 + q2)
+    return (
+        k1*s1 + k2*t3,
     )
 
 
@@ -501,8 +583,8 @@ def _regressor(functions, k, q, qd, qdd):
     t15 = t14*t14
     t16 = t9 - p_a2*t15
     return (
-        t8, t6 + t7, -t4, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, k5*qdd1, t10*t16 + t13*t11,
-        t3*t11 + (t13 - t10*t15), -(t10*t3 + (t16 + t15*t11)), 0.0, 0.0, 0.0, t3, 0.0, 0.0, 0.0, t8, t2,
+        t8, t6 + t7, -t4, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, k5*qdd1, t10*t16 + t11*t13,
+        t11*t3 + (t13 - t10*t15), -(t10*t3 + (t16 + t15*t11)), 0.0, 0.0, 0.0, t3, 0.0, 0.0, 0.0, t8, t2,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p_a2*t13, t12 + t13, -t9, 0.0, 0.0, 0.0,
         t3, 0.0, 0.0, 0.0, 0.0, p_kr2*t2,
     )
@@ -538,7 +620,7 @@ def _base_regressor(functions, k, q, qd, qdd):
     t11 = qdd1 + qdd2
     t12 = qdd1 + p_kr2*qdd2
     return (
-        t1, -t2, qdd1, t5 - (t10*t6 - t11*t7), -(t8 + (t11*t6 + t10*t7)), t11, t12,
+        t1, -t2, qdd1, t5 - (t6*t10 - t7*t11), -(t8 + (t6*t11 + t7*t10)), t11, t12,
         0.0, 0.0, 0.0, t5, -t8, t11, p_kr2*t12,
     )
 
@@ -576,7 +658,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -613,6 +695,17 @@ jacobian = _function(
     shape=(6, 2),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 2),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1,
     ),
@@ -668,6 +761,28 @@ gravity_vector = _function(
     shape=(2,),
     kernel=_gravity_vector,
     hoisted=_gravity_vector_constants,
+    needs=(
+        0, 2, 3, 4, 9, 10, 12,
+    ),
+)
+kinetic_energy = _function(
+    "kinetic_energy",
+    arguments=("q", "qd"),
+    output="T",
+    shape=(),
+    kernel=_kinetic_energy,
+    hoisted=_kinetic_energy_constants,
+    needs=(
+        0, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14,
+    ),
+)
+potential_energy = _function(
+    "potential_energy",
+    arguments=("q",),
+    output="U",
+    shape=(),
+    kernel=_potential_energy,
+    hoisted=_potential_energy_constants,
     needs=(
         0, 2, 3, 4, 9, 10, 12,
     ),

@@ -47,11 +47,14 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "gravity_vector": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 2, "sqrt": 0},
+    "kinetic_energy": {"mul": 8, "add": 4, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "potential_energy": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 0, "sqrt": 0},
     "inverse_dynamics": {"mul": 17, "add": 13, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "forward_dynamics": {"mul": 14, "add": 12, "div": 3, "sin": 2, "cos": 2, "sqrt": 0},
     "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -75,11 +78,14 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
+    "kinetic_energy",
+    "potential_energy",
     "inverse_dynamics",
     "forward_dynamics",
     "coriolis_vector",
@@ -141,6 +147,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 2):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, from axes and origins: 2 mul, 1 add, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -231,6 +254,43 @@ def gravity_vector(q, params=None, out=None):
     Once per set of parameters: 5 mul, 2 add.
     """
     return _FUNCTIONS["gravity_vector"]((q,), params, out)
+
+
+def kinetic_energy(q, qd, params=None, out=None):
+    """Kinetic energy, rotors and armatures included.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        qd: joint velocities [rad/s, m/s], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        T, (...):
+        qd^T B qd / 2 [J].
+
+    Closed form: 8 mul, 4 add, 1 cos.
+    Once per set of parameters: 15 mul, 9 add.
+    """
+    return _FUNCTIONS["kinetic_energy"]((q, qd), params, out)
+
+
+def potential_energy(q, params=None, out=None):
+    """Potential energy of links and rotors in the field of gravity.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        U, (...):
+        the sum of -m g . p [J], which is zero at the origin of the world frame.
+
+    Gravity on composite first moments in base parameters: 2 mul, 2 add, 2 sin.
+    Once per set of parameters: 5 mul, 2 add.
+    """
+    return _FUNCTIONS["potential_energy"]((q,), params, out)
 
 
 def inverse_dynamics(q, qd, qdd, params=None, out=None):
@@ -484,6 +544,29 @@ def _jacobian(functions, k, q):
     )
 
 
+def _jacobian_end_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    p_a1, p_a2 = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        p_a1*s2, 0.0,
+        p_a2 + p_a1*c2, p_a2,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        1.0, 1.0,
+    )
+
+
 def _jacobian_dot_constants(functions, p):
     p_a1, p_a2 = p
     return (
@@ -612,6 +695,56 @@ def _gravity_vector(functions, k, q):
     c1 = cos(q1)
     return (
         t4 + k2*c1, t4,
+    )
+
+
+def _kinetic_energy_constants(functions, p):
+    p_a1, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2 = p
+    t1 = p_l1*(p_ml1*p_l1) + (p_Il1 + (p_ml2 + p_mm2)*(p_a1*p_a1))
+    t2 = 0.5*p_Im2
+    t3 = p_ml2*p_l2
+    t4 = p_Il2 + p_l2*t3
+    t5 = 0.5*t4
+    t6 = 0.5*(p_kr1*(p_Im1*p_kr1) + t1) + (t2 + t5)
+    t7 = p_a1*t3
+    t8 = t5 + t2*(p_kr2*p_kr2)
+    t9 = t4 + p_Im2*p_kr2
+    return (
+        t6, t7, t8, t9,
+    )
+
+
+def _kinetic_energy(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    qd1, qd2 = qd
+    k1, k2, k3, k4 = k
+    t10 = qd1*qd1
+    t11 = qd2*qd1
+    c2 = cos(q2)
+    t12 = k4*t11 + (k1*t10 + (qd2*(k3*qd2) + (t10 + t11)*(k2*c2)))
+    return (
+        t12,
+    )
+
+
+def _potential_energy_constants(functions, p):
+    p_a1, p_g, p_ml1, p_l1, p_ml2, p_l2, p_mm2 = p
+    t1 = p_g*(p_a1*(p_ml2 + p_mm2) + p_ml1*p_l1)
+    t2 = p_l2*(p_g*p_ml2)
+    return (
+        t1, t2,
+    )
+
+
+def _potential_energy(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    k1, k2 = k
+    s1 = sin(q1)
+    t3 = sin(q1 + q2)
+    return (
+        k1*s1 + k2*t3,
     )
 
 
@@ -803,8 +936,8 @@ def _regressor(functions, k, q, qd, qdd):
     t15 = t14*t14
     t16 = t9 - p_a2*t15
     return (
-        t8, t6 + t7, -t4, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, k5*qdd1, t10*t16 + t13*t11,
-        t3*t11 + (t13 - t10*t15), -(t10*t3 + (t16 + t15*t11)), 0.0, 0.0, 0.0, t3, 0.0, 0.0, 0.0, t8, t2,
+        t8, t6 + t7, -t4, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, k5*qdd1, t10*t16 + t11*t13,
+        t11*t3 + (t13 - t10*t15), -(t10*t3 + (t16 + t15*t11)), 0.0, 0.0, 0.0, t3, 0.0, 0.0, 0.0, t8, t2,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p_a2*t13, t12 + t13, -t9, 0.0, 0.0, 0.0,
         t3, 0.0, 0.0, 0.0, 0.0, p_kr2*t2,
     )
@@ -840,7 +973,7 @@ def _base_regressor(functions, k, q, qd, qdd):
     t11 = qdd1 + qdd2
     t12 = qdd1 + p_kr2*qdd2
     return (
-        t1, -t2, qdd1, t5 - (t10*t6 - t11*t7), -(t8 + (t11*t6 + t10*t7)), t11, t12,
+        t1, -t2, qdd1, t5 - (t6*t10 - t7*t11), -(t8 + (t6*t11 + t7*t10)), t11, t12,
         0.0, 0.0, 0.0, t5, -t8, t11, p_kr2*t12,
     )
 
@@ -1270,6 +1403,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -1301,7 +1436,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -1432,6 +1567,16 @@ _FUNCTIONS = {
             0, 1,
         ),
     ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 2),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
     "jacobian_dot": _Function(
         name="jacobian_dot",
         arguments=("q", "qd"),
@@ -1478,6 +1623,26 @@ _FUNCTIONS = {
         shape=(2,),
         kernel=_gravity_vector,
         hoisted=_gravity_vector_constants,
+        needs=(
+            0, 2, 3, 4, 9, 10, 12,
+        ),
+    ),
+    "kinetic_energy": _Function(
+        name="kinetic_energy",
+        arguments=("q", "qd"),
+        shape=(),
+        kernel=_kinetic_energy,
+        hoisted=_kinetic_energy_constants,
+        needs=(
+            0, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14,
+        ),
+    ),
+    "potential_energy": _Function(
+        name="potential_energy",
+        arguments=("q",),
+        shape=(),
+        kernel=_potential_energy,
+        hoisted=_potential_energy_constants,
         needs=(
             0, 2, 3, 4, 9, 10, 12,
         ),

@@ -44,6 +44,7 @@ enum {
     planar_3r_forward_kinematics_constant_count = 3,
     planar_3r_link_transforms_constant_count = 3,
     planar_3r_jacobian_constant_count = 3,
+    planar_3r_jacobian_end_constant_count = 3,
     planar_3r_jacobian_dot_constant_count = 3,
     planar_3r_analytic_jacobian_rpy_constant_count = 3,
 };
@@ -98,6 +99,23 @@ void planar_3r_jacobian_batch(size_t count, const double *q, const double *k, do
 
 /** The constants of planar_3r_jacobian, 3, from the parameters, 3. */
 void planar_3r_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 3, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 4 mul, 4 add, 2 sin, 2 cos.
+ */
+void planar_3r_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_3r_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of planar_3r_jacobian_end, 3, from the parameters, 3. */
+void planar_3r_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

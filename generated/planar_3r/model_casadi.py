@@ -16,6 +16,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
 
@@ -33,6 +34,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "link_transforms": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_end": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
 }
@@ -47,6 +49,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
 ]
@@ -153,6 +156,34 @@ def _jacobian(functions, k, q):
     )
 
 
+def _jacobian_end_constants(functions, p):
+    p_a1, p_a2, p_a3 = p
+    return (
+        p_a2, p_a1, p_a3,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    p_a2, p_a1, p_a3 = k
+    s3 = sin(q3)
+    t1 = p_a2*s3
+    t2 = q2 + q3
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c3 = cos(q3)
+    t5 = p_a3 + p_a2*c3
+    return (
+        t1 + p_a1*t3, t1, 0.0,
+        t5 + p_a1*t4, t5, p_a3,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        1.0, 1.0, 1.0,
+    )
+
+
 def _jacobian_dot_constants(functions, p):
     p_a1, p_a2, p_a3 = p
     return (
@@ -237,7 +268,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -274,6 +305,17 @@ jacobian = _function(
     shape=(6, 3),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 3),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1, 2,
     ),

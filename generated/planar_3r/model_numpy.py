@@ -35,6 +35,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "link_transforms": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_end": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
 }
@@ -49,6 +50,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "precompute",
@@ -104,6 +106,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 6 mul, 6 add, 3 sin, 3 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 3):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 4 mul, 4 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -248,6 +267,34 @@ def _jacobian(functions, k, q):
     return (
         -(p_a1*s1 + t6), -t6, -t5,
         p_a1*c1 + t10, t10, t9,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        1.0, 1.0, 1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_a1, p_a2, p_a3 = p
+    return (
+        p_a2, p_a1, p_a3,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    p_a2, p_a1, p_a3 = k
+    s3 = sin(q3)
+    t1 = p_a2*s3
+    t2 = q2 + q3
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c3 = cos(q3)
+    t5 = p_a3 + p_a2*c3
+    return (
+        t1 + p_a1*t3, t1, 0.0,
+        t5 + p_a1*t4, t5, p_a3,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
@@ -731,6 +778,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -762,7 +811,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -889,6 +938,16 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 3),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
         needs=(
             0, 1, 2,
         ),

@@ -80,6 +80,19 @@ void puma560_corke_jacobian(const double *q, double *result);
 void puma560_corke_jacobian_batch(size_t count, const double *q, double *result);
 
 /**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  J_end, 6 x 6, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 45 mul, 23 add, 5 sin, 5 cos.
+ */
+void puma560_corke_jacobian_end(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void puma560_corke_jacobian_end_batch(size_t count, const double *q, double *result);
+
+/**
  * Rate of change of the geometric Jacobian, in the world frame.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -160,6 +173,33 @@ void puma560_corke_gravity_vector(const double *q, double *result);
 void puma560_corke_gravity_vector_batch(size_t count, const double *q, double *result);
 
 /**
+ * Kinetic energy, rotors and armatures included.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  qd       joint velocities [rad/s, m/s], one entry per joint.
+ * @param[out] result  T, scalar: qd^T B qd / 2 [J].
+ *
+ * Velocities of the links in base parameters: 71 mul, 43 add, 4 sin, 4 cos.
+ */
+void puma560_corke_kinetic_energy(const double *q, const double *qd, double *result);
+
+/** The same for `count` configurations. */
+void puma560_corke_kinetic_energy_batch(size_t count, const double *q, const double *qd, double *result);
+
+/**
+ * Potential energy of links and rotors in the field of gravity.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  U, scalar: the sum of -m g . p [J], which is zero at the origin of the world frame.
+ *
+ * Gravity on composite first moments in base parameters: 7 mul, 6 add, 3 sin, 4 cos.
+ */
+void puma560_corke_potential_energy(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void puma560_corke_potential_energy_batch(size_t count, const double *q, double *result);
+
+/**
  * Joint torques and forces of a motion, friction included.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -211,7 +251,7 @@ void puma560_corke_coriolis_vector_batch(size_t count, const double *q, const do
  * @param[in]  qdd       joint accelerations [rad/s^2, m/s^2], one entry per joint.
  * @param[out] result  dtau/dq, 6 x 6, row by row: row i, column j: d tau_i / d q_j at constant qd and qdd.
  *
- * Newton-Euler in base parameters, its operations differentiated: 376 mul, 295 add, 4 sin, 4 cos.
+ * Newton-Euler in base parameters, its operations differentiated: 375 mul, 294 add, 4 sin, 4 cos.
  */
 void puma560_corke_inverse_dynamics_dq(const double *q, const double *qd, const double *qdd, double *result);
 
@@ -240,7 +280,7 @@ void puma560_corke_inverse_dynamics_dqd_batch(size_t count, const double *q, con
  * @param[in]  qdd       joint accelerations [rad/s^2, m/s^2], one entry per joint.
  * @param[out] result  Y, 6 x 72, row by row: a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's origin.
  *
- * Work of unit wrenches on the screws of the joints: 439 mul, 339 add, 5 sin, 5 cos.
+ * Work of unit wrenches on the screws of the joints: 440 mul, 340 add, 5 sin, 5 cos.
  */
 void puma560_corke_regressor(const double *q, const double *qd, const double *qdd, double *result);
 

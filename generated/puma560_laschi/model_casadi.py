@@ -19,6 +19,7 @@ Every parameter has its number in this file.
     forward_kinematics(q) -> T
     link_transforms(q) -> T_i
     jacobian(q) -> J
+    jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
@@ -41,6 +42,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 44, "add": 23, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "link_transforms": {"mul": 56, "add": 28, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian": {"mul": 45, "add": 20, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_end": {"mul": 53, "add": 26, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
@@ -56,6 +58,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -220,6 +223,51 @@ def _jacobian(functions, k, q):
         0.0, -s1, -s1, t21, -t15, c5*t21 - s5*t23,
         0.0, c1, c1, t18, t24, c5*t18 + s5*t16,
         1.0, 0.0, 0.0, t4, t19, t4*c5 - s5*t22,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c4 = cos(q4)
+    s6 = sin(q6)
+    t1 = c4*s6
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t2 = s4*c6
+    c5 = cos(q5)
+    t3 = t1 + c5*t2
+    t4 = t2 + c5*t1
+    s5 = sin(q5)
+    t5 = 0.05625*s5
+    t6 = 0.02032 - c4*t5
+    c3 = cos(q3)
+    t7 = t6 - 0.4318*c3
+    t8 = q2 + q3
+    t9 = cos(t8)
+    t10 = sin(t8)
+    t11 = 0.43307 + 0.05625*c5
+    s3 = sin(q3)
+    t12 = t11 + 0.4318*s3
+    t13 = t9*t7 - t10*t12
+    t14 = s4*s6
+    t15 = s6*s5
+    t16 = s4*s5
+    t17 = c6*c4
+    t18 = c6*s5
+    t19 = c4*s5
+    t20 = t14 - c5*t17
+    t21 = t17 - c5*t14
+    t22 = 0.14909 + s4*t5
+    t23 = t9*t22
+    t24 = t10*t22
+    return (
+        t18*t24 - (t3*t13 - t20*t23), -(t12*t20 + t7*t18), -(t6*t18 + t11*t20), s6*t5, 0.05625*c6, 0.0,
+        -(t24*t15 + (t13*t21 - t23*t4)), t7*t15 - t12*t4, t6*t15 - t11*t4, c6*t5, -0.05625*s6, 0.0,
+        -(t13*t16 + (t23*t19 + c5*t24)), t12*t19 + c5*t7, t11*t19 + c5*t6, 0.0, 0.0, 0.0,
+        t10*t20 - t9*t18, t3, t3, -t18, s6, 0.0,
+        t9*t15 + t10*t4, t21, t21, t15, c6, 0.0,
+        c5*t9 - t10*t19, t16, t16, c5, 0.0, 1.0,
     )
 
 
@@ -443,7 +491,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -471,6 +519,13 @@ jacobian = _function(
     output="J",
     shape=(6, 6),
     kernel=_jacobian,
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 6),
+    kernel=_jacobian_end,
 )
 jacobian_dot = _function(
     "jacobian_dot",

@@ -49,6 +49,7 @@ enum {
     puma560_usp_forward_kinematics_constant_count = 5,
     puma560_usp_link_transforms_constant_count = 5,
     puma560_usp_jacobian_constant_count = 5,
+    puma560_usp_jacobian_end_constant_count = 5,
     puma560_usp_jacobian_dot_constant_count = 5,
     puma560_usp_analytic_jacobian_rpy_constant_count = 5,
     puma560_usp_analytic_jacobian_zyz_constant_count = 5,
@@ -104,6 +105,23 @@ void puma560_usp_jacobian_batch(size_t count, const double *q, const double *k, 
 
 /** The constants of puma560_usp_jacobian, 5, from the parameters, 5. */
 void puma560_usp_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       5 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 6, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 53 mul, 26 add, 5 sin, 5 cos.
+ */
+void puma560_usp_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of puma560_usp_jacobian_end, 5, from the parameters, 5. */
+void puma560_usp_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

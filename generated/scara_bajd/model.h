@@ -44,6 +44,7 @@ enum {
     scara_bajd_forward_kinematics_constant_count = 3,
     scara_bajd_link_transforms_constant_count = 3,
     scara_bajd_jacobian_constant_count = 2,
+    scara_bajd_jacobian_end_constant_count = 2,
     scara_bajd_jacobian_dot_constant_count = 2,
     scara_bajd_analytic_jacobian_rpy_constant_count = 2,
 };
@@ -98,6 +99,23 @@ void scara_bajd_jacobian_batch(size_t count, const double *q, const double *k, d
 
 /** The constants of scara_bajd_jacobian, 2, from the parameters, 3. */
 void scara_bajd_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 3, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, from axes and origins: 2 mul, 1 add, 1 sin, 1 cos.
+ */
+void scara_bajd_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_bajd_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_bajd_jacobian_end, 2, from the parameters, 3. */
+void scara_bajd_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

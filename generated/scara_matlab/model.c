@@ -376,6 +376,84 @@ void scara_matlab_jacobian_batch(size_t count, const double *restrict q, double 
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double t1 = q2 - q4;
+    angles[0] = q4;
+    angles[lanes] = t1;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s4 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c4 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double t1 = 2.0*s4;
+    const double t2 = 2.0*c4;
+    result[0] = 2.0*sa2 - t1;
+    result[lanes] = -t1;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = -(t2 + 2.0*ca2);
+    result[5 * lanes] = -t2;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 1.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = -1.0;
+    result[21 * lanes] = -1.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 1.0;
+}
+
+void scara_matlab_jacobian_end(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, result, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * jacobian_end_lanes], sines[2 * jacobian_end_lanes], cosines[2 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(2 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, result + i, jacobian_end_lanes);
+}
+
+void scara_matlab_jacobian_end_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[4 * jacobian_end_lanes], result_block[24 * jacobian_end_lanes];
+        load(4, q + 4 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, result_block);
+        store(24, result_block, jacobian_end_lanes, result + 24 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 
@@ -695,6 +773,90 @@ void scara_matlab_gravity_vector_batch(size_t count, const double *restrict q, d
         double result_block[4 * gravity_vector_lanes];
         gravity_vector_block(result_block);
         store(4, result_block, gravity_vector_lanes, result + 4 * start, rows);
+    }
+}
+
+/* kinetic_energy */
+enum { kinetic_energy_lanes = 32 };
+
+KERNEL void kinetic_energy_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void kinetic_energy_lane(const double *restrict qd, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double qd1 = qd[0];
+    const double qd2 = qd[lanes];
+    const double qd3 = qd[2 * lanes];
+    const double qd4 = qd[3 * lanes];
+    const double c2 = cosines[0];
+    const double t1 = qd1 + qd2;
+    const double t2 = qd3*(3.538436665969*qd3 + 0.01074126*t1) + qd1*(83.764981484321*qd1 + c2*(53.0*t1));
+    const double t3 = qd4*(0.09564531306184*qd4 - 0.0030092012*t1) + (qd2*(48.727296*qd1 + 25.5152739225*qd2) + t2);
+    result[0] = t3;
+}
+
+void scara_matlab_kinetic_energy(const double *restrict q, const double *restrict qd, double *restrict result)
+{
+    double angles[1], cosines[1];
+    kinetic_energy_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    kinetic_energy_lane(qd, cosines, result, 1);
+}
+
+static void kinetic_energy_block(const double *restrict q, const double *restrict qd, double *restrict result)
+{
+    double angles[1 * kinetic_energy_lanes], sines[1 * kinetic_energy_lanes], cosines[1 * kinetic_energy_lanes];
+    for (size_t i = 0; i < kinetic_energy_lanes; ++i)
+        kinetic_energy_angles(q + i, angles + i, kinetic_energy_lanes);
+    sines_cosines(1 * kinetic_energy_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < kinetic_energy_lanes; ++i)
+        kinetic_energy_lane(qd + i, cosines + i, result + i, kinetic_energy_lanes);
+}
+
+void scara_matlab_kinetic_energy_batch(size_t count, const double *restrict q, const double *restrict qd, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += kinetic_energy_lanes) {
+        const size_t rows = count - start < kinetic_energy_lanes ? count - start : kinetic_energy_lanes;
+        double q_block[4 * kinetic_energy_lanes], qd_block[4 * kinetic_energy_lanes], result_block[1 * kinetic_energy_lanes];
+        load(4, q + 4 * start, rows, q_block, kinetic_energy_lanes);
+        load(4, qd + 4 * start, rows, qd_block, kinetic_energy_lanes);
+        kinetic_energy_block(q_block, qd_block, result_block);
+        store(1, result_block, kinetic_energy_lanes, result + 1 * start, rows);
+    }
+}
+
+/* potential_energy */
+enum { potential_energy_lanes = 32 };
+
+KERNEL void potential_energy_lane(const double *restrict q, double *restrict result, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    result[0] = 37.999025 - 63.7403*q3;
+}
+
+void scara_matlab_potential_energy(const double *restrict q, double *restrict result)
+{
+    potential_energy_lane(q, result, 1);
+}
+
+static void potential_energy_block(const double *restrict q, double *restrict result)
+{
+    for (size_t i = 0; i < potential_energy_lanes; ++i)
+        potential_energy_lane(q + i, result + i, potential_energy_lanes);
+}
+
+void scara_matlab_potential_energy_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += potential_energy_lanes) {
+        const size_t rows = count - start < potential_energy_lanes ? count - start : potential_energy_lanes;
+        double q_block[4 * potential_energy_lanes], result_block[1 * potential_energy_lanes];
+        load(4, q + 4 * start, rows, q_block, potential_energy_lanes);
+        potential_energy_block(q_block, result_block);
+        store(1, result_block, potential_energy_lanes, result + 1 * start, rows);
     }
 }
 
@@ -1075,7 +1237,7 @@ KERNEL void regressor_lane(const double *restrict qd, const double *restrict qdd
     const double t17 = t4*t2 + (t14 + t8*t13);
     const double t18 = qdd1 + 107.815*qdd2;
     const double t19 = t4 + 53.7063*qdd3;
-    const double t20 = t7*c4 + t14*s4;
+    const double t20 = t14*s4 + t7*c4;
     const double t21 = t7*s4 - t14*c4;
     const double t22 = t2*c4 - t8*s4;
     const double t23 = t8*c4 + t2*s4;
@@ -1372,8 +1534,8 @@ KERNEL void base_regressor_lane(const double *restrict qd, const double *restric
     const double t15 = t9*c4 - t12*s4;
     const double t16 = t1*c4 - t10*s4;
     const double t17 = t10*c4 + t1*s4;
-    const double t18 = 2.0*s4;
-    const double t19 = 2.0*c4;
+    const double t18 = 2.0*c4;
+    const double t19 = 2.0*s4;
     const double t20 = t5 - qd4;
     const double t21 = t20*t20;
     const double t22 = t7 - qdd4;
@@ -1403,8 +1565,8 @@ KERNEL void base_regressor_lane(const double *restrict qd, const double *restric
     result[22 * lanes] = 2.0*t12;
     result[23 * lanes] = t13;
     result[24 * lanes] = 0.0;
-    result[25 * lanes] = t22*t19 + (t14 + t21*t18);
-    result[26 * lanes] = t21*t19 + (t15 - t22*t18);
+    result[25 * lanes] = t21*t19 + (t14 + t22*t18);
+    result[26 * lanes] = t15 + t21*t18 - t22*t19;
     result[27 * lanes] = t22;
     result[28 * lanes] = t23;
     result[29 * lanes] = 0.0;

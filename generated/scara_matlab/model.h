@@ -78,6 +78,19 @@ void scara_matlab_jacobian(const double *q, double *result);
 void scara_matlab_jacobian_batch(size_t count, const double *q, double *result);
 
 /**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  J_end, 6 x 4, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void scara_matlab_jacobian_end(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_jacobian_end_batch(size_t count, const double *q, double *result);
+
+/**
  * Rate of change of the geometric Jacobian, in the world frame.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -143,6 +156,33 @@ void scara_matlab_gravity_vector(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void scara_matlab_gravity_vector_batch(size_t count, const double *q, double *result);
+
+/**
+ * Kinetic energy, rotors and armatures included.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  qd       joint velocities [rad/s, m/s], one entry per joint.
+ * @param[out] result  T, scalar: qd^T B qd / 2 [J].
+ *
+ * Velocities of the links in base parameters: 13 mul, 8 add, 1 cos.
+ */
+void scara_matlab_kinetic_energy(const double *q, const double *qd, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_kinetic_energy_batch(size_t count, const double *q, const double *qd, double *result);
+
+/**
+ * Potential energy of links and rotors in the field of gravity.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  U, scalar: the sum of -m g . p [J], which is zero at the origin of the world frame.
+ *
+ * Closed form: 1 mul, 1 add.
+ */
+void scara_matlab_potential_energy(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_potential_energy_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint torques and forces of a motion, friction included.

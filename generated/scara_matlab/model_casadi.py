@@ -17,11 +17,14 @@ Every parameter has its number in this file.
     forward_kinematics(q) -> T
     link_transforms(q) -> T_i
     jacobian(q) -> J
+    jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
     analytic_jacobian_rpy(q) -> J_A
     inertia_matrix(q) -> B
     coriolis_matrix(q, qd) -> C
     gravity_vector(q) -> g
+    kinetic_energy(q, qd) -> T
+    potential_energy(q) -> U
     inverse_dynamics(q, qd, qdd) -> tau
     forward_dynamics(q, qd, tau) -> qdd
     coriolis_vector(q, qd) -> c
@@ -58,11 +61,14 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 2, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 4, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "gravity_vector": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "kinetic_energy": {"mul": 13, "add": 8, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "potential_energy": {"mul": 1, "add": 1, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_dynamics": {"mul": 24, "add": 19, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "forward_dynamics": {"mul": 22, "add": 19, "div": 1, "sin": 1, "cos": 1, "sqrt": 0},
     "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -86,11 +92,14 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
+    "kinetic_energy",
+    "potential_energy",
     "inverse_dynamics",
     "forward_dynamics",
     "coriolis_vector",
@@ -178,6 +187,26 @@ def _jacobian(functions, k, q):
     )
 
 
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    s4 = sin(q4)
+    t1 = 2.0*s4
+    t2 = q2 - q4
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c4 = cos(q4)
+    t5 = 2.0*c4
+    return (
+        2.0*t3 - t1, -t1, 0.0, 0.0,
+        -(t5 + 2.0*t4), -t5, 0.0, 0.0,
+        0.0, 0.0, 1.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        -1.0, -1.0, 0.0, 1.0,
+    )
+
+
 def _jacobian_dot(functions, k, q, qd):
     sin, cos, sqrt, sign = functions
     q1, q2, q3, q4 = q
@@ -253,6 +282,26 @@ def _coriolis_matrix(functions, k, q, qd):
 def _gravity_vector(functions, k, q):
     return (
         0.0, 0.0, -63.7403, 0.0,
+    )
+
+
+def _kinetic_energy(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    t1 = qd1 + qd2
+    c2 = cos(q2)
+    t2 = qd3*(3.538436665969*qd3 + 0.01074126*t1) + qd1*(83.764981484321*qd1 + c2*(53.0*t1))
+    t3 = qd4*(0.09564531306184*qd4 - 0.0030092012*t1) + (qd2*(48.727296*qd1 + 25.5152739225*qd2) + t2)
+    return (
+        t3,
+    )
+
+
+def _potential_energy(functions, k, q):
+    q1, q2, q3, q4 = q
+    return (
+        37.999025 - 63.7403*q3,
     )
 
 
@@ -373,9 +422,9 @@ def _regressor(functions, k, q, qd, qdd):
     t17 = t4*t2 + (t14 + t8*t13)
     t18 = qdd1 + 107.815*qdd2
     t19 = t4 + 53.7063*qdd3
-    c4 = cos(q4)
     s4 = sin(q4)
-    t20 = t7*c4 + t14*s4
+    c4 = cos(q4)
+    t20 = t14*s4 + t7*c4
     t21 = t7*s4 - t14*c4
     t22 = t2*c4 - t8*s4
     t23 = t8*c4 + t2*s4
@@ -430,8 +479,8 @@ def _base_regressor(functions, k, q, qd, qdd):
     t15 = t9*c4 - t12*s4
     t16 = t1*c4 - t10*s4
     t17 = t10*c4 + t1*s4
-    t18 = 2.0*s4
-    t19 = 2.0*c4
+    t18 = 2.0*c4
+    t19 = 2.0*s4
     t20 = t5 - qd4
     t21 = t20*t20
     t22 = t7 - qdd4
@@ -439,8 +488,8 @@ def _base_regressor(functions, k, q, qd, qdd):
     return (
         qdd1, qd1, t7*t3 + (t4 - t6*t1), -(t1*t7 + (t8 + t6*t3)), t7, t11, 0.0, t1*t9 + t12*t10, t13, 0.0,
         t22*t17 + (t14 - t21*t16), t21*t17 + (t15 + t16*t22), t22, t23, 0.0,
-        0.0, 0.0, t4, -t8, t7, 107.815*t11, qd2, 2.0*t12, t13, 0.0, t22*t19 + (t14 + t21*t18),
-        t21*t19 + (t15 - t22*t18), t22, t23, 0.0,
+        0.0, 0.0, t4, -t8, t7, 107.815*t11, qd2, 2.0*t12, t13, 0.0, t21*t19 + (t14 + t22*t18),
+        t15 + t21*t18 - t22*t19, t22, t23, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, qdd3 - 9.8062, 53.7063*t13, qd3, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t14, -t15, -t22, -76.0364*t23, qd4,
     )
@@ -464,7 +513,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -492,6 +541,13 @@ jacobian = _function(
     output="J",
     shape=(6, 4),
     kernel=_jacobian,
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 4),
+    kernel=_jacobian_end,
 )
 jacobian_dot = _function(
     "jacobian_dot",
@@ -527,6 +583,20 @@ gravity_vector = _function(
     output="g",
     shape=(4,),
     kernel=_gravity_vector,
+)
+kinetic_energy = _function(
+    "kinetic_energy",
+    arguments=("q", "qd"),
+    output="T",
+    shape=(),
+    kernel=_kinetic_energy,
+)
+potential_energy = _function(
+    "potential_energy",
+    arguments=("q",),
+    output="U",
+    shape=(),
+    kernel=_potential_energy,
 )
 inverse_dynamics = _function(
     "inverse_dynamics",

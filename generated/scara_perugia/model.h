@@ -60,11 +60,14 @@ enum {
     scara_perugia_forward_kinematics_constant_count = 3,
     scara_perugia_link_transforms_constant_count = 3,
     scara_perugia_jacobian_constant_count = 2,
+    scara_perugia_jacobian_end_constant_count = 2,
     scara_perugia_jacobian_dot_constant_count = 2,
     scara_perugia_analytic_jacobian_rpy_constant_count = 2,
     scara_perugia_inertia_matrix_constant_count = 7,
     scara_perugia_coriolis_matrix_constant_count = 1,
     scara_perugia_gravity_vector_constant_count = 1,
+    scara_perugia_kinetic_energy_constant_count = 6,
+    scara_perugia_potential_energy_constant_count = 2,
     scara_perugia_inverse_dynamics_constant_count = 8,
     scara_perugia_forward_dynamics_constant_count = 8,
     scara_perugia_coriolis_vector_constant_count = 1,
@@ -125,6 +128,23 @@ void scara_perugia_jacobian_batch(size_t count, const double *q, const double *k
 
 /** The constants of scara_perugia_jacobian, 2, from the parameters, 18. */
 void scara_perugia_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 4, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void scara_perugia_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_jacobian_end, 2, from the parameters, 18. */
+void scara_perugia_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.
@@ -215,6 +235,43 @@ void scara_perugia_gravity_vector_batch(size_t count, const double *q, const dou
 
 /** The constants of scara_perugia_gravity_vector, 1, from the parameters, 18. */
 void scara_perugia_gravity_vector_constants(const double *params, double *k);
+
+/**
+ * Kinetic energy, rotors and armatures included.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  qd       joint velocities [rad/s, m/s], one entry per joint.
+ * @param[in]  k       6 constants from kinetic_energy_constants().
+ * @param[out] result  T, scalar: qd^T B qd / 2 [J].
+ *
+ * Velocities of the links in base parameters: 11 mul, 7 add, 1 cos.
+ * Once per set of parameters: 18 mul, 12 add.
+ */
+void scara_perugia_kinetic_energy(const double *q, const double *qd, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_kinetic_energy_batch(size_t count, const double *q, const double *qd, const double *k, double *result);
+
+/** The constants of scara_perugia_kinetic_energy, 6, from the parameters, 18. */
+void scara_perugia_kinetic_energy_constants(const double *params, double *k);
+
+/**
+ * Potential energy of links and rotors in the field of gravity.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from potential_energy_constants().
+ * @param[out] result  U, scalar: the sum of -m g . p [J], which is zero at the origin of the world frame.
+ *
+ * Closed form: 1 mul, 1 add.
+ * Once per set of parameters: 2 mul.
+ */
+void scara_perugia_potential_energy(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_potential_energy_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_potential_energy, 2, from the parameters, 18. */
+void scara_perugia_potential_energy_constants(const double *params, double *k);
 
 /**
  * Joint torques and forces of a motion, friction included.

@@ -412,6 +412,94 @@ void scara_perugia_zup_jacobian_batch(size_t count, const double *restrict q, co
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void scara_perugia_zup_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    k[0] = p_a2;
+    k[1] = p_a1;
+}
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double t1 = q2 + q4;
+    angles[0] = q4;
+    angles[lanes] = t1;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s4 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c4 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k1*s4;
+    const double t2 = k1*c4;
+    result[0] = t1 + k2*sa2;
+    result[lanes] = t1;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = t2 + k2*ca2;
+    result[5 * lanes] = t2;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 1.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 1.0;
+    result[21 * lanes] = 1.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 1.0;
+}
+
+void scara_perugia_zup_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * jacobian_end_lanes], sines[2 * jacobian_end_lanes], cosines[2 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(2 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, k, result + i, jacobian_end_lanes, 1);
+}
+
+void scara_perugia_zup_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[4 * jacobian_end_lanes], result_block[24 * jacobian_end_lanes];
+        load(4, q + 4 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, k, result_block);
+        store(24, result_block, jacobian_end_lanes, result + 24 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 
@@ -809,6 +897,140 @@ void scara_perugia_zup_gravity_vector_batch(size_t count, const double *restrict
         double result_block[4 * gravity_vector_lanes];
         gravity_vector_block(k, result_block);
         store(4, result_block, gravity_vector_lanes, result + 4 * start, rows);
+    }
+}
+
+/* kinetic_energy */
+enum { kinetic_energy_lanes = 32 };
+
+void scara_perugia_zup_kinetic_energy_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_ml1 = params[4];
+    const double p_l1 = params[5];
+    const double p_Il1 = params[6];
+    const double p_Im1 = params[8];
+    const double p_kr1 = params[9];
+    const double p_ml2 = params[10];
+    const double p_l2 = params[11];
+    const double p_Il2 = params[12];
+    const double p_mm2 = params[13];
+    const double p_Im2 = params[14];
+    const double p_kr2 = params[15];
+    const double p_ml3 = params[16];
+    const double p_Il4 = params[17];
+    const double t1 = p_a2*p_ml3;
+    const double t2 = p_ml2*p_l2;
+    const double t3 = p_a2*t1 + (p_Il2 + p_l2*t2);
+    const double t4 = 0.5*t3;
+    const double t5 = p_kr2*p_Im2;
+    const double t6 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (p_Im2 + p_Il1));
+    const double t7 = t4 + 0.5*((p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t6);
+    k[0] = t4 + t5*(0.5*p_kr2);
+    k[1] = t5 + t3;
+    k[2] = t7;
+    k[3] = p_a1*(t2 + t1);
+    k[4] = 0.5*p_Il4;
+    k[5] = 0.5*p_ml3;
+}
+
+KERNEL void kinetic_energy_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void kinetic_energy_lane(const double *restrict qd, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double qd1 = qd[0];
+    const double qd2 = qd[lanes];
+    const double qd3 = qd[2 * lanes];
+    const double qd4 = qd[3 * lanes];
+    const double c2 = cosines[0];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double t1 = qd1 + qd2;
+    const double t2 = qd4 + t1;
+    const double t3 = qd1*(k3*qd1 + c2*(k4*t1)) + (qd3*(k6*qd3) + t2*(k5*t2));
+    result[0] = qd2*(k2*qd1 + k1*qd2) + t3;
+}
+
+void scara_perugia_zup_kinetic_energy(const double *restrict q, const double *restrict qd, const double *restrict k, double *restrict result)
+{
+    double angles[1], cosines[1];
+    kinetic_energy_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    kinetic_energy_lane(qd, cosines, k, result, 1, 1);
+}
+
+static void kinetic_energy_block(const double *restrict q, const double *restrict qd, const double *restrict k, double *restrict result)
+{
+    double angles[1 * kinetic_energy_lanes], sines[1 * kinetic_energy_lanes], cosines[1 * kinetic_energy_lanes];
+    for (size_t i = 0; i < kinetic_energy_lanes; ++i)
+        kinetic_energy_angles(q + i, angles + i, kinetic_energy_lanes);
+    sines_cosines(1 * kinetic_energy_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < kinetic_energy_lanes; ++i)
+        kinetic_energy_lane(qd + i, cosines + i, k, result + i, kinetic_energy_lanes, 1);
+}
+
+void scara_perugia_zup_kinetic_energy_batch(size_t count, const double *restrict q, const double *restrict qd, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += kinetic_energy_lanes) {
+        const size_t rows = count - start < kinetic_energy_lanes ? count - start : kinetic_energy_lanes;
+        double q_block[4 * kinetic_energy_lanes], qd_block[4 * kinetic_energy_lanes], result_block[1 * kinetic_energy_lanes];
+        load(4, q + 4 * start, rows, q_block, kinetic_energy_lanes);
+        load(4, qd + 4 * start, rows, qd_block, kinetic_energy_lanes);
+        kinetic_energy_block(q_block, qd_block, k, result_block);
+        store(1, result_block, kinetic_energy_lanes, result + 1 * start, rows);
+    }
+}
+
+/* potential_energy */
+enum { potential_energy_lanes = 32 };
+
+void scara_perugia_zup_potential_energy_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d4 = params[2];
+    const double p_g = params[3];
+    const double p_ml3 = params[16];
+    const double t1 = p_g*p_ml3;
+    k[0] = t1;
+    k[1] = t1*p_d4;
+}
+
+KERNEL void potential_energy_lane(const double *restrict q, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    result[0] = k2 + k1*q3;
+}
+
+void scara_perugia_zup_potential_energy(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    potential_energy_lane(q, k, result, 1, 1);
+}
+
+static void potential_energy_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t i = 0; i < potential_energy_lanes; ++i)
+        potential_energy_lane(q + i, k, result + i, potential_energy_lanes, 1);
+}
+
+void scara_perugia_zup_potential_energy_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += potential_energy_lanes) {
+        const size_t rows = count - start < potential_energy_lanes ? count - start : potential_energy_lanes;
+        double q_block[4 * potential_energy_lanes], result_block[1 * potential_energy_lanes];
+        load(4, q + 4 * start, rows, q_block, potential_energy_lanes);
+        potential_energy_block(q_block, k, result_block);
+        store(1, result_block, potential_energy_lanes, result + 1 * start, rows);
     }
 }
 
@@ -1316,7 +1538,7 @@ KERNEL void regressor_lane(const double *restrict qd, const double *restrict qdd
     const double t17 = t11*t9 + (t13 - t8*t3);
     const double t18 = t3*t11 + (t10 + t8*t9);
     const double t19 = qdd1 + k4*qdd2;
-    const double t20 = t13*c4 - t10*s4;
+    const double t20 = t10*s4 - t13*c4;
     const double t21 = t10*c4 + t13*s4;
     const double t22 = t3*c4 + t9*s4;
     const double t23 = t9*c4 - t3*s4;
@@ -1361,7 +1583,7 @@ KERNEL void regressor_lane(const double *restrict qd, const double *restrict qdd
     result[32 * lanes] = 0.0;
     result[33 * lanes] = 0.0;
     result[34 * lanes] = t16;
-    result[35 * lanes] = t28*t23 + (t20 - t27*t22);
+    result[35 * lanes] = t28*t23 - (t20 + t27*t22);
     result[36 * lanes] = -(t27*t23 + (t21 + t22*t28));
     result[37 * lanes] = 0.0;
     result[38 * lanes] = 0.0;
@@ -1405,7 +1627,7 @@ KERNEL void regressor_lane(const double *restrict qd, const double *restrict qdd
     result[76 * lanes] = 0.0;
     result[77 * lanes] = 0.0;
     result[78 * lanes] = t14;
-    result[79 * lanes] = t20 + t28*t24 - t27*t25;
+    result[79 * lanes] = -(t27*t25 + (t20 - t28*t24));
     result[80 * lanes] = -(t28*t25 + (t21 + t27*t24));
     result[81 * lanes] = 0.0;
     result[82 * lanes] = 0.0;
@@ -1493,7 +1715,7 @@ KERNEL void regressor_lane(const double *restrict qd, const double *restrict qdd
     result[164 * lanes] = 0.0;
     result[165 * lanes] = 0.0;
     result[166 * lanes] = 0.0;
-    result[167 * lanes] = t20;
+    result[167 * lanes] = -t20;
     result[168 * lanes] = -t21;
     result[169 * lanes] = 0.0;
     result[170 * lanes] = 0.0;
@@ -1594,8 +1816,8 @@ KERNEL void base_regressor_lane(const double *restrict qd, const double *restric
     const double t14 = t10*c4 + t12*s4;
     const double t15 = t1*c4 + t11*s4;
     const double t16 = t11*c4 - t1*s4;
-    const double t17 = k3*c4;
-    const double t18 = k3*s4;
+    const double t17 = k3*s4;
+    const double t18 = k3*c4;
     const double t19 = t5 + qd4;
     const double t20 = t19*t19;
     const double t21 = t7 + qdd4;
@@ -1614,8 +1836,8 @@ KERNEL void base_regressor_lane(const double *restrict qd, const double *restric
     result[12 * lanes] = t7;
     result[13 * lanes] = k2*t9;
     result[14 * lanes] = k3*t12;
-    result[15 * lanes] = -(t20*t18 + (t13 - t21*t17));
-    result[16 * lanes] = -(t21*t18 + (t14 + t20*t17));
+    result[15 * lanes] = t21*t18 - (t13 + t20*t17);
+    result[16 * lanes] = -(t20*t18 + (t14 + t21*t17));
     result[17 * lanes] = t21;
     result[18 * lanes] = 0.0;
     result[19 * lanes] = 0.0;

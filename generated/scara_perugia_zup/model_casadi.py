@@ -17,11 +17,14 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     inertia_matrix(q, params) -> B
     coriolis_matrix(q, qd, params) -> C
     gravity_vector(q, params) -> g
+    kinetic_energy(q, qd, params) -> T
+    potential_energy(q, params) -> U
     inverse_dynamics(q, qd, qdd, params) -> tau
     forward_dynamics(q, qd, tau, params) -> qdd
     coriolis_vector(q, qd, params) -> c
@@ -59,11 +62,14 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 5, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "gravity_vector": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "kinetic_energy": {"mul": 11, "add": 7, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
+    "potential_energy": {"mul": 1, "add": 1, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_dynamics": {"mul": 15, "add": 13, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "forward_dynamics": {"mul": 10, "add": 13, "div": 5, "sin": 1, "cos": 1, "sqrt": 0},
     "coriolis_vector": {"mul": 5, "add": 2, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -87,11 +93,14 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
     "gravity_vector",
+    "kinetic_energy",
+    "potential_energy",
     "inverse_dynamics",
     "forward_dynamics",
     "coriolis_vector",
@@ -196,6 +205,34 @@ def _jacobian(functions, k, q):
     return (
         -(p_a1*s1 + t3), -t3, 0.0, 0.0,
         p_a1*c1 + t5, t5, 0.0, 0.0,
+        0.0, 0.0, 1.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        1.0, 1.0, 0.0, 1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    p_a2, p_a1 = k
+    s4 = sin(q4)
+    t1 = p_a2*s4
+    t2 = q2 + q4
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c4 = cos(q4)
+    t5 = p_a2*c4
+    return (
+        t1 + p_a1*t3, t1, 0.0, 0.0,
+        t5 + p_a1*t4, t5, 0.0, 0.0,
         0.0, 0.0, 1.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -330,6 +367,56 @@ def _gravity_vector(functions, k, q):
     (k1,) = k
     return (
         0.0, 0.0, k1, 0.0,
+    )
+
+
+def _kinetic_energy_constants(functions, p):
+    p_a1, p_a2, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3, p_Il4 = p
+    t1 = p_a2*p_ml3
+    t2 = p_ml2*p_l2
+    t3 = p_a2*t1 + (p_Il2 + p_l2*t2)
+    t4 = 0.5*t3
+    t5 = p_kr2*p_Im2
+    t6 = t4 + t5*(0.5*p_kr2)
+    t7 = t5 + t3
+    t8 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (p_Im2 + p_Il1))
+    t9 = t4 + 0.5*((p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t8)
+    t10 = p_a1*(t2 + t1)
+    t11 = 0.5*p_Il4
+    t12 = 0.5*p_ml3
+    return (
+        t6, t7, t9, t10, t11, t12,
+    )
+
+
+def _kinetic_energy(functions, k, q, qd):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    qd1, qd2, qd3, qd4 = qd
+    k1, k2, k3, k4, k5, k6 = k
+    t13 = qd1 + qd2
+    c2 = cos(q2)
+    t14 = qd4 + t13
+    t15 = qd1*(k3*qd1 + c2*(k4*t13)) + (qd3*(k6*qd3) + t14*(k5*t14))
+    return (
+        qd2*(k2*qd1 + k1*qd2) + t15,
+    )
+
+
+def _potential_energy_constants(functions, p):
+    p_d4, p_g, p_ml3 = p
+    t1 = p_g*p_ml3
+    t2 = t1*p_d4
+    return (
+        t1, t2,
+    )
+
+
+def _potential_energy(functions, k, q):
+    q1, q2, q3, q4 = q
+    k1, k2 = k
+    return (
+        k2 + k1*q3,
     )
 
 
@@ -523,9 +610,9 @@ def _regressor(functions, k, q, qd, qdd):
     t18 = t12*t10 + (t14 - t9*t4)
     t19 = t4*t12 + (t11 + t9*t10)
     t20 = qdd1 + p_kr2*qdd2
-    c4 = cos(q4)
     s4 = sin(q4)
-    t21 = t14*c4 - t11*s4
+    c4 = cos(q4)
+    t21 = t11*s4 - t14*c4
     t22 = t11*c4 + t14*s4
     t23 = t4*c4 + t10*s4
     t24 = t10*c4 - t4*s4
@@ -538,15 +625,15 @@ def _regressor(functions, k, q, qd, qdd):
     return (
         t3, 2.0*t2, 0.0, 0.0, 0.0, 0.0, qdd1, 0.0, 0.0, 0.0, 0.0, k2*qdd1, t17, t18, -t19, 0.0, 0.0, 0.0, t12,
         0.0, 0.0, 0.0, t3, t20, t17, t18, -t19, 0.0, 0.0, 0.0, t12, 0.0, 0.0, 0.0, t17,
-        t29*t24 + (t21 - t28*t23), -(t28*t24 + (t22 + t23*t29)), 0.0, 0.0, 0.0, t29, 0.0, 0.0, 0.0,
+        t29*t24 - (t21 + t28*t23), -(t28*t24 + (t22 + t23*t29)), 0.0, 0.0, 0.0, t29, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t15, t16, -t7, 0.0, 0.0, 0.0, t12, 0.0,
         0.0, 0.0, 0.0, p_kr2*t20, t15, t16, -t7, 0.0, 0.0, 0.0, t12, 0.0, 0.0, 0.0, t15,
-        t21 + t29*t25 - t28*t26, -(t29*t26 + (t22 + t28*t25)), 0.0, 0.0, 0.0, t29, 0.0, 0.0, 0.0,
+        -(t28*t26 + (t21 - t29*t25)), -(t29*t26 + (t22 + t28*t25)), 0.0, 0.0, 0.0, t29, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, t30, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t30, 0.0, 0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t21, -t22, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t21, -t22, 0.0, 0.0, 0.0,
         t29, 0.0, 0.0, 0.0,
     )
 
@@ -584,15 +671,15 @@ def _base_regressor(functions, k, q, qd, qdd):
     t14 = t10*c4 + t12*s4
     t15 = t1*c4 + t11*s4
     t16 = t11*c4 - t1*s4
-    t17 = p_a2*c4
-    t18 = p_a2*s4
+    t17 = p_a2*s4
+    t18 = p_a2*c4
     t19 = t5 + qd4
     t20 = t19*t19
     t21 = t7 + qdd4
     return (
         qdd1, t3*t7 + (t4 - t6*t1), -(t1*t7 + (t8 + t6*t3)), t7, t9, t1*t10 + t12*t11,
         t21*t16 - (t13 + t20*t15), -(t20*t16 + (t14 + t15*t21)), t21,
-        0.0, t4, -t8, t7, p_kr2*t9, p_a2*t12, -(t20*t18 + (t13 - t21*t17)), -(t21*t18 + (t14 + t20*t17)), t21,
+        0.0, t4, -t8, t7, p_kr2*t9, p_a2*t12, t21*t18 - (t13 + t20*t17), -(t20*t18 + (t14 + t21*t17)), t21,
         0.0, 0.0, 0.0, 0.0, 0.0, p_g + qdd3, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -t13, -t14, t21,
     )
@@ -628,7 +715,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -665,6 +752,17 @@ jacobian = _function(
     shape=(6, 4),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 4),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1,
     ),
@@ -722,6 +820,28 @@ gravity_vector = _function(
     hoisted=_gravity_vector_constants,
     needs=(
         3, 16,
+    ),
+)
+kinetic_energy = _function(
+    "kinetic_energy",
+    arguments=("q", "qd"),
+    output="T",
+    shape=(),
+    kernel=_kinetic_energy,
+    hoisted=_kinetic_energy_constants,
+    needs=(
+        0, 1, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
+    ),
+)
+potential_energy = _function(
+    "potential_energy",
+    arguments=("q",),
+    output="U",
+    shape=(),
+    kernel=_potential_energy,
+    hoisted=_potential_energy_constants,
+    needs=(
+        2, 3, 16,
     ),
 )
 inverse_dynamics = _function(

@@ -46,6 +46,7 @@ enum {
     scara_sankyo_forward_kinematics_constant_count = 3,
     scara_sankyo_link_transforms_constant_count = 4,
     scara_sankyo_jacobian_constant_count = 2,
+    scara_sankyo_jacobian_end_constant_count = 2,
     scara_sankyo_jacobian_dot_constant_count = 2,
     scara_sankyo_analytic_jacobian_rpy_constant_count = 2,
 };
@@ -101,6 +102,23 @@ void scara_sankyo_jacobian_batch(size_t count, const double *q, const double *k,
 
 /** The constants of scara_sankyo_jacobian, 2, from the parameters, 4. */
 void scara_sankyo_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 4, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void scara_sankyo_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_sankyo_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_sankyo_jacobian_end, 2, from the parameters, 4. */
+void scara_sankyo_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

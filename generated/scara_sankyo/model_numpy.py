@@ -36,6 +36,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
@@ -50,6 +51,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "precompute",
@@ -106,6 +108,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 4):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -255,6 +274,34 @@ def _jacobian(functions, k, q):
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         1.0, 1.0, 0.0, 1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    p_a2, p_a1 = k
+    s4 = sin(q4)
+    t1 = p_a2*s4
+    t2 = q2 + q4
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c4 = cos(q4)
+    t5 = p_a2*c4
+    return (
+        t1 + p_a1*t3, t1, 0.0, 0.0,
+        -(t5 + p_a1*t4), -t5, 0.0, 0.0,
+        0.0, 0.0, -1.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        -1.0, -1.0, 0.0, -1.0,
     )
 
 
@@ -722,6 +769,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -753,7 +802,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -880,6 +929,16 @@ _FUNCTIONS = {
         shape=(6, 4),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            1, 2,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 4),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
         needs=(
             1, 2,
         ),

@@ -44,6 +44,7 @@ enum {
     skeleton_modified_forward_kinematics_constant_count = 4,
     skeleton_modified_link_transforms_constant_count = 3,
     skeleton_modified_jacobian_constant_count = 2,
+    skeleton_modified_jacobian_end_constant_count = 2,
     skeleton_modified_jacobian_dot_constant_count = 2,
     skeleton_modified_analytic_jacobian_rpy_constant_count = 2,
 };
@@ -98,6 +99,23 @@ void skeleton_modified_jacobian_batch(size_t count, const double *q, const doubl
 
 /** The constants of skeleton_modified_jacobian, 2, from the parameters, 4. */
 void skeleton_modified_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 2, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, from axes and origins: 2 mul, 1 add, 1 sin, 1 cos.
+ */
+void skeleton_modified_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_modified_jacobian_end, 2, from the parameters, 4. */
+void skeleton_modified_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

@@ -34,6 +34,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 2, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
@@ -48,6 +49,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "precompute",
@@ -103,6 +105,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 2):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, from axes and origins: 2 mul, 1 add, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -228,6 +247,29 @@ def _jacobian(functions, k, q):
     return (
         -(p_l0*s1 + t3), -t3,
         -(p_l0*c1 + t5), -t5,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        -1.0, -1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2 = q
+    p_l0, p_l1 = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        p_l0*s2, 0.0,
+        -(p_l1 + p_l0*c2), -p_l1,
         0.0, 0.0,
         0.0, 0.0,
         0.0, 0.0,
@@ -699,6 +741,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -730,7 +774,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -857,6 +901,16 @@ _FUNCTIONS = {
         shape=(6, 2),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            2, 3,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 2),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
         needs=(
             2, 3,
         ),

@@ -396,6 +396,92 @@ void skeleton_root_jacobian_batch(size_t count, const double *restrict q, const 
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void skeleton_root_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_l0 = params[0];
+    const double p_l1 = params[1];
+    k[0] = p_l0;
+    k[1] = p_l1;
+}
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double t1 = q3 + q4;
+    angles[0] = q4;
+    angles[lanes] = t1;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s4 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c4 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    result[0] = ca2;
+    result[lanes] = -sa2;
+    result[2 * lanes] = k1*s4;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = sa2;
+    result[5 * lanes] = ca2;
+    result[6 * lanes] = -(k2 + k1*c4);
+    result[7 * lanes] = -k2;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = -1.0;
+    result[23 * lanes] = -1.0;
+}
+
+void skeleton_root_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * jacobian_end_lanes], sines[2 * jacobian_end_lanes], cosines[2 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(2 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, k, result + i, jacobian_end_lanes, 1);
+}
+
+void skeleton_root_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[4 * jacobian_end_lanes], result_block[24 * jacobian_end_lanes];
+        load(4, q + 4 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, k, result_block);
+        store(24, result_block, jacobian_end_lanes, result + 24 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -44,6 +44,7 @@ enum {
     skeleton_root_forward_kinematics_constant_count = 2,
     skeleton_root_link_transforms_constant_count = 2,
     skeleton_root_jacobian_constant_count = 2,
+    skeleton_root_jacobian_end_constant_count = 2,
     skeleton_root_jacobian_dot_constant_count = 2,
     skeleton_root_analytic_jacobian_rpy_constant_count = 2,
 };
@@ -98,6 +99,23 @@ void skeleton_root_jacobian_batch(size_t count, const double *q, const double *k
 
 /** The constants of skeleton_root_jacobian, 2, from the parameters, 2. */
 void skeleton_root_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 4, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 2 mul, 2 add, 2 sin, 2 cos.
+ */
+void skeleton_root_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_root_jacobian_end, 2, from the parameters, 2. */
+void skeleton_root_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

@@ -17,6 +17,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
 
@@ -34,6 +35,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
@@ -48,6 +50,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
 ]
@@ -145,6 +148,32 @@ def _jacobian(functions, k, q):
     )
 
 
+def _jacobian_end_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    p_l0, p_l1 = k
+    t1 = q3 + q4
+    t2 = cos(t1)
+    t3 = sin(t1)
+    s4 = sin(q4)
+    c4 = cos(q4)
+    return (
+        t2, -t3, p_l0*s4, 0.0,
+        t3, t2, -(p_l1 + p_l0*c4), -p_l1,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, -1.0, -1.0,
+    )
+
+
 def _jacobian_dot_constants(functions, p):
     p_l0, p_l1 = p
     return (
@@ -217,7 +246,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -254,6 +283,17 @@ jacobian = _function(
     shape=(6, 4),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 4),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1,
     ),

@@ -36,6 +36,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 4, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
 }
@@ -50,6 +51,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "precompute",
@@ -105,6 +107,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 4 mul, 3 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 4):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 2 mul, 2 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -240,6 +259,32 @@ def _jacobian(functions, k, q):
     return (
         1.0, 0.0, -(p_l0*s3 + t3), -t3,
         0.0, 1.0, -(p_l0*c3 + t5), -t5,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, -1.0, -1.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4 = q
+    p_l0, p_l1 = k
+    t1 = q3 + q4
+    t2 = cos(t1)
+    t3 = sin(t1)
+    s4 = sin(q4)
+    c4 = cos(q4)
+    return (
+        t2, -t3, p_l0*s4, 0.0,
+        t3, t2, -(p_l1 + p_l0*c4), -p_l1,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -711,6 +756,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -742,7 +789,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -869,6 +916,16 @@ _FUNCTIONS = {
         shape=(6, 4),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 4),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
         needs=(
             0, 1,
         ),

@@ -368,6 +368,79 @@ void spherical_arm_jacobian_batch(size_t count, const double *restrict q, const 
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void spherical_arm_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    k[0] = p_d2;
+}
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict q, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double c2 = cosines[0];
+    const double k1 = k[0];
+    result[0] = -k1*c2;
+    result[lanes] = q3;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = s2*q3;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = -k1*s2;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 1.0;
+    result[9 * lanes] = -s2;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 1.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = c2;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+}
+
+void spherical_arm_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1], cosines[1];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(q, sines, cosines, k, result, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * jacobian_end_lanes], sines[1 * jacobian_end_lanes], cosines[1 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(1 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(q + i, sines + i, cosines + i, k, result + i, jacobian_end_lanes);
+}
+
+void spherical_arm_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[3 * jacobian_end_lanes], result_block[18 * jacobian_end_lanes];
+        load(3, q + 3 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, k, result_block);
+        store(18, result_block, jacobian_end_lanes, result + 18 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -16,6 +16,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
@@ -34,6 +35,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian": {"mul": 10, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
@@ -49,6 +51,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -144,6 +147,29 @@ def _jacobian(functions, k, q):
         0.0, -s1, 0.0,
         0.0, c1, 0.0,
         1.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    c2 = cos(q2)
+    s2 = sin(q2)
+    return (
+        -p_d2*c2, q3, 0.0,
+        s2*q3, 0.0, 0.0,
+        -p_d2*s2, 0.0, 1.0,
+        -s2, 0.0, 0.0,
+        0.0, 1.0, 0.0,
+        c2, 0.0, 0.0,
     )
 
 
@@ -251,7 +277,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -288,6 +314,17 @@ jacobian = _function(
     shape=(6, 3),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 3),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0,
     ),

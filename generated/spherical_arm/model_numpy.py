@@ -35,6 +35,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "link_transforms": {"mul": 9, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian": {"mul": 10, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_end": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
@@ -50,6 +51,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -106,6 +108,23 @@ def jacobian(q, params=None, out=None):
     Geometric, from axes and origins: 10 mul, 2 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 3):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, from axes and origins: 3 mul, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -262,6 +281,29 @@ def _jacobian(functions, k, q):
         0.0, -s1, 0.0,
         0.0, c1, 0.0,
         1.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    c2 = cos(q2)
+    s2 = sin(q2)
+    return (
+        -p_d2*c2, q3, 0.0,
+        s2*q3, 0.0, 0.0,
+        -p_d2*s2, 0.0, 1.0,
+        -s2, 0.0, 0.0,
+        0.0, 1.0, 0.0,
+        c2, 0.0, 0.0,
     )
 
 
@@ -761,6 +803,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -792,7 +836,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -919,6 +963,16 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            0,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 3),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
         needs=(
             0,
         ),

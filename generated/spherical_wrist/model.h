@@ -42,6 +42,7 @@ enum {
     spherical_wrist_forward_kinematics_constant_count = 1,
     spherical_wrist_link_transforms_constant_count = 1,
     spherical_wrist_jacobian_constant_count = 1,
+    spherical_wrist_jacobian_end_constant_count = 1,
     spherical_wrist_jacobian_dot_constant_count = 1,
     spherical_wrist_analytic_jacobian_rpy_constant_count = 1,
     spherical_wrist_analytic_jacobian_zyz_constant_count = 1,
@@ -97,6 +98,23 @@ void spherical_wrist_jacobian_batch(size_t count, const double *q, const double 
 
 /** The constants of spherical_wrist_jacobian, 1, from the parameters, 1. */
 void spherical_wrist_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 3, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, from axes and origins: 6 mul, 2 sin, 2 cos.
+ */
+void spherical_wrist_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void spherical_wrist_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of spherical_wrist_jacobian_end, 1, from the parameters, 1. */
+void spherical_wrist_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

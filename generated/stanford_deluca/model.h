@@ -47,6 +47,7 @@ enum {
     stanford_deluca_forward_kinematics_constant_count = 3,
     stanford_deluca_link_transforms_constant_count = 3,
     stanford_deluca_jacobian_constant_count = 2,
+    stanford_deluca_jacobian_end_constant_count = 2,
     stanford_deluca_jacobian_dot_constant_count = 2,
     stanford_deluca_analytic_jacobian_rpy_constant_count = 2,
     stanford_deluca_analytic_jacobian_zyz_constant_count = 2,
@@ -102,6 +103,23 @@ void stanford_deluca_jacobian_batch(size_t count, const double *q, const double 
 
 /** The constants of stanford_deluca_jacobian, 2, from the parameters, 3. */
 void stanford_deluca_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 6, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 44 mul, 18 add, 4 sin, 4 cos.
+ */
+void stanford_deluca_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of stanford_deluca_jacobian_end, 2, from the parameters, 3. */
+void stanford_deluca_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

@@ -38,6 +38,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 39, "add": 19, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "link_transforms": {"mul": 46, "add": 22, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian": {"mul": 40, "add": 15, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "jacobian_end": {"mul": 44, "add": 18, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "jacobian_dot": {"mul": 107, "add": 58, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
@@ -53,6 +54,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -109,6 +111,23 @@ def jacobian(q, params=None, out=None):
     Geometric, columns by the shortest ways to the world frame, turned by sums of angles of parallel joints: 40 mul, 15 add, 4 sin, 4 cos.
     """
     return _FUNCTIONS["jacobian"]((q,), params, out)
+
+
+def jacobian_end(q, params=None, out=None):
+    """Geometric Jacobian at the end effector, in the end effector's axes.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        J_end, (..., 6, 6):
+        rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+
+    Geometric, columns by the shortest ways to the end effector, turned by sums of angles of parallel joints: 44 mul, 18 add, 4 sin, 4 cos.
+    """
+    return _FUNCTIONS["jacobian_end"]((q,), params, out)
 
 
 def jacobian_dot(q, qd, params=None, out=None):
@@ -337,6 +356,54 @@ def _jacobian(functions, k, q):
         0.0, -s1, 0.0, t12, -t10, t8,
         0.0, c1, 0.0, t11, t9, t7,
         1.0, 0.0, 0.0, c2, -t4, t2,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d2 = k
+    s4 = sin(q4)
+    s6 = sin(q6)
+    t1 = s4*s6
+    c4 = cos(q4)
+    c6 = cos(q6)
+    t2 = c4*c6
+    c5 = cos(q5)
+    t3 = t1 - c5*t2
+    t4 = t2 - c5*t1
+    s5 = sin(q5)
+    t5 = p_d6*s5
+    t6 = s4*t5
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t7 = q3 + p_d6*c5
+    t8 = c2*t6 + s2*t7
+    t9 = c4*s6
+    t10 = s6*s5
+    t11 = c4*s5
+    t12 = c6*s4
+    t13 = c6*s5
+    t14 = s4*s5
+    t15 = t9 + c5*t12
+    t16 = t12 + c5*t9
+    t17 = p_d2 - c4*t5
+    t18 = c2*t17
+    t19 = s2*t17
+    return (
+        t13*t19 + (t3*t8 - t15*t18), t7*t15 + t6*t13, -t13, s6*t5, p_d6*c6, 0.0,
+        t8*t16 - t18*t4 - t19*t10, t7*t4 - t6*t10, t10, c6*t5, -p_d6*s6, 0.0,
+        -(t8*t11 + (t18*t14 + c5*t19)), q3*t14, c5, 0.0, 0.0, 0.0,
+        -(c2*t13 + s2*t15), t3, 0.0, -t13, s6, 0.0,
+        c2*t10 - s2*t4, t16, 0.0, t10, c6, 0.0,
+        c5*c2 - s2*t14, -t11, 0.0, c5, 0.0, 1.0,
     )
 
 
@@ -943,6 +1010,8 @@ class _Function:
         if out is not None and not out.flags.c_contiguous:
             out[...] = self._one(floats, parameters, None)
             return out
+        if out is None and not self.signature.shape:
+            return np.float64(self.kernel(_FLOATS, constants, *floats)[0])
         result = np.empty(self.signature.shape) if out is None else out
         self._entries.pack_into(result, 0, *self.kernel(_FLOATS, constants, *floats))
         return result
@@ -974,7 +1043,7 @@ class _Function:
             groups += self._parameter_groups(parameters, given, batch)
             self._fill(groups, result.reshape(-1, signature.size))
         if out is None or result is out:
-            return result
+            return result if result.ndim or out is not None else result[()]
         out[...] = result
         return out
 
@@ -1101,6 +1170,16 @@ _FUNCTIONS = {
         shape=(6, 6),
         kernel=_jacobian,
         hoisted=_jacobian_constants,
+        needs=(
+            1, 2,
+        ),
+    ),
+    "jacobian_end": _Function(
+        name="jacobian_end",
+        arguments=("q",),
+        shape=(6, 6),
+        kernel=_jacobian_end,
+        hoisted=_jacobian_end_constants,
         needs=(
             1, 2,
         ),

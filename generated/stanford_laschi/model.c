@@ -519,6 +519,127 @@ void stanford_laschi_jacobian_batch(size_t count, const double *restrict q, cons
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void stanford_laschi_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_d6 = params[1];
+    k[0] = p_d2;
+    k[1] = p_d6;
+}
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+    angles[3 * lanes] = q6;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict q, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double s6 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c4 = cosines[lanes];
+    const double c5 = cosines[2 * lanes];
+    const double c6 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = s2*c4;
+    const double t2 = c2*c5 - s5*t1;
+    const double t3 = c2*s5 + c5*t1;
+    const double t4 = s2*s4;
+    const double t5 = c5*s4;
+    const double t6 = s5*s4;
+    const double t7 = c4*c6 - s6*t5;
+    const double t8 = c4*s6 + c6*t5;
+    const double t9 = s5*s6;
+    const double t10 = s5*c6;
+    const double t11 = q3*t9 + k1*t7;
+    const double t12 = s6*t3 + c6*t4;
+    const double t13 = c6*t3 - s6*t4;
+    const double t14 = k1*t6 + (k2 + c5*q3);
+    const double t15 = q3*t10 - k1*t8;
+    result[0] = t12*t14 - t2*t11;
+    result[lanes] = t7*t14 - t11*t6;
+    result[2 * lanes] = -t10;
+    result[3 * lanes] = k2*t9;
+    result[4 * lanes] = k2*c6;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = t14*t13 - t2*t15;
+    result[7 * lanes] = -(t6*t15 + t14*t8);
+    result[8 * lanes] = t9;
+    result[9 * lanes] = k2*t10;
+    result[10 * lanes] = -k2*s6;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t12*t15 - t11*t13;
+    result[13 * lanes] = t11*t8 + t7*t15;
+    result[14 * lanes] = c5;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = -t13;
+    result[19 * lanes] = t8;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = -t10;
+    result[22 * lanes] = s6;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = t12;
+    result[25 * lanes] = t7;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = t9;
+    result[28 * lanes] = c6;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = t2;
+    result[31 * lanes] = t6;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = c5;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 1.0;
+}
+
+void stanford_laschi_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(q, sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * jacobian_end_lanes], sines[4 * jacobian_end_lanes], cosines[4 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(4 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(q + i, sines + i, cosines + i, k, result + i, jacobian_end_lanes, 1);
+}
+
+void stanford_laschi_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[6 * jacobian_end_lanes], result_block[36 * jacobian_end_lanes];
+        load(6, q + 6 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, k, result_block);
+        store(36, result_block, jacobian_end_lanes, result + 36 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -19,6 +19,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
@@ -37,6 +38,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 39, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "link_transforms": {"mul": 46, "add": 21, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian": {"mul": 40, "add": 15, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "jacobian_end": {"mul": 40, "add": 16, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "jacobian_dot": {"mul": 107, "add": 58, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
@@ -52,6 +54,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -219,6 +222,50 @@ def _jacobian(functions, k, q):
         0.0, -s1, 0.0, t12, -t10, t8,
         0.0, c1, 0.0, t11, t9, t7,
         1.0, 0.0, 0.0, c2, t4, t2,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d2, p_d6,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d2, p_d6 = k
+    c2 = cos(q2)
+    c5 = cos(q5)
+    s2 = sin(q2)
+    c4 = cos(q4)
+    t1 = s2*c4
+    s5 = sin(q5)
+    t2 = c2*c5 - s5*t1
+    t3 = c2*s5 + c5*t1
+    c6 = cos(q6)
+    s4 = sin(q4)
+    t4 = s2*s4
+    t5 = c5*s4
+    t6 = s5*s4
+    s6 = sin(q6)
+    t7 = c4*c6 - s6*t5
+    t8 = c4*s6 + c6*t5
+    t9 = s5*s6
+    t10 = s5*c6
+    t11 = q3*t9 + p_d2*t7
+    t12 = s6*t3 + c6*t4
+    t13 = c6*t3 - s6*t4
+    t14 = p_d2*t6 + (p_d6 + c5*q3)
+    t15 = q3*t10 - p_d2*t8
+    return (
+        t12*t14 - t2*t11, t7*t14 - t11*t6, -t10, p_d6*t9, p_d6*c6, 0.0,
+        t14*t13 - t2*t15, -(t6*t15 + t14*t8), t9, p_d6*t10, -p_d6*s6, 0.0,
+        t12*t15 - t11*t13, t11*t8 + t7*t15, c5, 0.0, 0.0, 0.0,
+        -t13, t8, 0.0, -t10, s6, 0.0,
+        t12, t7, 0.0, t9, c6, 0.0,
+        t2, t6, 0.0, c5, 0.0, 1.0,
     )
 
 
@@ -433,7 +480,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -470,6 +517,17 @@ jacobian = _function(
     shape=(6, 6),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 6),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1,
     ),

@@ -513,6 +513,122 @@ void thumb_jacobian_batch(size_t count, const double *restrict q, const double *
     }
 }
 
+/* jacobian_end */
+enum { jacobian_end_lanes = 32 };
+
+void thumb_jacobian_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI2;
+    k[1] = p_lI3;
+    k[2] = p_lI1;
+}
+
+KERNEL void jacobian_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void jacobian_end_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = s2*s3;
+    const double t2 = c4*c5 - s4*s5;
+    const double t3 = c4*s5 + s4*c5;
+    const double t4 = s3*t3;
+    const double t5 = c3*t3;
+    const double t6 = c2*t2 - s2*t5;
+    const double t7 = s3*t2;
+    const double t8 = c3*t2;
+    const double t9 = c2*t3 + s2*t8;
+    const double t10 = k2 + k1*c5;
+    const double t11 = k1*s5;
+    const double t12 = t10 + k3*t8;
+    const double t13 = t11 + k3*t5;
+    const double t14 = k3*s3;
+    result[0] = t1*t13 + t14*t6;
+    result[lanes] = c3*t13 + t14*t4;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = t11;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = t1*t12 - t14*t9;
+    result[6 * lanes] = t14*t7 + c3*t12;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = t10;
+    result[9 * lanes] = k2;
+    result[10 * lanes] = t12*t6 + t13*t9;
+    result[11 * lanes] = t4*t12 - t7*t13;
+    result[12 * lanes] = t10*t2 + t11*t3;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = -t9;
+    result[16 * lanes] = t7;
+    result[17 * lanes] = -t3;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = -t6;
+    result[21 * lanes] = -t4;
+    result[22 * lanes] = -t2;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = t1;
+    result[26 * lanes] = c3;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 1.0;
+    result[29 * lanes] = 1.0;
+}
+
+void thumb_jacobian_end(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    jacobian_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_end_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_end_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * jacobian_end_lanes], sines[4 * jacobian_end_lanes], cosines[4 * jacobian_end_lanes];
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_angles(q + i, angles + i, jacobian_end_lanes);
+    sines_cosines(4 * jacobian_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_end_lanes; ++i)
+        jacobian_end_lane(sines + i, cosines + i, k, result + i, jacobian_end_lanes, 1);
+}
+
+void thumb_jacobian_end_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_end_lanes) {
+        const size_t rows = count - start < jacobian_end_lanes ? count - start : jacobian_end_lanes;
+        double q_block[5 * jacobian_end_lanes], result_block[30 * jacobian_end_lanes];
+        load(5, q + 5 * start, rows, q_block, jacobian_end_lanes);
+        jacobian_end_block(q_block, k, result_block);
+        store(30, result_block, jacobian_end_lanes, result + 30 * start, rows);
+    }
+}
+
 /* jacobian_dot */
 enum { jacobian_dot_lanes = 32 };
 

@@ -46,6 +46,7 @@ enum {
     thumb_forward_kinematics_constant_count = 3,
     thumb_link_transforms_constant_count = 3,
     thumb_jacobian_constant_count = 3,
+    thumb_jacobian_end_constant_count = 3,
     thumb_jacobian_dot_constant_count = 3,
     thumb_analytic_jacobian_rpy_constant_count = 3,
     thumb_analytic_jacobian_zyz_constant_count = 3,
@@ -101,6 +102,23 @@ void thumb_jacobian_batch(size_t count, const double *q, const double *k, double
 
 /** The constants of thumb_jacobian, 3, from the parameters, 3. */
 void thumb_jacobian_constants(const double *params, double *k);
+
+/**
+ * Geometric Jacobian at the end effector, in the end effector's axes.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from jacobian_end_constants().
+ * @param[out] result  J_end, 6 x 5, row by row: rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd.
+ *
+ * Geometric, from axes and origins: 32 mul, 14 add, 4 sin, 4 cos.
+ */
+void thumb_jacobian_end(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void thumb_jacobian_end_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of thumb_jacobian_end, 3, from the parameters, 3. */
+void thumb_jacobian_end_constants(const double *params, double *k);
 
 /**
  * Rate of change of the geometric Jacobian, in the world frame.

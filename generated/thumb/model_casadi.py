@@ -18,6 +18,7 @@ Every function has a last input `params`, a column of the free parameters in the
     forward_kinematics(q, params) -> T
     link_transforms(q, params) -> T_i
     jacobian(q, params) -> J
+    jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
@@ -39,6 +40,7 @@ OPERATIONS = {
     "forward_kinematics": {"mul": 36, "add": 17, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "link_transforms": {"mul": 47, "add": 22, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian": {"mul": 44, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_end": {"mul": 32, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "jacobian_dot": {"mul": 111, "add": 67, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 76, "add": 29, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 54, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
@@ -54,6 +56,7 @@ __all__ = [
     "forward_kinematics",
     "link_transforms",
     "jacobian",
+    "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
@@ -225,6 +228,49 @@ def _jacobian(functions, k, q):
         0.0, -c1, -t16, -t13, -t13,
         0.0, -s1, t18, -t19, -t19,
         1.0, 0.0, c2, t21, t21,
+    )
+
+
+def _jacobian_end_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI2, p_lI3, p_lI1,
+    )
+
+
+def _jacobian_end(functions, k, q):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5 = q
+    p_lI2, p_lI3, p_lI1 = k
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = s2*s3
+    c4 = cos(q4)
+    c5 = cos(q5)
+    s4 = sin(q4)
+    s5 = sin(q5)
+    t2 = c4*c5 - s4*s5
+    t3 = c4*s5 + s4*c5
+    t4 = s3*t3
+    c2 = cos(q2)
+    t5 = c3*t3
+    t6 = c2*t2 - s2*t5
+    t7 = s3*t2
+    t8 = c3*t2
+    t9 = c2*t3 + s2*t8
+    t10 = p_lI3 + p_lI2*c5
+    t11 = p_lI2*s5
+    t12 = t10 + p_lI1*t8
+    t13 = t11 + p_lI1*t5
+    t14 = p_lI1*s3
+    return (
+        t1*t13 + t14*t6, c3*t13 + t14*t4, 0.0, t11, 0.0,
+        t1*t12 - t14*t9, t14*t7 + c3*t12, 0.0, t10, p_lI3,
+        t12*t6 + t13*t9, t4*t12 - t7*t13, t10*t2 + t11*t3, 0.0, 0.0,
+        -t9, t7, -t3, 0.0, 0.0,
+        -t6, -t4, -t2, 0.0, 0.0,
+        t1, c3, 0.0, 1.0, 1.0,
     )
 
 
@@ -445,7 +491,7 @@ def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
 
 def _arranged(results, shape):
     """Results in row-major order as a column, a matrix, or matrices side by side."""
-    if len(shape) == 1:
+    if len(shape) < 2:
         return results
     rows, columns = shape[-2:]
     size = rows * columns
@@ -482,6 +528,17 @@ jacobian = _function(
     shape=(6, 5),
     kernel=_jacobian,
     hoisted=_jacobian_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+jacobian_end = _function(
+    "jacobian_end",
+    arguments=("q",),
+    output="J_end",
+    shape=(6, 5),
+    kernel=_jacobian_end,
+    hoisted=_jacobian_end_constants,
     needs=(
         0, 1, 2,
     ),
