@@ -12,8 +12,9 @@ from derive.errors import TargetError, listed
 from derive.handouts.fragment import fragment_text
 from derive.handouts.render import Format, handout_files
 from derive.publish.atomic_folder import write_files
+from derive.robot.handout_options import Derivation, chosen_notation, chosen_parts
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, Style, choice_named, chosen_notation, chosen_parts
+from derive.robot.style import Style, choice_named
 
 
 @dataclass(frozen=True, slots=True)

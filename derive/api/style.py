@@ -102,7 +102,9 @@ class FoundStyle:
     @property
     def summary(self) -> str:
         """How many formulas come out as printed, in words."""
-        return f"as printed: {self.reproduced} of {len(self.verdicts)} formulas, {self.default} in the default style"
+        total = len(self.verdicts)
+        formulas = "formula" if total == 1 else "formulas"
+        return f"as printed: {self.reproduced} of {total} {formulas}, {self.default} in the default style"
 
     def _remarks(self) -> Iterator[str]:
         yield self.summary

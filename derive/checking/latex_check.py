@@ -27,7 +27,8 @@ from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY, Quantity, parse
+from derive.model.quantities import REGISTRY, Quantity
+from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Name, is_constant
 from derive.robot.names import joint_label, robot_symbols
 

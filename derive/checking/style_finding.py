@@ -21,7 +21,7 @@ from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
-from derive.model.quantities import parse
+from derive.model.quantity_names import parse
 from derive.robot.expression import (
     Call,
     Expression,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from derive.cli.terminal import print_json, progress
 from derive.errors import DeriveError, OutputError
-from derive.robot.style import Derivation, NotationOptions, chosen_notation, chosen_parts
+from derive.robot.handout_options import Derivation, NotationOptions, chosen_notation, chosen_parts
 
 SUMMARY = "a sheet to hand out: LaTeX, PDF and web page"
 DESCRIPTION = """\

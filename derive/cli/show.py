@@ -127,7 +127,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
     """Where the determinant that decides the rank of J is zero, and what the arm looks like there."""
-    from derive.model.quantities import REGISTRY, parse
+    from derive.model.quantities import REGISTRY
+    from derive.model.quantity_names import parse
 
     lines = []
     for zero in model.singularities.conditions if parse(model, name)[0] is REGISTRY["singularities"] else ():

@@ -22,8 +22,8 @@ from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
+from derive.robot.handout_options import PARTS, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.style import PARTS, HandoutOptions
 from derive.version import __version__
 
 

@@ -13,8 +13,8 @@ from derive.handouts.notation.printer import DataPrinter, LatexPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.model.dynamic_entries import ModelEntries
 from derive.robot.description import Convention
+from derive.robot.handout_options import Derivation, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, HandoutOptions
 
 
 @dataclass(eq=False)

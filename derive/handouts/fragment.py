@@ -17,9 +17,10 @@ from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.model.entries import expanded_terms, of_matrix
-from derive.model.quantities import REGISTRY, parse
+from derive.model.quantities import REGISTRY
+from derive.model.quantity_names import parse
+from derive.robot.handout_options import PARTS, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.style import PARTS, HandoutOptions
 
 _WIDTH = re.compile(r"[0-9]+(\.[0-9]+)?(pt|mm|cm|in|em)")
 

@@ -15,8 +15,8 @@ from derive.handouts.latex_writer import latex
 from derive.handouts.pdf import compile_latex
 from derive.programs.functions import build_program
 from derive.programs.search_policy import Effort
+from derive.robot.handout_options import HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.style import HandoutOptions
 
 
 class Format(StrEnum):

@@ -20,7 +20,7 @@ from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.dynamic_model import DynamicModel
-from derive.model.quantities import parse, pick
+from derive.model.quantity_names import parse, pick
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, names
 from derive.robot.robot import Robot
 

@@ -9,7 +9,7 @@ from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal
 from derive.model.point import at_point
-from derive.model.quantities import evaluate, parse
+from derive.model.quantity_names import evaluate, parse
 from derive.robot.cells import typed_point
 
 

@@ -10,7 +10,8 @@ from enum import StrEnum
 
 from derive.errors import Location
 from derive.robot.expression import ONE, ZERO, Expression, to_text
-from derive.robot.style import FigureOptions, HandoutOptions, Style
+from derive.robot.handout_options import FigureOptions, HandoutOptions
+from derive.robot.style import Style
 
 Vector = tuple[Expression, Expression, Expression]
 """Three cells: a point, or a vector in space."""

@@ -13,8 +13,7 @@ from derive.robot.description import Joint
 from derive.robot.document import Document, KeyPath, YamlMapping
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
-from derive.robot.style import (
-    DEFAULT_STYLE,
+from derive.robot.handout_options import (
     PARTS,
     AngleLetter,
     FigureOptions,
@@ -24,8 +23,8 @@ from derive.robot.style import (
     InertiaLetter,
     NotationOptions,
     SliderLetter,
-    Style,
 )
+from derive.robot.style import DEFAULT_STYLE, Style
 
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 """How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated."""

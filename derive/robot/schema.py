@@ -12,28 +12,30 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 
 from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
+from derive.robot.handout_options import (
+    PARTS,
+    AngleLetter,
+    Derivation,
+    FrameIndices,
+    Functions,
+    InertiaLetter,
+    SliderLetter,
+)
 from derive.robot.hints import choice_hint, key_hint, shape_hint
 from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.style import (
     DEFAULT_STYLE,
-    PARTS,
-    AngleLetter,
     Brackets,
     CommonFactors,
     Contraction,
-    Derivation,
-    FrameIndices,
-    Functions,
     GravityPlace,
     Grouping,
-    InertiaLetter,
     Kinetic,
     LengthOrder,
     Order,
     Products,
     Rates,
     ShortSums,
-    SliderLetter,
 )
 
 NAME_PATTERN = rf"^[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}$"

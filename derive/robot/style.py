@@ -1,19 +1,18 @@
-"""How results are shown: how books group and write the same expression, and the parts of a handout.
+"""How books group and write the same expression: the keys ``style`` and ``contraction`` of a robot file.
 
-These are the keys ``style``, ``contraction``, ``handout`` and ``figure`` of a robot file. A `Style` is a few
-independent options, for the ways in which books differ are few and independent; `NAMED_STYLES` are the usual sets.
+A `Style` is a few independent options, for the ways in which books differ are few and independent; `NAMED_STYLES` are
+the usual sets.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, Final, TypeVar, cast
 
 from derive.errors import QuantityError, listed, near_miss, quoted
-from derive.robot.expression import Expression
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
@@ -375,173 +374,3 @@ def _options_in(text: str) -> dict[str, str]:
             raise QuantityError(f"{quoted(key)} twice in style {quoted(text)}", remedy="remove one")
         found[key] = value
     return found
-
-
-PARTS = (
-    "figure",
-    "table",
-    "convention",
-    "parameters",
-    "transforms",
-    "kinematics",
-    "orientation",
-    "jacobian",
-    "singularities",
-    "link-jacobians",
-    "energies",
-    "inertia",
-    "christoffel",
-    "coriolis",
-    "skew",
-    "gravity",
-    "motion",
-    "newton-euler",
-    "example",
-)
-"""Parts of a handout, in their order; title and footer are always there."""
-
-
-class Derivation(StrEnum):
-    """Whether the handout shows how a result is found."""
-
-    RESULT = "result"
-    STEPS = "steps"
-
-
-class AngleLetter(StrEnum):
-    """How the variable of a revolute joint is written."""
-
-    NAME = "name"
-    THETA = "theta"
-    VARTHETA = "vartheta"
-    Q = "q"
-
-
-class SliderLetter(StrEnum):
-    """How the variable of a prismatic joint is written."""
-
-    NAME = "name"
-    D = "d"
-    Q = "q"
-
-
-class Functions(StrEnum):
-    r"""Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2)."""
-
-    SHORT = "short"
-    FULL = "full"
-
-
-class FrameIndices(StrEnum):
-    """Where the frames of a transform are written: A_1^0, or {}^0A_1."""
-
-    RIGHT = "right"
-    LEFT = "left"
-
-
-class InertiaLetter(StrEnum):
-    """Letter of the inertia matrix."""
-
-    B = "B"
-    M = "M"
-    D = "D"
-
-
-@dataclass(frozen=True, slots=True)
-class NotationOptions:
-    """How symbols are written.
-
-    Attributes:
-        angle: Variables of revolute joints; ``name`` as in the robot file.
-        prismatic: Variables of prismatic joints.
-        functions: Sines and cosines.
-        frames: Frames of a transform.
-        inertia: The inertia matrix.
-    """
-
-    angle: AngleLetter = AngleLetter.NAME
-    prismatic: SliderLetter = SliderLetter.NAME
-    functions: Functions = Functions.SHORT
-    frames: FrameIndices = FrameIndices.RIGHT
-    inertia: InertiaLetter = InertiaLetter.B
-
-
-@dataclass(frozen=True, slots=True)
-class HandoutOptions:
-    """What a handout shows.
-
-    Attributes:
-        parts: Which parts, a subset of `PARTS`; printed in their order there.
-        derivation: Results only, or the steps to them.
-        language: Code of a language that has a message catalogue.
-        notation: How symbols are written.
-        pages: Most pages of the printed sheet; 0 for any number.
-    """
-
-    parts: tuple[str, ...] = PARTS
-    derivation: Derivation = Derivation.RESULT
-    language: str = "en"
-    notation: NotationOptions = field(default_factory=NotationOptions)
-    pages: int = 20
-
-
-@dataclass(frozen=True, slots=True)
-class FigureOptions:
-    """The configuration that is drawn and computed.
-
-    Attributes:
-        q: Value of every joint variable [rad or m]; None for none but the zero configuration.
-        values: Numbers for symbols that have none [SI units, rad], for the drawing and the numeric example only.
-    """
-
-    q: tuple[Expression, ...] | None = None
-    values: tuple[tuple[str, Expression], ...] = ()
-
-
-def chosen_parts(names: Iterable[str]) -> tuple[str, ...]:
-    """Parts of a handout by name.
-
-    Args:
-        names: Their names; underscores may stand for hyphens, and empty names are left out.
-
-    Returns:
-        The parts in the order in which they are printed.
-
-    Raises:
-        QuantityError: An unknown part, or none at all.
-    """
-    words = list(names)
-    chosen = [word.strip().replace("_", "-") for word in words if word.strip()]
-    allowed = f"allowed: {listed(PARTS)}"
-    for name in chosen:
-        if name not in PARTS:
-            raise QuantityError(f"unknown part {quoted(name)}", allowed=allowed, remedy=near_miss(name, PARTS))
-    if not chosen:
-        raise QuantityError(f"no part in {quoted(','.join(words))}", allowed=allowed)
-    return tuple(part for part in PARTS if part in chosen)
-
-
-def chosen_notation(choices: Mapping[str, str], start: NotationOptions) -> NotationOptions:
-    """A notation by the names of its choices.
-
-    Args:
-        choices: Such as ``{"angle": "vartheta", "inertia": "M"}``.
-        start: What holds where nothing is chosen.
-
-    Returns:
-        The notation.
-
-    Raises:
-        QuantityError: An unknown choice, or an unknown value of one.
-    """
-    values: dict[str, Any] = {field.name: getattr(start, field.name) for field in fields(start)}
-    for name, value in choices.items():
-        if name not in values:
-            found, allowed = f"unknown notation {quoted(name)}", list(values)
-            raise QuantityError(found, allowed=f"allowed: {listed(allowed)}", remedy=near_miss(name, allowed))
-        allowed = [member.value for member in type(values[name])]
-        if value not in allowed:
-            found = f"unknown value of {name} {quoted(value)}"
-            raise QuantityError(found, allowed=f"allowed: {listed(allowed)}", remedy=near_miss(value, allowed))
-        values[name] = type(values[name])(value)
-    return NotationOptions(**values)

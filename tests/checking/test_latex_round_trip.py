@@ -18,9 +18,9 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
+from derive.robot.handout_options import HandoutOptions
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import HandoutOptions
 
 LONGEST = 3_000
 QUICK = ("planar-2r-perugia", "spherical-wrist")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from derive.handouts.assemble import context_of, document, section_of
+from derive.robot.handout_options import PARTS, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.style import PARTS, HandoutOptions
 
 
 def test_every_part_is_there_in_its_order() -> None:

@@ -12,9 +12,9 @@ from derive.handouts.budget import USEFULNESS, pages, within
 from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
 from derive.handouts.language import Text
 from derive.handouts.latex_writer import latex
+from derive.robot.handout_options import PARTS, Derivation
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import PARTS, Derivation
 from tests.handouts.latex_runner import run_latex
 
 SHORT = Rows(("a = b",))

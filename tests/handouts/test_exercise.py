@@ -16,9 +16,9 @@ from derive.handouts.context import Context
 from derive.handouts.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Steps, gap_rows
 from derive.handouts.exercise import exercise, solutions
 from derive.handouts.latex_writer import latex
+from derive.robot.handout_options import Derivation, HandoutOptions
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, HandoutOptions
 from tests.handouts.latex_runner import run_latex
 
 ROBOTS = ("planar-2r-perugia", "scara-perugia", "stanford-deluca", "kuka-lwr4", "dh-general-laschi")

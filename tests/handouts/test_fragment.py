@@ -10,8 +10,8 @@ from derive.errors import QuantityError, TargetError
 from derive.handouts.fragment import fragment_text
 from derive.model.quantities import REGISTRY
 from derive.programs.functions import ROWS
+from derive.robot.handout_options import InertiaLetter, NotationOptions
 from derive.robot.robot import Robot
-from derive.robot.style import InertiaLetter, NotationOptions
 
 ARM = """
 name: bar

@@ -16,9 +16,9 @@ from derive.handouts.fragment_writer import fragment
 from derive.handouts.language import Text
 from derive.handouts.pdf import LatexLog
 from derive.model.quantities import REGISTRY
+from derive.robot.handout_options import PARTS
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import PARTS
 from tests.handouts.latex_runner import require_latex, run_latex
 
 PLANE = "planar-2r-perugia"

@@ -15,9 +15,9 @@ from derive.handouts.document import Document
 from derive.handouts.exercise import exercise
 from derive.handouts.language import Text, languages
 from derive.handouts.latex_writer import latex
+from derive.robot.handout_options import Derivation
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation
 from tests.handouts.latex_runner import run_latex
 
 RUN_TOGETHER = re.compile(r"\w*[^\W\d_A-Z](?:[.!?]|[:;,](?![a-z]))[^\W\d_]\w*|[)\]][.!?][A-Z\u00c0-\u00de]\w*")

@@ -10,9 +10,7 @@ import pytest
 from derive.handouts.assemble import context_of, document
 from derive.handouts.language import languages
 from derive.handouts.latex_writer import latex
-from derive.robot.load import catalogue_names
-from derive.robot.robot import Robot
-from derive.robot.style import (
+from derive.robot.handout_options import (
     AngleLetter,
     Derivation,
     FrameIndices,
@@ -22,6 +20,8 @@ from derive.robot.style import (
     NotationOptions,
     SliderLetter,
 )
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
 from tests.handouts.test_latex_writer import assert_is_clean
 from tests.random_robots import robot_text
 

@@ -12,9 +12,7 @@ from derive.handouts.assemble import context_of, document
 from derive.handouts.exercise import exercise, solutions
 from derive.handouts.language import languages
 from derive.handouts.latex_writer import latex
-from derive.robot.load import catalogue_names
-from derive.robot.robot import Robot
-from derive.robot.style import (
+from derive.robot.handout_options import (
     AngleLetter,
     Derivation,
     FrameIndices,
@@ -24,6 +22,8 @@ from derive.robot.style import (
     NotationOptions,
     SliderLetter,
 )
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import robot_text, seeds
 

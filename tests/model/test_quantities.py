@@ -7,7 +7,8 @@ import sympy
 
 from derive.errors import QuantityError
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY, Quantity, evaluate, parse
+from derive.model.quantities import REGISTRY, Quantity
+from derive.model.quantity_names import evaluate, parse
 from derive.robot.robot import Robot
 
 

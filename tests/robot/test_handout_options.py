@@ -12,9 +12,7 @@ import yaml
 
 from derive.errors import DeriveError
 from derive.robot.evaluate import evaluate
-from derive.robot.robot import Robot
-from derive.robot.schema import json_schema
-from derive.robot.style import (
+from derive.robot.handout_options import (
     PARTS,
     AngleLetter,
     Derivation,
@@ -26,6 +24,8 @@ from derive.robot.style import (
     NotationOptions,
     SliderLetter,
 )
+from derive.robot.robot import Robot
+from derive.robot.schema import json_schema
 from tests.robot.hostile import GOOD
 
 EVERYTHING = """\

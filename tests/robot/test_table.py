@@ -9,9 +9,9 @@ import pytest
 from derive.errors import RobotFileError
 from derive.robot.document import read_document
 from derive.robot.expression import ONE, ZERO
+from derive.robot.handout_options import HandoutOptions
 from derive.robot.load import description_from_bytes
 from derive.robot.presentation import read_handout
-from derive.robot.style import HandoutOptions
 from derive.robot.table import DEFAULT_GRAVITY_SYMBOL, ROTATION_TOLERANCE
 from derive.robot.validate import located_expressions
 from tests.random_robots import random_robot

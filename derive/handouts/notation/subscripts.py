@@ -16,9 +16,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from derive.handouts.notation.pieces import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
+from derive.robot.handout_options import AngleLetter, NotationOptions, SliderLetter
 from derive.robot.names import joint_label
 from derive.robot.robot import Robot
-from derive.robot.style import AngleLetter, NotationOptions, SliderLetter
 
 LONGEST_SUFFIX = 2
 """Letters after the first that still read as a subscript: Ixx, cx, ml; longer names are words."""

@@ -16,7 +16,7 @@ from derive.handouts.formula import textbook
 from derive.handouts.notation.pieces import EMPTY, joined
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression
-from derive.robot.style import Functions
+from derive.robot.handout_options import Functions
 
 _DIGITS = 4
 """Decimals of a number in a caption."""

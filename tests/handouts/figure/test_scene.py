@@ -117,7 +117,7 @@ def test_numbers_of_the_figure_are_used_and_the_others_are_stated() -> None:
     from fractions import Fraction
 
     from derive.robot.expression import Number
-    from derive.robot.style import FigureOptions
+    from derive.robot.handout_options import FigureOptions
 
     robot = Robot.load("planar-2r-perugia")
     q = (Number(Fraction(1, 2)), Number(Fraction(1)))

@@ -18,9 +18,16 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import italic, joined
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import Symbols
+from derive.robot.handout_options import (
+    AngleLetter,
+    FrameIndices,
+    Functions,
+    InertiaLetter,
+    NotationOptions,
+    SliderLetter,
+)
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import AngleLetter, FrameIndices, Functions, InertiaLetter, NotationOptions, SliderLetter
 from tests.handouts.latex_runner import run_latex
 from tests.random_robots import robot_text
 

@@ -17,8 +17,8 @@ from derive.handouts.assemble import document as handout
 from derive.handouts.document import Paragraph, Rows, Section
 from derive.handouts.language import Text
 from derive.handouts.page.writer import page
+from derive.robot.handout_options import Derivation
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation
 from tests.handouts.page.page_documents import ENTRIES, LONG, MATRIX, document
 
 if TYPE_CHECKING:

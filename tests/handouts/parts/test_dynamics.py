@@ -25,10 +25,10 @@ from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO
+from derive.robot.handout_options import Derivation, HandoutOptions, InertiaLetter, NotationOptions
 from derive.robot.load import catalogue_names
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, HandoutOptions, InertiaLetter, NotationOptions
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate

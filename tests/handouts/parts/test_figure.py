@@ -16,9 +16,9 @@ from derive.handouts.language import Text
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.expression import Number, names
+from derive.robot.handout_options import FigureOptions
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import FigureOptions
 
 
 def _context(robot: Robot, drawn: bool = True) -> Context:

@@ -25,10 +25,10 @@ from derive.mechanics.floats import value_at
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.expression import Number, Pi, Product
+from derive.robot.handout_options import Derivation, FrameIndices, HandoutOptions, NotationOptions
 from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, FrameIndices, HandoutOptions, NotationOptions
 from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_latex

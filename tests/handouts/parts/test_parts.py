@@ -23,8 +23,8 @@ from derive.handouts.parts.orientation import orientation
 from derive.handouts.parts.recursion import JointLetters, Recursion
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
+from derive.robot.handout_options import Derivation, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, HandoutOptions
 
 KINEMATICS = {
     part.__name__: part

@@ -12,9 +12,9 @@ from derive.handouts.document import Formula, Paragraph, Section, Steps, blocks_
 from derive.handouts.language import Text
 from derive.model.dynamic_entries import ModelEntries
 from derive.model.model import Model
+from derive.robot.handout_options import Derivation, HandoutOptions
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.robot.style import Derivation, HandoutOptions
 from tests.random_robots import random_robot
 
 

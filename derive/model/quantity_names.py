@@ -1,0 +1,166 @@
+"""How quantities are asked for: ``T[1,4]``, ``A[2]``, ``christoffel[1,1,2]``, and the names that books have for them.
+
+Books write ``M`` or ``mass matrix``, ``V``, ``T06`` or ``^0T_6``, ``det(J)``, ``b_11``. Those that mean one thing are
+understood, the others are answered with what may be meant.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+
+from derive.errors import QuantityError, listed, quoted
+from derive.lecture.sympy_conversion import Expr
+from derive.model.dynamic_model import DynamicModel
+from derive.model.quantities import REGISTRY, Quantity
+
+
+def evaluate(model: DynamicModel, text: str) -> Expr:
+    """A quantity, or an entry of it, by name.
+
+    ``T[2]`` is frame 2; ``T[1,4]`` is the entry in row 1, column 4 where j = 4 is no frame of this robot, and frame 4
+    in frame 1 where it is: an entry is always meant by a second bracket, ``T[][1,4]`` or ``T[0,2][1,4]``.
+
+    Args:
+        model: The closed forms.
+        text: The name, with indices from 1.
+
+    Returns:
+        The matrix or expression.
+
+    Raises:
+        QuantityError: Unknown name, wrong number of indices or an entry outside.
+    """
+    quantity, indices, entry = parse(model, text)
+    value = quantity.value(model, *indices)
+    return value if entry is None else pick(value, entry, text)
+
+
+def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tuple[int, ...] | None]:
+    """What a name with indices asks for.
+
+    Args:
+        model: Says how many frames there are.
+        text: The name, with indices from 1.
+
+    Returns:
+        The registry row, its indices and the entry, if one is asked for.
+
+    Raises:
+        QuantityError: Unknown name or wrong number of indices.
+    """
+    written = re.sub(r"\(([\d,\s]+)\)", r"[\1]", re.sub(r"^\s*T\((\d+\s*,\s*\d+)\)", r"T[][\1]", text))
+    match = _ASKED.fullmatch(written)
+    if match is None or not match[1]:
+        raise QuantityError(
+            f"quantity {quoted(text)}", allowed="a name with indices, such as T, A[2], B[1,2], christoffel[1,1,2]"
+        )
+    quantity, named = (REGISTRY[match[1]], ()) if match[1] in REGISTRY else _spoken(model, match[1])
+    brackets = [_integers(indices, text) for indices in match.groups()[1:] if indices is not None]
+    if named:  # indices that stand in the name
+        brackets.insert(0, named)
+    first = brackets[0] if brackets else ()
+    if len(brackets) > 1 and len(first) in quantity.indices:
+        return quantity, first, tuple(index for bracket in brackets[1:] for index in bracket)
+    # two indices of T can only be a row and a column where the arm has no such frame
+    is_entry = quantity.name == "T" and len(first) == 2 and max(first) > model.n and not named
+    if len(first) in quantity.indices and not is_entry:
+        return quantity, first, None
+    for count in sorted(quantity.indices if len(brackets) < 2 else ()):
+        if len(first) - count in (1, 2):
+            return quantity, first[:count], first[count:]
+    counts = " or ".join(map(str, quantity.indices))
+    raise QuantityError(
+        f"{len(first)} indices in {text!r}", allowed=f"{counts} for {quantity.name}, and an entry behind them"
+    )
+
+
+_ASKED = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
+
+
+def _key(word: str) -> str:
+    """What counts of a word: letters and digits, in either case where they are several."""
+    letters = "".join(character for character in word[:80] if character.isalnum())
+    return letters if len(letters) == 1 else letters.casefold()
+
+
+_NAMES = {_key(name): (quantity,) for name, quantity in REGISTRY.items() if len(name) > 1}
+_WORDS: dict[str, tuple[Quantity, ...]] = {}
+for _quantity in REGISTRY.values():
+    for _word in _quantity.words:
+        _WORDS[_key(_word)] = (*_WORDS.get(_key(_word), ()), _quantity)
+_WORDS |= _NAMES
+
+
+def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
+    """The quantity that is called otherwise in books, and indices that stand in its name: ``M``, ``T06``, ``b_11``."""
+    known = _known(model, _key(word), word)
+    if known is not None:
+        return known, ()
+    bare = re.sub(r"[{}\s]", "", word)
+    letters, numbers = re.sub(r"[\W\d_]", "", bare), re.findall(r"\d+", bare)
+    if len(numbers) == 1 and model.n < 10:  # b_12
+        numbers = list(numbers[0])
+    indices = tuple(map(int, numbers[:6]))
+    if letters in ("T", "A") and len(indices) == 2:
+        i, j = indices
+        if above := re.search(r"\^(\d+)", bare):
+            i, j = int(above[1]), next((k for k in indices if k != int(above[1])), int(above[1]))
+        if above and i > j:
+            meanings = f"T[{j},{i}], frame {i} in frame {j}, or T[{i},{j}], its inverse"
+            raise QuantityError(f"{quoted(word)} is read in two ways", allowed=meanings)
+        return (REGISTRY["A"], (j,)) if letters == "A" and j == i + 1 else (REGISTRY["T"], (i, j))
+    row = REGISTRY.get(letters) or _known(model, _key(letters), letters)
+    if row is not None and indices and re.fullmatch(r"[A-Za-z]+[\d\W_]+", bare):
+        return row, indices
+    if axis := re.fullmatch(r"p_?([xyz])", bare):
+        return REGISTRY["p"], ("xyz".index(axis[1]) + 1,)
+    keys = difflib.get_close_matches(_key(word), _WORDS, n=3, cutoff=0.72)
+    close = [REGISTRY.get(word.swapcase()), *(row for key in keys for row in _WORDS[key])]
+    near = dict.fromkeys(row.name for row in close if row is not None and row.is_of(model.robot))
+    if near:
+        raise QuantityError(f"quantity {quoted(word)}", remedy=f"did you mean {' or '.join(near)}?")
+    names = (row.name for row in REGISTRY.values() if row.is_of(model.robot))
+    raise QuantityError(f"quantity {quoted(word)}", allowed=listed(names))
+
+
+def _known(model: DynamicModel, key: str, word: str) -> Quantity | None:
+    """The one quantity of this robot, or of any, that a word means."""
+    rows = _WORDS.get(key, ())
+    rows = tuple(row for row in rows if row.is_of(model.robot)) or rows
+    if len(rows) > 1:
+        meanings = " or ".join(f"{row.name} ({row.summary.partition(';')[0]})" for row in rows)
+        raise QuantityError(f"{quoted(word)} has several meanings", remedy=f"did you mean {meanings}?")
+    return rows[0] if rows else None
+
+
+def _integers(text: str | None, whole: str) -> tuple[int, ...]:
+    if text is None or not text.strip():
+        return ()
+    parts = [part.strip() for part in text.split(",")]
+    if not all(part.isascii() and part.isdigit() and len(part) < 4 for part in parts):
+        raise QuantityError(f"indices in {whole!r}", allowed="whole numbers from 1, separated by commas")
+    return tuple(int(part) for part in parts)
+
+
+def pick(value: Expr, entry: tuple[int, ...], text: str) -> Expr:
+    """One entry of a matrix.
+
+    Args:
+        value: The matrix.
+        entry: Row and column from 1; a vector takes one index.
+        text: What was asked for, for messages.
+
+    Raises:
+        QuantityError: A scalar, or no such entry.
+    """
+    shape = getattr(value, "shape", None)
+    if shape is None:
+        raise QuantityError(f"an entry of {text!r}", allowed="no entry, for it is a scalar")
+    row, column = (entry[0], 1) if len(entry) == 1 else (entry[0], entry[1])
+    vector = len(entry) == 1 and shape[1] != 1
+    if vector or not (1 <= row <= shape[0] and 1 <= column <= shape[1]):
+        raise QuantityError(
+            f"entry {list(entry)} in {text!r}", allowed=f"rows 1 to {shape[0]}, columns 1 to {shape[1]}"
+        )
+    return value[row - 1, column - 1]
