@@ -8,29 +8,25 @@ compared with those that are formulas or matrices. A name that the robot does no
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 
-import sympy
-
 from derive.checking.diagnosis import Question
 from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
-from derive.checking.latex_equations import MATRIX_MARK, Equation, Piece, equations
+from derive.checking.latex_equations import Equation, equations
 from derive.checking.latex_formula import LatexReader
-from derive.checking.latex_left import Left, Target, candidates, is_scalar, taken_apart
-from derive.checking.latex_matrices import LARGEST_DETERMINANT, Entry, Table
-from derive.checking.latex_names import Symbol
-from derive.errors import CheckError, Location, QuantityError, UnknownNameError, quoted
+from derive.checking.latex_left import Left, Target, is_scalar, taken_apart
+from derive.checking.latex_matrices import Entry, Table
+from derive.checking.latex_meanings import EntryNames, Meanings, Right
+from derive.checking.latex_pieces import MATRIX_MARK, Piece
+from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.shorthand import notation_text
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
-from derive.model.equality import scalar_quantity
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY, Quantity
-from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Name, is_constant
-from derive.robot.names import joint_label, robot_symbols
+from derive.robot.names import robot_symbols
 
 MAX_EQUATIONS = 1_500
 """Equations of one text; a whole handout of a 6R arm has some 600."""
@@ -54,9 +50,6 @@ _PRODUCT = re.compile(
     r"\s*(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\([^()]*\))?\s*(?:\\cdot|\*)?\s*){2,}"
 )
 """Transforms side by side."""
-
-_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
-"""Entries that may stand in formulas."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,25 +122,6 @@ def check_latex(
 
 
 @dataclass(frozen=True, slots=True)
-class _Right:
-    """A derived quantity, or the part of it that is meant; rows and columns count in the whole, 0 where it has none."""
-
-    quantity: str
-    value: Matrix
-    rows: tuple[int, ...]
-    columns: tuple[int, ...]
-
-    def fitting(self, table: Table) -> Table | None:
-        """The printed table in this shape, a vector as it stands or turned; None where it does not fit.
-
-        Args:
-            table: What is printed.
-        """
-        turned = table.transposed if 1 in table.shape else table
-        return next((t for t in (table, turned) if t.shape == self.value.shape), None)
-
-
-@dataclass(frozen=True, slots=True)
 class _Side:
     """A side of an equation: the quantities that it may name, and what it says or why it says nothing."""
 
@@ -172,10 +146,8 @@ class _Check:
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
         if not self.equations:
             raise CheckError("empty formula", remedy="write a formula or an equation", location=start)
-        labels = [joint_label(joint.variable) for joint in self.robot.joints]
-        self.first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
+        self.meanings = Meanings(model)
         self.plain = LatexReader(self.robot, text, start)
-        self.rights: dict[Target, _Right | None] = {}
         self.skipped: list[Skipped] = []
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
         self.defining: set[int] = set()
@@ -241,7 +213,7 @@ class _Check:
         for name, defined in self.definitions.items():
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
-        return LatexReader(self.robot, self.text, self.start, meanings, _EntryNames(self))
+        return LatexReader(self.robot, self.text, self.start, meanings, EntryNames(self.meanings))
 
     def _new_names(self, index: int, equation: Equation) -> Iterator[str]:
         for place, side in enumerate(equation.sides):
@@ -252,22 +224,16 @@ class _Check:
         left = None if side.matrices else taken_apart(side.text)
         if left is None or not left.is_plain or left.arguments or self._is_own(left):
             return ""
-        if not any(is_scalar(target) for target in self._targets(left)):
+        if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat
         if not (is_first and left.sub and left.head in _LENT):
             return ""
         others = (part for i, e in enumerate(self.equations) if i != index for part in e.sides[1:])
-        return left.flat if any(side.text.strip() in text for part in others for text in _texts(part)) else ""
+        return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
 
     def _is_own(self, left: Left) -> bool:
         """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""
-        if not left.is_plain:
-            return False
-        try:
-            self.plain.names.meaning(Symbol(left.flat, 0))
-        except CheckError:
-            return False
-        return True
+        return left.is_plain and self.plain.names.knows(left.flat)
 
     # -- one equation
 
@@ -303,7 +269,7 @@ class _Check:
 
     def _side(self, piece: Piece, may_name: bool) -> _Side:
         left = None if piece.matrices else taken_apart(piece.text)
-        targets = self._targets(left) if left else ()
+        targets = self.meanings.targets(left) if left else ()
         if may_name and _PRODUCT.fullmatch(piece.text.strip()) and left is None:
             where = self.plain.location(piece.start)
             return _Side(piece, error=CheckError("a product of matrices", remedy="multiply it out", location=where))
@@ -344,7 +310,7 @@ class _Check:
         entries = [entry for row in second.value.rows for entry in row]
         if len(cells) != len(entries):
             return []
-        targets = [tuple(filter(is_scalar, self._targets(left))) if left else () for left in lefts]
+        targets = [tuple(filter(is_scalar, self.meanings.targets(left))) if left else () for left in lefts]
         if not all(targets):
             return []
         return [(_Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]
@@ -397,13 +363,13 @@ class _Check:
             raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
         yield from chosen
 
-    def _meant(self, name: _Side) -> Iterator[_Right]:
+    def _meant(self, name: _Side) -> Iterator[Right]:
         """What a left side may mean, of that only what is asked about, if something is."""
-        meant = (right for target in name.targets if (right := self._right(target)) is not None)
+        meant = (right for target in name.targets if (right := self.meanings.right(target)) is not None)
         if not self.asked:
             yield from meant
             return
-        asked = tuple(self._asked())
+        asked = tuple(self.meanings.asked(self.asked))
         if not name.targets:
             yield from asked
             return
@@ -411,56 +377,18 @@ class _Check:
         agreeing = [
             right if same.value.shape != right.value.shape else same
             for right in all_meant
-            if (same := next((other for other in asked if _agree(right, other)), None))
+            if (same := next((other for other in asked if right.agrees(other)), None))
         ]
         if not agreeing and all_meant and name.left is not None and name.left.head not in _ANY:
             text, means = self._typed(name.piece), all_meant[0]
             raise CheckError(
-                f"left side {quoted(text)} means {_shown(means)}, but the quantity asked about is {self.asked}",
+                f"left side {quoted(text)} means {means.shown}, but the quantity asked about is {self.asked}",
                 remedy="leave one of them out",
                 location=self.plain.location(name.piece.start),
             )
         yield from agreeing or asked
 
-    def _asked(self) -> Iterator[_Right]:
-        """What is asked about: an entry, or a quantity as a whole."""
-        with suppress(QuantityError):
-            yield _Right(self.asked, sympy.ImmutableMatrix([[scalar_quantity(self.model, self.asked)]]), (0,), (0,))
-        value = self.model.quantity(self.asked)
-        if hasattr(value, "shape"):
-            yield _whole_right(self.asked, value)
-        name = parse(self.model, self.asked)[0].name
-        parts = (target for target in candidates(Left(name), self.robot.n) if target.quantity == self.asked)
-        yield from (right for target in parts if target.rows and (right := self._right(target)))
-
-    def _targets(self, left: Left) -> tuple[Target, ...]:
-        """The quantities that a left side may mean; without links there is no dynamics."""
-        found = candidates(left, self.robot.n, self.first)
-        return tuple(target for target in found if _row(target).is_of(self.robot))
-
-    def _right(self, target: Target) -> _Right | None:
-        if target not in self.rights:
-            self.rights[target] = None
-            with suppress(QuantityError, IndexError):
-                self.rights[target] = self._derived(target)
-        return self.rights[target]
-
-    def _derived(self, target: Target) -> _Right:
-        value = self.model.quantity(target.quantity)
-        if not hasattr(value, "shape"):
-            return _Right(target.quantity, sympy.ImmutableMatrix([[value]]), (0,), (0,))
-        whole = _whole_right(target.quantity, value)
-        rows = target.rows or tuple(range(1, value.shape[0] + 1))
-        columns = target.columns or tuple(range(1, value.shape[1] + 1))
-        part = value.extract([i - 1 for i in rows], [j - 1 for j in columns])
-        if target.is_determinant:
-            part = part.extract([i for i in range(part.rows) if any(part.row(i))], list(range(part.cols)))
-            if part.shape[0] != part.shape[1] or not 0 < part.shape[0] <= LARGEST_DETERMINANT:
-                raise QuantityError(f"determinant of {target.quantity}")
-            return _Right(f"det {target.quantity}", sympy.ImmutableMatrix([[part.det(method="berkowitz")]]), (0,), (0,))
-        return _Right(target.quantity, part, rows, columns if whole.columns != (0,) else (0,))
-
-    def _entries(self, right: _Right, table: Table, offset: int) -> Iterator[Finding]:
+    def _entries(self, right: Right, table: Table, offset: int) -> Iterator[Finding]:
         for i, row in enumerate(table.rows):
             for j, entry in enumerate(row):
                 place = right.rows[i], right.columns[j]
@@ -473,53 +401,3 @@ class _Check:
                 question = Question(self.robot, entry.formula, expression_from_sympy(derived))
                 verdict = verdict_at(where, self.robot, question.right, question.printed)
                 yield Finding(right.quantity, *place, Role.PRINTED, text, verdict, derived, where, question=question)
-
-
-class _EntryNames(Mapping[str, Expression]):
-    """Entries of quantities by the names that they have in print, such as b12 and c1,22."""
-
-    def __init__(self, check: _Check) -> None:
-        self._check = check
-
-    def __getitem__(self, name: str) -> Expression:
-        left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
-        for target in self._check._targets(left) if left else ():
-            if is_scalar(target) and (right := self._check._right(target)):
-                return expression_from_sympy(right.value[0, 0])
-        raise KeyError(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(())
-
-    def __len__(self) -> int:
-        return 0
-
-
-def _texts(piece: Piece) -> Iterator[str]:
-    """The text of a piece and of the entries of its matrices."""
-    yield piece.text
-    for matrix in piece.matrices:
-        for row in matrix.rows:
-            for cell in row:
-                yield from _texts(cell)
-
-
-def _row(target: Target) -> Quantity:
-    return REGISTRY[target.quantity.partition("[")[0]]
-
-
-def _whole_right(quantity: str, value: Matrix) -> _Right:
-    rows, columns = value.shape
-    return _Right(quantity, value, tuple(range(1, rows + 1)), (0,) if columns == 1 else tuple(range(1, columns + 1)))
-
-
-def _agree(meant: _Right, asked: _Right) -> bool:
-    """Whether one is the other, or an entry or a part of it."""
-    if meant.value.shape == asked.value.shape:
-        return bool(meant.value == asked.value)
-    return meant.quantity == asked.quantity and asked.rows != (0,)
-
-
-def _shown(right: _Right) -> str:
-    indices = [str(i) for (i, *more) in (right.rows, right.columns) if i and not more]
-    return f"{right.quantity}[{','.join(indices)}]" if indices else right.quantity

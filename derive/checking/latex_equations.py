@@ -1,48 +1,21 @@
-r"""LaTeX as people have it, taken apart: displays, their rows and equations, the sides of each, entries of matrices.
+r"""LaTeX as people have it, taken apart: displays, their rows and equations, and the sides of each.
 
-Nothing is understood here but structure. Every side of an equation is a piece of the text with its place; a matrix in
-it is one character, and its entries are pieces themselves. Lines broken inside a sum are joined, ``x = a, \quad y = b``
-and the columns of ``align`` are separate equations, and ``a = b = c`` has three sides.
+Nothing is understood here but structure. Every side of an equation is a piece of the text with its place. Lines broken
+inside a sum are joined, ``x = a, \quad y = b`` and the columns of ``align`` are separate equations, and ``a = b = c``
+has three sides.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from derive.checking.latex_pieces import EQUATION_ENVIRONMENTS, RELATION, Piece, display_piece
 from derive.checking.latex_typography import cleaned
-from derive.errors import CheckError, Location, listed, quoted
+from derive.errors import CheckError, Location
 from derive.robot.parser import place
 
-MATRIX_MARK = "\ue000"
-"""Stands for a matrix in the text of a side."""
-
-MATRICES = ("bmatrix", "pmatrix", "matrix", "Bmatrix", "vmatrix", "Vmatrix", "array", "smallmatrix", "psmallmatrix")
-"""Environments of matrices; with a star too."""
-
-MAX_NESTED = 12
-"""Environments inside each other, the text counted."""
-
-DISPLAYS = ("equation", "align", "aligned", "gather", "gathered", "split", "multline", "alignat", "flalign", "eqnarray")
-"""Environments of equations that a message names; `_KNOWN` has all of them."""
-
-_KNOWN = frozenset(
-    (*DISPLAYS, "alignedat", "multlined", "displaymath", "math", "dmath", "IEEEeqnarray", "subequations")
-)
-_GRIDS = frozenset((*MATRICES, "bsmallmatrix", "Bsmallmatrix", "vsmallmatrix", "tabular", "cases", "dcases", "rcases"))
-_LENGTH = r"(?:\s*\[\s*-?[0-9.]*\s*(?:pt|em|ex|mm|cm|in|\\[a-z]+)\s*\])?"
-_BRACES = r"\{(?:[^{}]|\{[^{}]*\})*\}"
-_STRUCTURE = re.compile(
-    rf"\\begin\s*\{{(?P<begin>[A-Za-z]+)\*?\}}(?:\s*\[[a-z|]*\])?(?P<columns>\s*{_BRACES})?"
-    r"|\\end\s*\{(?P<end>[A-Za-z]+)\*?\}"
-    rf"|(?P<row>\\\\\*?{_LENGTH}|\\(?:cr|tabularnewline|newline)(?![A-Za-z]){_LENGTH})"
-    r"|(?P<cell>(?<!\\)&)"
-)
-_WITH_COLUMNS = ("array", "alignat", "alignedat", "IEEEeqnarray", "tabular")
-_RELATION = re.compile(
-    r":\s*=|=\s*:|=|\\(?:coloneqq?|triangleq|equiv|doteq|stackrel\s*\{[^{}]*\}\s*\{\s*=\s*\}|overset\s*\{[^{}]*\}\s*\{\s*=\s*\})(?![A-Za-z])"
-)
 _WORDS = (
     "and|or|where|with|so|hence|thus|therefore|then|for|if|since|let|yields|gives|dove|con|quindi|per|allora|onde|com|logo|"
     "então|und|mit|wobei|also|avec|donc|où|y|donde"
@@ -69,55 +42,6 @@ _FENCE = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
-    """A part of the text, a side of an equation or an entry of a matrix.
-
-    Attributes:
-        text: What stands there, each matrix as one character.
-        offset: Where it begins in the whole text.
-        matrices: Its matrices, in their order.
-    """
-
-    text: str
-    offset: int
-    matrices: tuple[PrintedMatrix, ...] = ()
-
-    @property
-    def start(self) -> int:
-        """Where its first sign stands in the whole text."""
-        return self.offset + len(self.text) - len(self.text.lstrip())
-
-    @property
-    def end(self) -> int:
-        """Where its last sign ends in the whole text."""
-        return self.offset + len(self.text.rstrip())
-
-    def part(self, begin: int, end: int) -> Piece:
-        """A part of it.
-
-        Args:
-            begin: Where it begins in this one.
-            end: Where it ends.
-        """
-        first = self.text.count(MATRIX_MARK, 0, begin)
-        text = self.text[begin:end]
-        return Piece(text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)])
-
-
-@dataclass(frozen=True, slots=True)
-class PrintedMatrix:
-    """A matrix in the text.
-
-    Attributes:
-        rows: Its entries.
-        is_determinant: Whether it stands between bars, or behind ``det``.
-    """
-
-    rows: tuple[tuple[Piece, ...], ...]
-    is_determinant: bool = False
-
-
-@dataclass(frozen=True, slots=True)
 class Equation:
     """What stands between equals signs; a lone formula has one side.
 
@@ -126,17 +50,6 @@ class Equation:
     """
 
     sides: tuple[Piece, ...]
-
-
-@dataclass(slots=True)
-class _Environment:
-    """An environment while it is read: what it is, where it begins, and the row ends and cell marks of its own."""
-
-    name: str
-    begin: tuple[int, int]
-    marks: list[tuple[int, int, str]] = field(default_factory=list)
-    children: list[_Environment] = field(default_factory=list)
-    end: tuple[int, int] = (0, 0)
 
 
 def equations(text: str, start: Location, *, document: bool = False, time: bool = True) -> Iterator[Equation]:
@@ -157,7 +70,7 @@ def equations(text: str, start: Location, *, document: bool = False, time: bool 
     plain = cleaned(text, time)
     for begin, end in _displays(plain, start, document):
         try:
-            whole = _read(plain, begin, end, text, start)
+            whole = display_piece(plain, begin, end, text, start)
         except CheckError:
             if document:
                 continue
@@ -177,7 +90,7 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
             fences.append((match.end() + 1, closing))
             is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
             position = _closing(plain, closing + 1) if is_pair else closing
-        elif name is None or name in _KNOWN:
+        elif name is None or name in EQUATION_ENVIRONMENTS:
             if match.lastgroup and not (document and match["single"] is not None):
                 fences.append((match.start(), match.end()))
             position = match.end()
@@ -208,112 +121,6 @@ def _closing(text: str, opening: int) -> int:
         if depth == 0:
             return match.start()
     return len(text)
-
-
-def _read(plain: str, begin: int, end: int, typed: str, start: Location) -> Piece:
-    """A display as one piece, in which row ends and cell marks of its own are left."""
-    root = _Environment("", (begin, begin))
-    open_now = [root]
-    for match in _STRUCTURE.finditer(plain, begin, end):
-        if match["begin"]:
-            name = match["begin"]
-            if name not in _KNOWN and name not in _GRIDS:
-                allowed = f"allowed: {listed((*MATRICES[:-1], *DISPLAYS))}"
-                found = f"environment {quoted(name)}"
-                raise CheckError(found, allowed=allowed, location=place(typed, match.start(), start))
-            stop = match.end() if name in _WITH_COLUMNS or not match["columns"] else match.start("columns")
-            child = _Environment(name, (match.start(), stop))
-            open_now[-1].children.append(child)
-            open_now.append(child)
-            if len(open_now) > MAX_NESTED:
-                where = place(typed, match.start(), start)
-                raise CheckError("environments nested too deeply", allowed=f"at most {MAX_NESTED - 1}", location=where)
-        elif match["end"]:
-            if match["end"] != open_now[-1].name:
-                where = place(typed, match.start(), start)
-                raise CheckError(f"\\end{{{match['end']}}} without its \\begin", remedy="check it", location=where)
-            open_now.pop().end = match.span()
-        else:
-            open_now[-1].marks.append((*match.span(), "row" if match["row"] else "cell"))
-    if len(open_now) > 1:
-        where = place(typed, open_now[-1].begin[0], start)
-        raise CheckError(f"\\begin{{{open_now[-1].name}}} without its \\end", remedy="add it", location=where)
-    root.end = (end, end)
-    return _flattened(plain, root)
-
-
-def _flattened(plain: str, environment: _Environment) -> Piece:
-    """What an environment holds: matrices inside are one character, row ends form feeds, cell marks vertical tabs."""
-    begin, end = environment.begin[1], environment.end[0]
-    letters = list(plain[begin:end])
-    found: list[tuple[int, PrintedMatrix]] = []
-    waiting = [(environment, False)]
-    while waiting:
-        node, is_inner = waiting.pop()
-        signs = [(mark[:2], " " if is_inner else _SIGNS[mark[2]]) for mark in node.marks]
-        for child in node.children:
-            if child.name in _GRIDS and not _holds_equations(plain, child):
-                found.append(
-                    (child.begin[0], PrintedMatrix(tuple(_rows(_flattened(plain, child))), child.name[0] in "vV"))
-                )
-                signs.append(((child.begin[0], child.end[1]), MATRIX_MARK))
-            else:
-                signs += [(child.begin, " "), (child.end, " ")]
-                waiting.append((child, is_inner or environment.name in _GRIDS))
-        for (first, last), sign in signs:
-            # a matrix stands where it begins, an entry begins behind what ends another
-            length = last - first
-            letters[first - begin : last - begin] = (sign.ljust if sign == MATRIX_MARK else sign.rjust)(length)
-    matrices = tuple(matrix for _, matrix in sorted(found, key=lambda pair: pair[0]))
-    piece = Piece("".join(letters), begin, matrices)
-    return _determinants(piece) if matrices else piece
-
-
-_SIGNS = {"row": "\f", "cell": "\v"}
-
-
-def _holds_equations(plain: str, node: _Environment) -> bool:
-    """Whether an array is a list of equations rather than a matrix."""
-    inner = plain[node.begin[1] : node.end[0]]
-    for child in reversed(node.children):
-        inner = inner[: child.begin[0] - node.begin[1]] + inner[child.end[1] - node.begin[1] :]
-    return _RELATION.search(inner) is not None
-
-
-def _determinants(piece: Piece) -> Piece:
-    r"""Bars around a matrix, and ``\det`` before it, belong to the matrix."""
-    text, matrices, position = piece.text, list(piece.matrices), -1
-    for index in range(len(matrices)):
-        position = text.index(MATRIX_MARK, position + 1)
-        before, after = text[:position].rstrip(), text[position + 1 :]
-        if before.endswith("|") and after.lstrip().startswith("|"):
-            bars = (len(before) - 1, position + 1 + len(after) - len(after.lstrip()))
-            text = "".join(" " if i in bars else letter for i, letter in enumerate(text))
-        elif match := re.search(r"\\det\s*\(?\s*$|\\(?:mathrm|operatorname)\{det\}\s*$", text[:position]):
-            bracket = "(" in match[0]
-            text = (
-                text[: match.start()]
-                + " " * len(match[0].rstrip("( "))
-                + text[match.start() + len(match[0].rstrip("( ")) :]
-            )
-            if bracket and not after.lstrip().startswith(")"):
-                continue
-        else:
-            continue
-        matrices[index] = PrintedMatrix(matrices[index].rows, True)
-    return Piece(text, piece.offset, tuple(matrices))
-
-
-def _rows(piece: Piece) -> Iterator[tuple[Piece, ...]]:
-    """The entries of a matrix; a row end behind the last row adds none."""
-    for row in _split(piece, "\f"):
-        if row.text.strip("\v \n\r"):
-            yield tuple(_split(row, "\v"))
-
-
-def _split(piece: Piece, sign: str) -> list[Piece]:
-    ends = [i for i, letter in enumerate(piece.text) if letter == sign]
-    return [piece.part(a, b) for a, b in zip((0, *(i + 1 for i in ends)), (*ends, len(piece.text)), strict=True)]
 
 
 # -- from a display to its equations
@@ -359,7 +166,7 @@ def _depths(text: str, begin: int, end: int) -> int:
 def _relations(text: str, begin: int, end: int) -> list[tuple[int, int]]:
     """Equals signs outside of brackets."""
     found, depth, last = [], 0, begin
-    for match in _RELATION.finditer(text, begin, end):
+    for match in RELATION.finditer(text, begin, end):
         depth, last = depth + _depths(text, last, match.start()), match.end()
         if depth <= 0:
             found.append(match.span())

@@ -112,6 +112,18 @@ class LatexNames:
             self._known[key] = self._meaning(symbol)
         return self._known[key]
 
+    def knows(self, text: str) -> bool:
+        """Whether a printed name without dots stands for something, and for one thing only.
+
+        Args:
+            text: The name, scripts set on the line.
+        """
+        try:
+            self.meaning(Symbol(text, 0))
+        except CheckError:
+            return False
+        return True
+
     def _meaning(self, symbol: Symbol) -> Expression:
         text = symbol.text
         if _CHRISTOFFEL.fullmatch(text) and text in self.entries:  # c_{1,23}; without the comma it is a cosine

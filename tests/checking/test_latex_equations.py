@@ -1,10 +1,10 @@
-"""How LaTeX is taken apart: displays, equations, sides, matrices."""
+"""How LaTeX is taken apart: displays, equations, sides."""
 
 from __future__ import annotations
 
 import pytest
 
-from derive.checking.latex_equations import MATRIX_MARK, equations
+from derive.checking.latex_equations import equations
 from derive.errors import CheckError, Location
 
 START = Location("notes.tex")
@@ -34,22 +34,6 @@ def sides(text: str, document: bool = False) -> list[list[str]]:
 )
 def test_equations_and_their_sides(text: str, expected: list[list[str]]) -> None:
     assert sides(text) == expected
-
-
-def test_a_matrix_is_one_sign_with_entries_of_its_own() -> None:
-    (equation,) = equations(r"T = \begin{bmatrix} a & b \\ \frac{c}{d} & e \\ \end{bmatrix}^T", START)
-    _, right = equation.sides
-    assert right.text.replace(" ", "") == f"{MATRIX_MARK}^T"
-    assert [[cell.text.strip() for cell in row] for row in right.matrices[0].rows] == [
-        ["a", "b"],
-        [r"\frac{c}{d}", "e"],
-    ]
-
-
-def test_bars_make_a_determinant() -> None:
-    for text in (r"\begin{vmatrix} a \end{vmatrix}", r"\left| \begin{array}{c} a \end{array} \right|"):
-        (equation,) = equations(text, START)
-        assert equation.sides[0].matrices[0].is_determinant
 
 
 def test_prose_of_a_document_is_passed_over() -> None:
