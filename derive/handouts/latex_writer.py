@@ -188,7 +188,9 @@ def _written(block: Block, _: Text) -> str:
             )
         case Blank(number, task, points, gaps):
             rows = ["".join(_gap(gap) for gap in row) for row in gap_rows(gaps)]
-            return _macro("blank", number=number, task=latex_words(task), points=points, displays=displays(rows))
+            return _macro(
+                "blank", number=number, task=latex_words(task), points=points, displays=displays(rows, kept=False)
+            )
         case Table(header, rows, long):
             head, *body = (_strut(row) + " & ".join(map(latex_words, row)) for row in (header, *rows))
             return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)

@@ -166,7 +166,11 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
 
 
 def _remark_on_degrees(angle: Expression, value: str, units: FileUnits) -> None:
-    if units.degrees or contains_pi(angle) or abs(turned := evaluate(angle, {})) <= 4 * pi:
+    try:
+        turned = evaluate(angle, {})
+    except ArithmeticError:
+        return
+    if units.degrees or contains_pi(angle) or abs(turned) <= 4 * pi:
         return
     remedy = f"if degrees are meant write {multiple_of_pi(Fraction(turned).limit_denominator(1000) / 180)}"
     warnings.warn(f"{value} is more than two turns in radians; {remedy}", RobotFileWarning, stacklevel=4)

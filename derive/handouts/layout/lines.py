@@ -111,17 +111,19 @@ def _continued(piece: Piece) -> Box:
     return piece.box
 
 
-def displays(lines: Sequence[str]) -> list[str]:
+def displays(lines: Sequence[str], *, kept: bool = True) -> list[str]:
     """Rows of displayed mathematics, a few dozen in each display.
 
     Args:
         lines: LaTeX of each row.
+        kept: Whether a short display is kept on one page; one with room for answers is not short.
 
     Returns:
         ``align*`` environments of amsmath.
     """
-    parts = (lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER))
-    bodies = (_row_end(part).join(f"& {line.rstrip()}" for line in part) for part in parts)
+    parts = [lines[k : k + BREAK_AFTER] for k in range(0, len(lines), BREAK_AFTER)]
+    ends = [_row_end(part) if kept else " \\\\\n" for part in parts]
+    bodies = (end.join(f"& {line.rstrip()}" for line in part) for end, part in zip(ends, parts, strict=True))
     return [f"\\begin{{align*}}\n{body}\n\\end{{align*}}" for body in bodies]
 
 

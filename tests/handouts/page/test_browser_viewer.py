@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from derive.handouts.page.viewer import symbol_values, travels
 from derive.robot.robot import Robot
@@ -202,7 +204,8 @@ def test_the_view_turns_by_mouse_and_keys_and_returns(figure: Figure) -> None:
     page.locator(".viewer-names").check()
     page.evaluate("document.activeElement.blur()")
     page.mouse.move(5, 5)
-    assert figure.steady_picture() == home
+    returned, before = (np.asarray(Image.open(io.BytesIO(png)), dtype=int) for png in (figure.steady_picture(), home))
+    assert np.abs(returned - before).max() <= 2  # of 255: the camera is back but for rounding
 
 
 def test_frames_and_labels_can_be_hidden(figure: Figure) -> None:
