@@ -118,7 +118,13 @@ def test_closed_forms_of_random_robots_agree_with_the_oracle(seed: int, n: int) 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "seed", [pytest.param(1, marks=pytest.mark.sweep), 4, 5, pytest.param(7, marks=pytest.mark.sweep)]
+    "seed",
+    [
+        pytest.param(1, marks=pytest.mark.sweep),
+        pytest.param(4, marks=pytest.mark.sweep),
+        5,
+        pytest.param(7, marks=pytest.mark.sweep),
+    ],
 )
 def test_closed_forms_of_long_random_robots_agree_with_the_oracle(seed: int) -> None:
     robot = Robot.from_text(robot_text(random.Random(1000 + seed), 5 + seed % 2))

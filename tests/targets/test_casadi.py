@@ -37,7 +37,7 @@ def test_functions_have_named_inputs_and_outputs(name: str) -> None:
     assert function.n_out() == 1
 
 
-@pytest.mark.parametrize("seed", seeds(10, usual=4))
+@pytest.mark.parametrize("seed", seeds(10, usual=3))
 def test_results_agree_with_numpy(seed: int) -> None:
     drawn = random_robot(random.Random(100 + seed), 1 + seed % 5)
     robot = Robot.from_text(drawn.text)

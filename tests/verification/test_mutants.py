@@ -30,7 +30,9 @@ OTHER = {"+": "-", "-": "+", "*": "+"}
 Render = Callable[[Source], dict[str, str]]
 
 
-@pytest.mark.parametrize("render", [render_numpy, render_casadi], ids=["numpy", "casadi"])
+@pytest.mark.parametrize(
+    "render", [render_numpy, pytest.param(render_casadi, marks=pytest.mark.sweep)], ids=["numpy", "casadi"]
+)
 def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, render: Render) -> None:
     rng = random.Random(11)
     robot = Robot.from_text(random_robot(rng, 4).text)
