@@ -6,7 +6,7 @@ READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
 
-.PHONY: all setup models test test-sweep test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
+.PHONY: all setup models test test-sweep test-release test-fast check errata generated-check verify-generated messages bench wheel wheel-smoke docs system-packages clean
 
 all: models
 
@@ -24,14 +24,18 @@ models: $(READY)
 
 # Less than nine minutes on two cores.
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release'
 
-# More robots of the same kinds, for CI and before a release.
+# More robots of the same kinds; CI runs them.
 test-sweep: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m sweep
 
+# All robots in all documents, and interrupts at many moments: an hour, before a release.
+test-release: $(READY)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m release
+
 test-fast: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep'
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not slow and not sweep and not release'
 
 check: $(READY)
 	$(BIN)/ruff check .

@@ -18,6 +18,9 @@ import numpy.typing as npt
 import pytest
 from hypothesis import strategies as st
 
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
+
 Array = npt.NDArray[np.float64]
 
 
@@ -389,6 +392,18 @@ def _flow(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def seeds(count: int, usual: int) -> list[Any]:
-    """Seeds of random robots: the first ones for every run of the tests, the others for the sweeps."""
-    return [seed if seed < usual else pytest.param(seed, marks=pytest.mark.sweep) for seed in range(count)]
+def seeds(count: int, usual: int, swept: int | None = None) -> list[Any]:
+    """Seeds: the first ones for every run of the tests, then those of the sweep, the others before a release."""
+    marks = [[]] * usual + [[pytest.mark.sweep]] * ((swept or count) - usual) + [[pytest.mark.release]] * count
+    return [pytest.param(seed, marks=marks[seed]) for seed in range(count)]
+
+
+SWEPT = ("kuka-kr5", "puma560-corke", "scara-matlab", "stanford-deluca", "thumb")
+"""Built-in robots of every kind, for sweeps that take long for each."""
+
+
+def swept_catalogue(most_joints: int = 64, usual: tuple[str, ...] = ()) -> list[Any]:
+    """The built-in robots: those for every run of the tests, those of the sweep, the others before a release."""
+    names = (name for name in catalogue_names() if Robot.load(name).n <= most_joints)
+    rest = {name: [pytest.mark.sweep if name in SWEPT else pytest.mark.release] for name in names}
+    return [pytest.param(name, marks=[] if name in usual else marks) for name, marks in rest.items()]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
@@ -21,19 +20,12 @@ from derive.model.quantities import REGISTRY
 from derive.robot.handout_options import HandoutOptions
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
+from tests.random_robots import swept_catalogue
 
 LONGEST = 3_000
 QUICK = ("planar-2r-perugia", "spherical-wrist")
 LONG_CHAIN = 8
 """Joints from which only the transforms of the rows are short enough to be read."""
-
-
-def catalogue() -> list[Any]:
-    return [
-        pytest.param(name, marks=() if name in QUICK else pytest.mark.sweep)
-        for name in catalogue_names()
-        if Robot.load(name).n < LONG_CHAIN
-    ]
 
 
 def quantities(model: Model) -> Iterator[str]:
@@ -52,7 +44,7 @@ def quantities(model: Model) -> Iterator[str]:
                 yield name
 
 
-@pytest.mark.parametrize("name", catalogue())
+@pytest.mark.parametrize("name", swept_catalogue(LONG_CHAIN - 1, usual=QUICK))
 def test_what_show_prints_is_read_back(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     model = Model(Robot.load(name))
     for quantity in quantities(model):
@@ -65,7 +57,7 @@ def test_what_show_prints_is_read_back(name: str, capsys: pytest.CaptureFixture[
 FRAGMENTS = ("T", "J", "A[1]", "T[0,1]", "B", "C", "g", "tau", "potential", "kinetic")
 
 
-@pytest.mark.parametrize("name", catalogue())
+@pytest.mark.parametrize("name", swept_catalogue(LONG_CHAIN - 1, usual=QUICK))
 def test_fragments_of_the_handout_are_read_back(name: str) -> None:
     robot = Robot.load(name)
     model = Model(robot)

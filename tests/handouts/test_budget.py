@@ -13,9 +13,9 @@ from derive.handouts.document import Document, Formula, Paragraph, Rows, Section
 from derive.handouts.language import Text
 from derive.handouts.latex_writer import latex
 from derive.robot.handout_options import PARTS, Derivation
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
+from tests.random_robots import swept_catalogue
 
 SHORT = Rows(("a = b",))
 LONG = Formula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",))
@@ -81,9 +81,8 @@ def test_a_limit_of_pages_is_kept_on_paper(tmp_path: Path) -> None:
     assert 3 <= clean_pages("scara-perugia", 5, Derivation.STEPS, tmp_path) <= 5
 
 
-@pytest.mark.sweep
 @pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue())
 def test_limits_are_kept_by_every_robot(name: str, tmp_path: Path) -> None:
     for limit in (20, 10, 6, 4, 2):
         assert clean_pages(name, limit, Derivation.STEPS, tmp_path) <= limit

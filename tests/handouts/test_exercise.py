@@ -17,9 +17,9 @@ from derive.handouts.document import Blank, Block, Document, Formula, Gap, Parag
 from derive.handouts.exercise import exercise, solutions
 from derive.handouts.latex_writer import latex
 from derive.robot.handout_options import Derivation, HandoutOptions
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
+from tests.random_robots import swept_catalogue
 
 ROBOTS = ("planar-2r-perugia", "scara-perugia", "stanford-deluca", "kuka-lwr4", "dh-general-laschi")
 ONE_ENTRY = re.compile(r"\(?[A-Za-z\\{}]+\)?_\{\d,?\d\}")
@@ -145,8 +145,7 @@ def test_an_exercise_has_at_most_twice_the_pages_of_the_handout(tmp_path: Path) 
     assert_at_most_twice_the_pages("stanford-deluca", "pt", Derivation.RESULT, tmp_path)
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue())
 def test_every_exercise_has_at_most_twice_the_pages_of_the_handout(name: str, tmp_path: Path) -> None:
     assert_at_most_twice_the_pages(name, "it", Derivation.RESULT, tmp_path)
 

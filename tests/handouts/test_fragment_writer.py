@@ -17,9 +17,9 @@ from derive.handouts.language import Text
 from derive.handouts.pdf import LatexLog
 from derive.model.quantities import REGISTRY
 from derive.robot.handout_options import PARTS
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import require_latex, run_latex
+from tests.random_robots import swept_catalogue
 
 PLANE = "planar-2r-perugia"
 LARGE = 8
@@ -95,9 +95,8 @@ def test_every_fragment_of_a_robot_fits_its_line(tmp_path: Path) -> None:
         assert_fits(texts, document_class, tmp_path)
 
 
-@pytest.mark.sweep
 @pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue())
 def test_every_fragment_of_every_robot_fits_every_class(name: str, tmp_path: Path) -> None:
     """Articles and books, three letter sizes, one and two columns, slides; and beamer where it is installed."""
     texts = fragments_of(name, tmp_path)

@@ -16,9 +16,9 @@ from derive.handouts.exercise import exercise
 from derive.handouts.language import Text, languages
 from derive.handouts.latex_writer import latex
 from derive.robot.handout_options import Derivation
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_latex
+from tests.random_robots import swept_catalogue
 
 RUN_TOGETHER = re.compile(r"\w*[^\W\d_A-Z](?:[.!?]|[:;,](?![a-z]))[^\W\d_]\w*|[)\]][.!?][A-Z\u00c0-\u00de]\w*")
 """A word, a mark that ends a sentence or a part of one, and the next word without a space."""
@@ -77,9 +77,8 @@ def test_a_sheet_reads_well(name: str, language: str, tmp_path: Path) -> None:
     assert_reads_well(made[0], text, tmp_path)
 
 
-@pytest.mark.sweep
 @pytest.mark.parametrize("language", languages())
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue())
 def test_every_sheet_reads_well(name: str, language: str, tmp_path: Path) -> None:
     """Handout and exercise of the whole catalogue in every language."""
     text, made = sheets(name, language)

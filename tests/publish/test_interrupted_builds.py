@@ -56,7 +56,7 @@ def descendants(group: int) -> list[str]:
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes that were left")
 @pytest.mark.parametrize("whom", ["the terminal's group", "the process"])
 @pytest.mark.parametrize("build", [ONE, MANY], ids=["one robot", "several"])
-@pytest.mark.parametrize("seed", seeds(30, usual=1))
+@pytest.mark.parametrize("seed", seeds(30, usual=1, swept=6))
 def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
     build: tuple[str, ...], whom: str, seed: int, tmp_path: Path
 ) -> None:

@@ -10,8 +10,8 @@ from derive.handouts.assemble import context_of
 from derive.handouts.layout.flow import breakable, matrix_equation, whole_equations
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines
 from derive.handouts.notation.pieces import concatenate, joined
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
+from tests.random_robots import swept_catalogue
 
 MARK = re.compile(r"\\(?:brk|fac)[0-9] ")
 
@@ -67,8 +67,7 @@ def test_a_matrix_is_also_its_entries() -> None:
     assert matrix_equation("x = a + b") is None
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue())
 def test_lines_of_every_robot_become_whole_again(name: str) -> None:
     robot = Robot.load(name)
     if robot.n > 8:

@@ -11,9 +11,9 @@ from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.workspace.plot import workspace_bytes
 from derive.handouts.figure.workspace.point import ArmPoint, Picture, PlaneMap, joint_ranges
 from derive.handouts.figure.workspace.workspace import Workspace, find_workspace, find_wrist
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.figure.workspace.arms import GANTRY, arm
+from tests.random_robots import swept_catalogue
 
 shapely = pytest.importorskip("shapely")
 pytest.importorskip("matplotlib")
@@ -89,8 +89,7 @@ def test_a_workspace_of_one_point_is_plotted_without_a_warning() -> None:
     assert workspace_bytes(found.views, ".svg", "a point").startswith(b"<?xml")
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", swept_catalogue())
 def test_millions_of_poses_lie_in_the_workspace_and_fill_it(name: str) -> None:
     poses = RobotPoses(Robot.load(name))
     found = find_workspace(poses)
