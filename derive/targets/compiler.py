@@ -7,6 +7,7 @@ import shlex
 import shutil
 import signal
 import subprocess
+import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
@@ -77,7 +78,8 @@ def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, op
     """
     command = [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"]
     try:
-        status, said = _run(command)
+        with tempfile.TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True) as temporary:
+            status, said = _run(command, temporary)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise TargetError(f"the C compiler {compiler[0]} did not run: {type(error).__name__}: {error}") from error
     if status != 0:
@@ -85,8 +87,11 @@ def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, op
         raise TargetError(f"the C compiler {compiler[0]} failed: {reason.strip()}")
 
 
-def _run(command: Sequence[str]) -> tuple[int, str]:
-    """Exit status and messages of a compiler, which ends with all that it has started if this is left early."""
+def _run(command: Sequence[str], temporary: str) -> tuple[int, str]:
+    """Exit status and messages of a compiler, which ends with all that it has started if this is left early.
+
+    One that is stopped leaves files between its passes behind; they have a folder of their own.
+    """
     process = subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,
@@ -94,6 +99,7 @@ def _run(command: Sequence[str]) -> tuple[int, str]:
         stderr=subprocess.PIPE,
         text=True,
         errors="replace",
+        env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), temporary),
         start_new_session=True,  # an interrupt from the terminal is ours to answer
     )
     _running.add(process)
@@ -112,11 +118,10 @@ _running: set[subprocess.Popen[str]] = set()
 
 
 def _end(process: subprocess.Popen[str]) -> None:
-    """End a compiler and the passes that it has started; asked first, it removes its temporary files."""
+    """End a compiler and the passes that it has started, which may outlive it."""
     for number in ("SIGTERM", "SIGKILL"):
-        if process.poll() is None:
-            with suppress(OSError):  # it has ended meanwhile
-                os.killpg(process.pid, getattr(signal, number)) if hasattr(os, "killpg") else process.kill()
+        with suppress(OSError):  # it has ended meanwhile
+            os.killpg(process.pid, getattr(signal, number)) if hasattr(os, "killpg") else process.kill()
         with suppress(subprocess.TimeoutExpired):
             process.wait(timeout=PATIENCE)
 
