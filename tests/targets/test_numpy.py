@@ -423,6 +423,7 @@ def test_titles_stay_inert(title: str) -> None:
     assert ast.dump(ast.Module(ast.parse(text).body[1:], [])) == ast.dump(ast.Module(usual.body[1:], []))
 
 
+@pytest.mark.sweep
 def test_code_stays_compact() -> None:
     joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
     robot = Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n")

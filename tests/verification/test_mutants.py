@@ -43,7 +43,7 @@ def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, 
     operators = [match.start(1) for match in STEP.finditer(text)]
     assert len(operators) > 100
     found = 0
-    for place in rng.sample(operators, 12):
+    for place in rng.sample(operators, 8):
         mutant = text[:place] + OTHER[text[place]] + text[place + 1 :]
         (tmp_path / file).write_text(mutant, encoding="utf-8")
         try:
@@ -53,7 +53,7 @@ def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, 
         else:
             (wrong,) = load_models(tmp_path)
             assert_same_values(right, wrong, sample_sets(robot, 60, np.random.default_rng(1))[0])
-    assert found >= 9
+    assert found >= 6
 
 
 def assert_same_values(one: GeneratedModel, other: GeneratedModel, sample_set: SampleSet) -> None:

@@ -125,6 +125,7 @@ def test_the_kinematics_of_random_robots_compiles(seed: int, tmp_path: Path) -> 
     assert_compiles(numbered(robot), tmp_path, steps=True, frames=frames)
 
 
+@pytest.mark.sweep
 def test_a_long_arm_compiles(tmp_path: Path) -> None:
     """What is too long for a step is given as a product; numbers are given column by column."""
     rows = "".join(

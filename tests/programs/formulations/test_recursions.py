@@ -182,6 +182,7 @@ def test_cells_that_divide_by_zero_with_their_numbers_are_refused(cell: str) -> 
         build_program(robot)
 
 
+@pytest.mark.sweep
 def test_many_joints_are_traced_in_time_and_without_recursion() -> None:
     joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
     program = build_program(Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n"))
