@@ -24,7 +24,7 @@ def test_figure_is_written_and_the_same_again(suffix: str, tmp_path: Path) -> No
     assert list(tmp_path.iterdir()) == [out]
 
 
-@pytest.mark.parametrize("option", [(), ("--workspace",)])
+@pytest.mark.parametrize("option", [(), pytest.param(("--workspace",), marks=pytest.mark.sweep)])
 def test_svg_does_not_depend_on_the_process(option: tuple[str, ...], tmp_path: Path) -> None:
     for index, seed in enumerate(("1", "2")):
         arguments = ("plot", "scara-perugia", *option, "-o", f"{index}.svg")

@@ -105,7 +105,7 @@ def test_dynamics_of_every_built_in_robot_agrees_with_the_oracle(name: str) -> N
     check_body_jacobians(numbers_of(name))
 
 
-@settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=18, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 10**6), n=st.integers(1, 4))
 def test_closed_forms_of_random_robots_agree_with_the_oracle(seed: int, n: int) -> None:
     robot = Robot.from_text(robot_text(random.Random(seed), n))

@@ -102,7 +102,7 @@ def test_generated_code_of_many_robots_agrees_with_pinocchio_and_the_oracle(tmp_
     [
         pytest.param(18, True, Effort.QUICK, marks=pytest.mark.sweep),
         pytest.param(18, False, Effort.QUICK, marks=pytest.mark.sweep),
-        (32, True, Effort.FULL),
+        pytest.param(32, True, Effort.FULL, marks=pytest.mark.sweep),
         pytest.param(64, False, Effort.FULL, marks=pytest.mark.sweep),
     ],
 )

@@ -119,7 +119,7 @@ def is_same_picture(one: bytes, other: bytes) -> bool:
     return bool(np.abs(first - second).max() <= 2)
 
 
-@pytest.fixture(params=[*ROBOTS, "folding"])
+@pytest.fixture(params=[ROBOTS[0], "folding", *(pytest.param(name, marks=pytest.mark.sweep) for name in ROBOTS[1:])])
 def figure(request: pytest.FixtureRequest, browser: Any, tmp_path: Path) -> Iterator[Figure]:
     robot = Robot.from_text(MODIFIED) if request.param == "folding" else Robot.load(request.param)
     made = Figure(browser, tmp_path, robot)
