@@ -74,11 +74,15 @@ def pages(document: Document) -> int:
     Returns:
         Pages, rather too many than too few.
     """
-    return ceil((3 * _HEADING + sum(map(_section_height, document.sections))) / PAGE)
-
-
-def _section_height(section: Section) -> float:
-    return _HEADING + sum(map(height, section.blocks))
+    count, filled = 1, 3 * _HEADING
+    for section in document.sections:
+        above = _HEADING  # a heading goes to the next page with what follows it
+        for block in section.blocks:
+            for piece in _pieces(block):
+                if filled + above + piece > PAGE:
+                    count, filled = count + 1, 0.0
+                filled, above = filled + above + piece, 0.0
+    return count
 
 
 def height(block: Block) -> float:
@@ -90,24 +94,34 @@ def height(block: Block) -> float:
     Returns:
         Its height [pt].
     """
+    return sum(_pieces(block))
+
+
+def _pieces(block: Block) -> Iterator[float]:
+    """Heights of what no page divides, one below the other [pt]; none is higher than a page."""
     match block:
         case Paragraph(text):
-            return _words(text)
+            yield _words(text)
         case Rows(lines, landscape):
-            drawn = _DISPLAY + sum(map(_row, lines))
-            return PAGE * (ceil(drawn / _LANDSCAPE) + 0.5) if landscape else drawn
+            drawn = [_DISPLAY, *map(_row, lines)]
+            yield from [PAGE] * ceil(sum(drawn) / _LANDSCAPE) if landscape else drawn
         case Formula():
-            inner = sum(map(height, block.rows)) + _words(block.note)
-            named = height(Rows(block.named)) + 2 * _ROW if block.named else 0.0
-            return inner + named + (height(Rows(block.omitted)) + 2 * _ROW if block.omitted else 0.0)
+            for rows in block.rows:
+                yield from _pieces(rows)
+            for entries in (block.named, block.omitted):
+                yield from (*_pieces(Rows(entries)), 2 * _ROW) if entries else ()
+            yield _words(block.note)
         case Blank(_, task, _, gaps):
-            return _words(task) + _LINE * sum(gap.lines for gap in gaps)
-        case Table(_, rows):
-            return _LINE * (len(rows) + 3)
+            yield _words(task) + _LINE * sum(gap.lines for gap in gaps)
+        case Table(_, rows, long):
+            count = len(rows) + 3
+            yield from [_LINE] * count if long else [_LINE * count]
         case Figure(drawing, caption):
-            return drawing.height + _words(caption) + _LINE
+            yield drawing.height + _words(caption) + _LINE
         case Steps(_, blocks):
-            return 1.5 * _LINE + sum(map(height, blocks))
+            yield 1.5 * _LINE
+            for inner in blocks:
+                yield from _pieces(inner)
 
 
 def _words(text: str) -> float:
@@ -183,7 +197,7 @@ class _Sparing:
         return f"{block.note} {sentence}".strip()
 
 
-def within(document: Document, limit: int, text: Text) -> Document:
+def within(document: Document, limit: int, text: Text, spare: int = 0) -> Document:
     """The document, shortened until it has no more pages than that.
 
     Entries on pages turned on their side go first, then what is longer than a page, then the steps, then the other long
@@ -193,11 +207,13 @@ def within(document: Document, limit: int, text: Text) -> Document:
         document: The handout.
         limit: Most pages; 0 for any number.
         text: The language.
+        spare: Pages by which the estimate has to stay below the limit.
 
     Returns:
         The same document where it fits; else a shorter one that says at its head and in place what is left out.
     """
-    if not limit or pages(document) <= limit:
+    most = limit - spare
+    if not limit or pages(document) <= most:
         return document
     sections = {section.part: section for section in document.sections}
     touched: list[str] = []
@@ -211,7 +227,7 @@ def within(document: Document, limit: int, text: Text) -> Document:
         else:
             sections[part] = shorter
         found = _said(document, sections, touched, limit, text)
-        if pages(found) <= limit:
+        if pages(found) <= most:
             return found
     return _said(document, sections, touched, limit, text)
 

@@ -79,19 +79,26 @@ def handout_files(
             f"{robot.name}-exercise": lambda sheet: exercise(sheet, context.text),
             f"{robot.name}-solutions": lambda sheet: solutions(sheet, context.text),
         }
-    handout = Handout(parts=tuple(section.part for section in whole.sections), shortened=paper is not whole)
+    files: dict[str, bytes] = {}
+    pages: dict[str, int] = {}
+    shortened = paper is not whole
     for name, made_from in sheets.items():
         tex = latex(made_from(paper), context.text) if {Format.TEX, Format.PDF}.intersection(formats) else ""
-        if Format.TEX in formats:
-            handout.files[f"{name}.tex"] = tex.encode()
         if Format.PDF in formats:
             tell(robot.name, "pdflatex")
-            compiled = compile_latex(tex, name)
-            handout.files[f"{name}.pdf"], handout.pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
+            compiled, spare = compile_latex(tex, name), 0
+            while name == robot.name and compiled.log.pages > options.pages > spare + 1:  # the estimate was too low
+                spare += 1
+                tex = latex(within(whole, options.pages, context.text, spare), context.text)
+                compiled = compile_latex(tex, name)
+            shortened |= spare > 0
+            files[f"{name}.pdf"], pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
+        if Format.TEX in formats:
+            files[f"{name}.tex"] = tex.encode()
         if Format.HTML in formats:
             tell(robot.name, "web page")
-            handout.files[f"{name}.html"] = _page(made_from(whole), context).encode()
-    return handout
+            files[f"{name}.html"] = _page(made_from(whole), context).encode()
+    return Handout(files, pages, tuple(section.part for section in whole.sections), shortened)
 
 
 def _page(sheet: Document, context: Context) -> str:

@@ -7,14 +7,16 @@ from pathlib import Path
 
 import pytest
 
+from derive.handouts import budget
 from derive.handouts.assemble import context_of, document
 from derive.handouts.budget import USEFULNESS, pages, within
 from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
 from derive.handouts.language import Text
 from derive.handouts.latex_writer import latex
+from derive.handouts.render import Format, handout_files
 from derive.robot.handout_options import PARTS, Derivation
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import run_latex
+from tests.handouts.latex_runner import require_latex, run_latex
 from tests.random_robots import swept_catalogue
 
 SHORT = Rows(("a = b",))
@@ -79,6 +81,18 @@ def clean_pages(name: str, limit: int, derivation: Derivation, folder: Path) -> 
 @pytest.mark.slow
 def test_a_limit_of_pages_is_kept_on_paper(tmp_path: Path) -> None:
     assert 3 <= clean_pages("scara-perugia", 5, Derivation.STEPS, tmp_path) <= 5
+
+
+@pytest.mark.slow
+def test_a_pdf_that_is_longer_than_estimated_is_made_shorter(monkeypatch: pytest.MonkeyPatch) -> None:
+    require_latex()
+    monkeypatch.setattr(budget, "PAGE", 3000.0)
+    robot = Robot.load("scara-perugia")
+    options = replace(robot.handout, derivation=Derivation.STEPS, pages=4)
+    made = handout_files(robot, options, [Format.PDF, Format.TEX])
+    assert 1 < made.pages["scara-perugia.pdf"] <= 4
+    assert made.shortened
+    assert b"page limit (4)" in made.files["scara-perugia.tex"]
 
 
 @pytest.mark.slow
