@@ -13,9 +13,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import combinations, pairwise
 
 from derive.robot.description import Convention
-from derive.robot.expression import Expression, Number, Pi, Power, Product, Sum
+from derive.robot.expression import ZERO, Expression, Number, Pi, Power, Product, Sum, add, multiply
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction
 
@@ -47,6 +48,16 @@ def decompose(angle: Expression) -> ExactAngle:
     pi_multiple = parts.pop(None, Fraction(0))
     terms = tuple((unit, k) for unit, k in parts.items() if unit is not None and k)
     return ExactAngle(pi_multiple, terms)
+
+
+def composed(angle: ExactAngle) -> Expression:
+    """The expression of an angle, its units first.
+
+    Args:
+        angle: The angle, as `decompose` makes it.
+    """
+    terms = [multiply(Number(k), unit) for unit, k in angle.terms]
+    return add(*terms, multiply(Number(angle.pi_multiple), Pi()))
 
 
 def _collect(e: Expression, factor: Fraction, parts: dict[Expression | None, Fraction]) -> None:
@@ -147,3 +158,49 @@ def _float(angle: Expression, units: dict[Expression, float]) -> float:
         default = 1.0 if isinstance(unit, Number) else _UNIT_STEP * (1 + 0.618_034 * len(units))
         total += float(k) * units.setdefault(unit, default)
     return total
+
+
+def printed_offsets(robot: Robot, groups: Groups, directions: tuple[int, ...]) -> tuple[Expression, ...]:
+    """What is added to each joint angle inside the sines and cosines that are printed: ``cos(q1 + pi/4)``.
+
+    That is the constant of its cell where it is no multiple of pi/2, sine and cosine of which are numbers that vanish.
+    Where constants of a group add up to such a multiple, as two of pi/4 do, the sums of the group are turned by right
+    angles until none does: then ``q1 + q2`` has no constant.
+
+    Args:
+        robot: The robot.
+        groups: Its groups of revolute joints with parallel axes.
+        directions: For every joint its direction within its group, see `contracted_groups`.
+
+    Returns:
+        For every joint the angle that is added to its variable [rad].
+    """
+    offsets: list[Expression] = [ZERO] * robot.n
+    nothing = ExactAngle(Fraction(0), ())
+    for group in groups:
+        sums = [nothing]
+        for i in group:
+            own = decompose(robot.joints[i].theta)
+            turn = directions[i] * robot.joints[i].sign
+            sums.append(sums[-1] if _is_right(own) else _plus(sums[-1], own, turn))
+        if any(_is_right(d := _plus(b, a, -1)) and d != nothing for a, b in combinations(sums, 2)):
+            sums = [
+                ExactAngle((s.pi_multiple + Fraction(1, 4)) % Fraction(1, 2) - Fraction(1, 4), s.terms) for s in sums
+            ]
+        for i, (before, after) in zip(group, pairwise(sums), strict=True):
+            step = _plus(after, before, -1)
+            offsets[i] = composed(_plus(nothing, step, directions[i]))
+    return tuple(offsets)
+
+
+def _is_right(angle: ExactAngle) -> bool:
+    """Whether an angle is a multiple of pi/2."""
+    return not angle.terms and (2 * angle.pi_multiple).denominator == 1
+
+
+def _plus(a: ExactAngle, b: ExactAngle, factor: int) -> ExactAngle:
+    """a + factor*b."""
+    parts = dict(a.terms)
+    for unit, k in b.terms:
+        parts[unit] = parts.get(unit, Fraction(0)) + factor * k
+    return ExactAngle(a.pi_multiple + factor * b.pi_multiple, tuple((u, k) for u, k in parts.items() if k))

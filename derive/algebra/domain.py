@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 
-from derive.algebra.angles import contracted_groups, decompose
+from derive.algebra.angles import composed, contracted_groups, decompose, printed_offsets
 from derive.algebra.generators import (
     MAX_MULTIPLE,
     SPECIAL,
@@ -23,7 +23,7 @@ from derive.algebra.generators import (
 from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
 from derive.robot.description import Joint
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction
@@ -40,10 +40,14 @@ class PolynomialDomain:
             by itself. Any choice is exact; it decides how many terms a polynomial has.
         contraction: Which parallel axes form a group.
         rates: Whether velocities and accelerations are generators too.
+        offsets: Whether the generators are sines and cosines of joint angles with their constants, ``cos(q1 + pi/4)``,
+            as `derive.algebra.angles.printed_offsets` says; else of the joint variables.
         max_terms: A product with more terms raises `TooManyTerms`.
 
     Attributes:
         groups: Revolute joints with parallel axes, see `derive.algebra.angles`.
+        with_offsets: Whether sines and cosines add the constants of their cells to the variables.
+        offsets: For each joint the constant that its sines and cosines add to the variable [rad].
         directions: For each joint +1, or -1 where its angle is subtracted in the sums of its group.
         angles: For each joint the joints whose variables its generator sums, empty for a prismatic joint.
         generators: What the generators stand for, in the order of the ring.
@@ -58,11 +62,16 @@ class PolynomialDomain:
         sums: Callable[[tuple[int, ...]], bool] = lambda group: True,
         contraction: Contraction = Contraction.ALIGNED,
         rates: bool = True,
+        offsets: bool = False,
         max_terms: int = UNBOUNDED,
     ) -> None:
         self.robot = robot
         self.contraction = contraction
         self.groups, self.directions = contracted_groups(robot, contraction)
+        self.with_offsets = offsets
+        self.offsets: tuple[Expression, ...] = (ZERO,) * robot.n
+        if offsets:
+            self.offsets = printed_offsets(robot, self.groups, self.directions)
         home = {joint: group for group in self.groups for joint in group}
         summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}
         self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
@@ -81,7 +90,7 @@ class PolynomialDomain:
         yield from (Generator(Kind.ROOT, f"sqrt {e!r}", e) for e in reversed(atoms.roots))
         yield from (Generator(Kind.PRIME_ROOT, f"sqrt {p}", Number(Fraction(p))) for p in sorted(atoms.primes))
         moving = [
-            sine_and_cosine(self.angle_sum(members), "+".join(joints[m].variable for m in members), i)
+            sine_and_cosine(self.printed_angle(members), "+".join(joints[m].variable for m in members), i)
             for i, members in enumerate(self.angles)
             if members
         ]
@@ -122,7 +131,7 @@ class PolynomialDomain:
                 self.ring.relate_inverse(g.name, self.constant(g.argument))
 
     def angle_sum(self, members: tuple[int, ...]) -> Expression:
-        """The sum of some angles of a group, the first of them positive.
+        """The sum of some joint variables of a group, the first of them positive.
 
         Args:
             members: Indices of the joints.
@@ -130,6 +139,24 @@ class PolynomialDomain:
         first = self.directions[members[0]]
         terms = [scaled(Name(self.robot.joints[m].variable), Fraction(first * self.directions[m])) for m in members]
         return terms[0] if len(terms) == 1 else Sum(tuple(terms))
+
+    def offset_sum(self, members: tuple[int, ...]) -> Expression:
+        """What sines and cosines add to `angle_sum`.
+
+        Args:
+            members: Indices of the joints.
+        """
+        first = self.directions[members[0]]
+        terms = (multiply(Number(Fraction(first * self.directions[m])), self.offsets[m]) for m in members)
+        return composed(decompose(add(*terms)))
+
+    def printed_angle(self, members: tuple[int, ...]) -> Expression:
+        """The angle of a printed sine or cosine: `angle_sum` with `offset_sum`.
+
+        Args:
+            members: Indices of the joints.
+        """
+        return add(self.angle_sum(members), self.offset_sum(members))
 
     def adds_angles(self, group: tuple[int, ...]) -> bool:
         """Whether the generators of a group are sums of angles, not the angles themselves.
@@ -156,9 +183,10 @@ class PolynomialDomain:
             index: Index of the joint.
             joint: Its row of the table.
         """
-        c, s = self.cosine_sine_of(index)
+        c, s = self.cosine_sine_of(index, offset=True)
         turned = (c, s) if joint.sign > 0 else (c, -s)
-        return _add_angles(turned, self.cosine_sine(joint.theta))
+        rest = add(joint.theta, multiply(Number(Fraction(-joint.sign)), self.offsets[index]))
+        return _add_angles(turned, self.cosine_sine(rest))
 
     def joint_offset(self, index: int, joint: Joint) -> Polynomial:
         """The displacement of a prismatic joint, ``sign*q + d`` [m].
@@ -169,18 +197,24 @@ class PolynomialDomain:
         """
         return joint.sign * self.ring.generator(joint.variable) + self.constant(joint.d)
 
-    def cosine_sine_of(self, index: int) -> tuple[Polynomial, Polynomial]:
+    def cosine_sine_of(self, index: int, *, offset: bool = False) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of the variable of a revolute joint itself.
 
         Args:
             index: Index of the joint.
+            offset: Whether with what `offsets` adds to the variable.
         """
         pair = self._generator_pair(index)
-        if len(self.angles[index]) == 1:
+        if len(self.angles[index]) > 1:
+            cosine, sine = self._generator_pair(self.angles[index][-2])
+            turned = _add_angles(pair, (cosine, -sine))
+            pair = turned if self.directions[index] > 0 else (turned[0], -turned[1])
+        if offset or self.offsets[index] == ZERO:
             return pair
-        cosine, sine = self._generator_pair(self.angles[index][-2])
-        turned = _add_angles(pair, (cosine, -sine))
-        return turned if self.directions[index] > 0 else (turned[0], -turned[1])
+        joint = self.robot.joints[index]
+        cosine, sine = self.cosine_sine(joint.theta)
+        c, s = _add_angles(self.joint_cosine_sine(index, joint), (cosine, -sine))
+        return c, joint.sign * s
 
     def _generator_pair(self, index: int) -> tuple[Polynomial, Polynomial]:
         cosine = self.generators[self.places[Kind.COSINE, index]]

@@ -12,7 +12,7 @@ from derive.errors import TargetError, listed
 from derive.handouts.fragment import fragment_text
 from derive.handouts.render import Format, handout_files
 from derive.publish.atomic_folder import write_files
-from derive.robot.handout_options import Derivation, chosen_notation, chosen_parts
+from derive.robot.handout_options import Derivation, chosen_notation, chosen_pages, chosen_parts
 from derive.robot.robot import Robot
 from derive.robot.style import Style, choice_named
 
@@ -94,14 +94,15 @@ def handout(
         exercise: Whether an exercise and its solutions are written instead of one sheet.
         force: Whether to overwrite files that derive did not write.
         progress: Called with the robot's name and the stage that it has reached.
-        pages: Most pages on paper, 20 if not given; 0 for any number. What is least useful is left out first.
+        pages: Most pages on paper, 20 where neither this nor the file says; 0 for any number. What is least useful is
+            left out first.
 
     Returns:
         Paths, sizes and pages of the files, parts, seconds.
 
     Raises:
         RobotFileError: The file does not describe a robot.
-        QuantityError: An unknown part, notation or style.
+        QuantityError: An unknown part, notation or style, or a number of pages that is none.
         TargetError: An unknown format or language, or a package for the web page is missing.
         LatexError: LaTeX is missing or refused the document.
         OutputError: A file is there that derive did not write, or the system refused to write.
@@ -114,7 +115,7 @@ def handout(
         wanted.add(Format.TEX)
     shown = with_options(load(robot), parts, language, derivation, notation, q, style)
     if pages is not None:
-        shown = replace(shown, handout=replace(shown.handout, pages=pages))
+        shown = replace(shown, handout=replace(shown.handout, pages=chosen_pages(str(pages))))
     forms = [form for form in Format if form in wanted]
     made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress)
     paths = write_files(made.files, Path(out), force=force)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from derive.cli.terminal import print_json, progress
 from derive.errors import DeriveError, OutputError
-from derive.robot.handout_options import Derivation, NotationOptions, chosen_notation, chosen_parts
+from derive.robot.handout_options import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
 
 SUMMARY = "a sheet to hand out: LaTeX, PDF and web page"
 DESCRIPTION = """\
@@ -67,9 +67,10 @@ def _parts(text: str) -> tuple[str, ...]:
 
 def _pages(text: str) -> int:
     """A number of pages."""
-    if not (text.isascii() and text.isdigit() and len(text) < 5):
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of pages; a whole number such as 20, 0 for any number")
-    return int(text)
+    try:
+        return chosen_pages(text)
+    except DeriveError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _notation(text: str) -> dict[str, str]:

@@ -17,8 +17,8 @@ from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.model.entries import expanded_terms, of_matrix
-from derive.model.quantities import REGISTRY
-from derive.model.quantity_names import parse
+from derive.model.quantities import REGISTRY, Quantity
+from derive.model.quantity_names import parse, pick
 from derive.robot.handout_options import PARTS, HandoutOptions
 from derive.robot.robot import Robot
 
@@ -40,7 +40,7 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str =
     Args:
         robot: The robot.
         options: What the handout shows; language and notation count here too.
-        name: A part such as ``inertia`` or a quantity such as ``B``, ``A[1]`` or ``T[0,2]``.
+        name: A part such as ``inertia`` or a quantity such as ``B``, ``A[1]``, ``T[0,2]`` or, as in books, ``M``.
         width: Width of the lines, such as ``84mm``; that of the document, where the fragment stands, if empty.
 
     Returns:
@@ -48,27 +48,36 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str =
 
     Raises:
         QuantityError: A width that is none, or a part or quantity that this robot does not have.
-        TargetError: Neither a part nor a quantity.
+        TargetError: Neither a part nor a quantity; a word with several meanings is a `QuantityError`.
     """
     if width and _WIDTH.fullmatch(width) is None:
         raise QuantityError(f"width {quoted(width)}", allowed="a number with pt, mm, cm, in or em, such as 84mm")
-    context = context_of(robot, options)
+    name, context = " ".join(name.split()), context_of(robot, options)
     section = section_of(context, name) if name in PARTS else _quantity(context, name)
     if section is None:
         raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed="its file gives no links")
     return fragment(section, context.text, name=name, robot=robot.name, version=context.version, width=width)
 
 
-def _quantity(context: Context, name: str) -> Section:
-    """A section that holds one quantity, as the handout prints it where it does."""
-    word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
-    if word not in REGISTRY:  # what is meant may be a part or a quantity
+def _asked(context: Context, name: str) -> tuple[Quantity, tuple[int, ...], tuple[int, ...] | None]:
+    """What a name asks for, in the words of `derive.model.quantity_names`; what is none may be meant for a part."""
+    try:
+        return parse(context.entries.model, name)
+    except QuantityError as error:
+        word = re.split(r"[\[\s]", name.strip(), maxsplit=1)[0]
+        part = near_miss(word, PARTS)
+        if error.remedy and not part:
+            raise
         raise TargetError(
             f"no part and no quantity {quoted(name)}",
             allowed=f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
-            remedy=near_miss(word, (*PARTS, *REGISTRY)),
-        )
-    row, indices, entry = parse(context.entries.model, name)
+            remedy=part or near_miss(word, REGISTRY),
+        ) from None
+
+
+def _quantity(context: Context, name: str) -> Section:
+    """A section that holds one quantity, as the handout prints it where it does."""
+    row, indices, entry = _asked(context, name)
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
     dynamics, entries, lay_out = context.dynamics, context.entries, context.layouter.lay_out
@@ -82,7 +91,7 @@ def _quantity(context: Context, name: str) -> Section:
         case "B" | "C" | "N" | "g" | "tau" | "potential":
             laid_out = dynamics.closed(row.name)
         case _:  # no part prints it as a whole
-            laid_out = _by_value(context, name, row.name, indices)
+            laid_out = _by_value(context, row, indices, entry)
     return Section("", "", (formula(context, laid_out, row.function),))
 
 
@@ -101,20 +110,20 @@ class _Name:
     is_derived: bool = False
 
 
-def _by_value(context: Context, text: str, name: str, indices: tuple[int, ...]) -> LaidOut:
+def _by_value(context: Context, row: Quantity, indices: tuple[int, ...], entry: tuple[int, ...] | None) -> LaidOut:
     """Any other quantity, or an entry: by the value that the model has for it."""
-    value = context.entries.model.quantity(text)
+    whole, name = row.value(context.entries.model, *indices), row.name
+    value = whole if entry is None else pick(whole, entry, row.call)
     called = _called(context, name, indices)
     if hasattr(value, "shape"):
         limit = context.policy.grouped_terms if REGISTRY[name].dynamic else 0
         namer = component_namer(called.symbol) if called.is_derived and value.shape[1] == 1 else called.entry
         return context.layouter.lay_out(called.symbol, namer, of_matrix(value), limit=limit)
     symbol = called.symbol
-    numbers = re.findall(r"\d+", text.partition("[")[2])[len(indices) :]
-    if len(numbers) == 2:  # a row and a column, as in T[0,2][1,4]
-        symbol = called.entry(int(numbers[0]), int(numbers[1]))
-    elif numbers:  # the row of a vector
-        symbol = script(Box(f"({symbol.tex})", symbol.width + 10.0), italic(str(int(numbers[0]))))
+    if entry is not None and len(entry) == 2:  # a row and a column, as in T[0,2][1,4]
+        symbol = called.entry(*entry)
+    elif entry is not None:  # the row of a vector
+        symbol = script(Box(f"({symbol.tex})", symbol.width + 10.0), italic(str(entry[0])))
     item = Item(symbol, max(1, expanded_terms(value)), lambda: value)
     return context.layouter.entries([item], limit=context.policy.grouped_terms)
 

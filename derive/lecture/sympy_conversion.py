@@ -80,8 +80,10 @@ def factor_to_sympy(domain: PolynomialDomain, factor: PrintedFactor) -> Expr:
         factor: The factor.
     """
     if factor.kind in (Kind.SINE, Kind.COSINE):
-        angle = expression_to_sympy(domain.angle_sum(factor.joints))
-        return sympy.sin(angle) if factor.kind is Kind.SINE else sympy.cos(angle)
+        angle = expression_to_sympy(domain.printed_angle(factor.joints))
+        function = sympy.sin if factor.kind is Kind.SINE else sympy.cos
+        # SymPy would turn cos(q - pi/6) into sin(q + pi/3)
+        return function(angle, evaluate=not angle.has(sympy.pi))
     assert factor.argument is not None
     argument = expression_to_sympy(factor.argument)
     match factor.kind:

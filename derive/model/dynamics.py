@@ -53,7 +53,8 @@ class Dynamics:
         massless = (replace(link, mass=ZERO, com=(ZERO, ZERO, ZERO), inertia=Inertia()) for link in robot.links)
         bare = replace(robot, links=tuple(massless))
         names = [Name(f"{part} of {i}") for i in range(robot.n) for part in PARTS]
-        self.lumped = PolynomialDomain(bare, names, contraction=domain.contraction, rates=False, max_terms=max_terms)
+        kind, offsets = domain.contraction, domain.with_offsets
+        self.lumped = PolynomialDomain(bare, names, contraction=kind, rates=False, offsets=offsets, max_terms=max_terms)
         self.lumps: list[Lump] = []
         # a generator for each of the ten parameters of a body, or its number
         bodies, ring = [], self.lumped.ring

@@ -88,7 +88,7 @@ class KinematicModel:
     @cached_property
     def domain(self) -> PolynomialDomain:
         """The polynomial ring of kinematics, with the user's symbols."""
-        return PolynomialDomain(self.robot, contraction=self.style.contraction, rates=False)
+        return PolynomialDomain(self.robot, contraction=self.style.contraction, rates=False, offsets=True)
 
     @cached_property
     def kinematics(self) -> Kinematics:

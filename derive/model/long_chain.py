@@ -157,7 +157,7 @@ class LongChain:
             return False
         start, end = sorted((i, j))
         if start not in self._reach:
-            probe = PolynomialDomain(self.robot, rates=False, max_terms=20 * MAX_TERMS)
+            probe = PolynomialDomain(self.robot, rates=False, offsets=True, max_terms=20 * MAX_TERMS)
             kinematics, last = Kinematics(self.robot, probe), start
             with suppress(TooManyTerms):
                 for k in range(start + 1, self.robot.n + 1):
@@ -171,7 +171,7 @@ class LongChain:
     @cached_property
     def chain(self) -> Chain[Expr]:
         """The arm over SymPy expressions, each angle by itself."""
-        alone = PolynomialDomain(self.robot, rates=False, sums=lambda group: False)
+        alone = PolynomialDomain(self.robot, rates=False, offsets=True, sums=lambda group: False)
         return build_chain(self.robot, LeafDomain(alone, LectureForm(alone).kinematic))
 
     @cached_property
@@ -254,5 +254,5 @@ def nested_term_counts(robot: Robot) -> NestedKinematics[TermCount]:
     Args:
         robot: The robot.
     """
-    alone = PolynomialDomain(robot, rates=False, sums=lambda group: False)
+    alone = PolynomialDomain(robot, rates=False, offsets=True, sums=lambda group: False)
     return nested_kinematics(build_chain(robot, LeafDomain(alone, lambda p: TermCount(len(p)))))

@@ -34,6 +34,10 @@ PARTS = (
 """Parts of a handout, in their order; title and footer are always there."""
 
 
+MOST_PAGES = 9999
+"""Largest number of pages that can be asked for."""
+
+
 class Derivation(StrEnum):
     """Whether the handout shows how a result is found."""
 
@@ -152,6 +156,24 @@ def chosen_parts(names: Iterable[str]) -> tuple[str, ...]:
     if not chosen:
         raise QuantityError(f"no part in {quoted(','.join(words))}", allowed=allowed)
     return tuple(part for part in PARTS if part in chosen)
+
+
+def chosen_pages(text: str) -> int:
+    """A number of pages that somebody wrote.
+
+    Args:
+        text: A whole number; 0 for any number of pages.
+
+    Returns:
+        The number.
+
+    Raises:
+        QuantityError: It is none.
+    """
+    if not (text.isascii() and text.isdigit() and len(text) <= len(str(MOST_PAGES))):
+        allowed = f"a whole number such as 20, at most {MOST_PAGES}, 0 for any number"
+        raise QuantityError(f"{quoted(text)} is no number of pages", allowed=f"allowed: {allowed}")
+    return int(text)
 
 
 def chosen_notation(choices: Mapping[str, str], start: NotationOptions) -> NotationOptions:

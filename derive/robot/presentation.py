@@ -7,7 +7,7 @@ from collections.abc import Callable
 from enum import StrEnum
 from typing import TypeVar
 
-from derive.errors import listed, near_miss, quoted
+from derive.errors import QuantityError, listed, near_miss, quoted
 from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Joint
 from derive.robot.document import Document, KeyPath, YamlMapping
@@ -23,6 +23,7 @@ from derive.robot.handout_options import (
     InertiaLetter,
     NotationOptions,
     SliderLetter,
+    chosen_pages,
 )
 from derive.robot.style import DEFAULT_STYLE, Style
 
@@ -66,7 +67,7 @@ def read_handout(document: Document) -> HandoutOptions:
         The options.
 
     Raises:
-        RobotFileError: An unknown part, a part twice, or a language that is none.
+        RobotFileError: An unknown part, a part twice, a language or a number of pages that is none.
     """
 
     def _chosen(path: KeyPath, default: Choice) -> Choice:
@@ -93,7 +94,13 @@ def read_handout(document: Document) -> HandoutOptions:
         frames=_chosen((*_NOTATION, "frames"), FrameIndices.RIGHT),
         inertia=_chosen((*_NOTATION, "inertia"), InertiaLetter.B),
     )
-    return HandoutOptions(parts, derivation, language.text if language else default.language, notation)
+    path, pages = ("handout", "pages"), default.pages
+    if (limit := document.scalar(path)) is not None:
+        try:
+            pages = chosen_pages(limit.text)
+        except QuantityError as error:
+            raise document.error(path, error.found, error.allowed) from None
+    return HandoutOptions(parts, derivation, language.text if language else default.language, notation, pages)
 
 
 def _parts(document: Document) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
 from derive.robot.handout_options import (
+    MOST_PAGES,
     PARTS,
     AngleLetter,
     Derivation,
@@ -45,6 +46,7 @@ Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
 Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
 Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
+Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": MOST_PAGES})]
 StyleName = Literal["compact", "by-geometry", "expanded"]
 Vector3 = tuple[Cell, Cell, Cell]
 Row4 = tuple[Cell, Cell, Cell, Cell]
@@ -134,6 +136,7 @@ class HandoutRow(Strict):
     derivation: Derivation = Field(default=Derivation.RESULT, description="Results only, or the steps to them.")
     language: Language = Field(default="en", description="Language of the texts: en, it, pt, ...")
     notation: NotationRow = Field(default=NotationRow(), description="How symbols are written.")
+    pages: Pages = Field(default="20", description="Most pages of the printed sheet; 0 for any number.")
 
 
 _NAME, _BLOCK = "<name>", "<block>"
@@ -361,6 +364,8 @@ def _expected(path: KeyPath, kind: str) -> str:
         return "allowed: a text"
     if path[:2] == ("handout", "parts") and kind == "string_type":
         return "allowed: names of parts"
+    if path == ("handout", "pages"):
+        return "allowed: a whole number"
     if kind == "string_type":
         return "allowed: one number, name or expression"
     if kind in ("list_type", "tuple_type"):

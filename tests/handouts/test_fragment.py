@@ -44,6 +44,33 @@ def test_a_quantity_stands_alone(bar: Robot, name: str) -> None:
     assert body.count(r"\begin") == body.count(r"\end")
 
 
+@pytest.mark.parametrize(
+    ("book", "ours"),
+    [
+        ("M", "B"),
+        ("mass matrix", "B"),
+        ("T02", "T[0,2]"),
+        ("^0T_2[1,4]", "T[0,2][1,4]"),
+        ("b_12", "B[1,2]"),
+        ("det(J)", "detJ"),
+    ],
+)
+def test_names_of_books_are_understood_as_by_show(bar: Robot, book: str, ours: str) -> None:
+    assert (
+        fragment_text(bar, bar.handout, book).split("\n", 1)[1]
+        == fragment_text(bar, bar.handout, ours).split("\n", 1)[1]
+    )
+
+
+def test_a_word_with_several_meanings_is_refused_with_them(bar: Robot) -> None:
+    with pytest.raises(QuantityError, match="several meanings"):
+        fragment_text(bar, bar.handout, "euler angles")
+
+
+def test_a_name_with_line_breaks_stays_in_its_comment(bar: Robot) -> None:
+    assert fragment_text(bar, bar.handout, "mass\n matrix").startswith("% mass matrix of bar")
+
+
 def test_matrices_wider_than_amsmath_expects_say_so() -> None:
     joints = ", ".join(["{type: prismatic}"] * 11)
     robot = Robot.from_text(f"name: snake\nconvention: standard\njoints: [{joints}]\n")

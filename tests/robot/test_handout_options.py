@@ -34,6 +34,7 @@ handout:
   derivation: steps
   language: pt_BR
   notation: {angle: vartheta, prismatic: q, functions: full, frames: left, inertia: M}
+  pages: 12
 figure: {q: [pi/6, 0.25], values: {m1: 3, g: 9.81}}
 """
 
@@ -52,6 +53,11 @@ BROKEN = {
     "handout: {language: italian}": "not a language code",
     "handout: {language: ../../it}": "not a language code",
     "handout: {language: [it]}": "allowed: a text",
+    "handout: {pages: many}": "handout, pages: 'many' is no number of pages; allowed: a whole number such as 20",
+    "handout: {pages: -1}": "'-1' is no number of pages",
+    "handout: {pages: 2.5}": "'2.5' is no number of pages",
+    "handout: {pages: [3]}": "handout, pages: found a list; allowed: a whole number",
+    "handout: {page: 3}": "did you mean 'pages'",
     "handout: {notation: theta}": "handout, notation: found the text 'theta'",
     "handout: {notation: {angel: q}}": "did you mean 'angle'",
     "handout: {notation: {angle: phi}}": "allowed: 'name', 'theta', 'vartheta' or 'q'",
@@ -82,7 +88,7 @@ BROKEN = {
 OF_THE_SCHEMA = [
     text
     for text in BROKEN
-    if re.match(r"handout: (\[|{part|{derivation|{language|{notation)|figure: (\[|{qs|{q: pi|{values: \[)", text)
+    if re.match(r"handout: (\[|{part|{page|{derivation|{language|{notation)|figure: (\[|{qs|{q: pi|{values: \[)", text)
 ]
 
 
@@ -99,6 +105,7 @@ def test_every_option_arrives() -> None:
     handout = robot(EVERYTHING).handout
     assert handout.derivation is Derivation.STEPS
     assert handout.language == "pt_BR"
+    assert handout.pages == 12
     assert handout.notation == NotationOptions(
         AngleLetter.VARTHETA, SliderLetter.Q, Functions.FULL, FrameIndices.LEFT, InertiaLetter.M
     )

@@ -170,6 +170,7 @@ class Order:
     def __init__(self, notation: Notation) -> None:
         self._positions = notation.positions
         self._inertial = notation.inertial
+        self._angles = notation.labels
         self._bases: dict[Any, BaseKey] = {}
         self._factors: dict[Any, FactorKey] = {}
         self._terms: dict[Any, TermKey] = {}
@@ -206,6 +207,8 @@ class Order:
         plain = tuple(key for key in keys if key[0] < _TRIGONOMETRIC)
         brackets = tuple(key for key in keys if key[0] in (_OTHER, _BRACKET))
         rank = -keys[-1][0] if motion else int(rest.has(pi))
+        if rest.is_Symbol and rest.name in self._angles:  # q1 + beta, with the joint angle first
+            rank = -1
         known = self._terms[term] = (rank, motion, tuple(inertial), trigonometric, plain, brackets)
         return known
 

@@ -99,7 +99,9 @@ def zero_condition(
     values: tuple[Expr, ...] = ()
     if factor.kind is not None:  # a sine or cosine alone
         variable = expression_to_sympy(domain.angle_sum(factor.joints))
-        values = (sympy.S.Zero, sympy.pi) if factor.kind is Kind.SINE else (-sympy.pi / 2, sympy.pi / 2)
+        zeros = (sympy.S.Zero, sympy.pi) if factor.kind is Kind.SINE else (-sympy.pi / 2, sympy.pi / 2)
+        offset = expression_to_sympy(domain.offset_sum(factor.joints))
+        values = tuple(_in_one_turn(zero - offset) for zero in zeros)
     elif len(joints) == 1:
         values = _solved(domain, factor.value, joints[0], write)
         variable = sympy.Symbol(domain.robot.joints[joints[0]].variable) if values else None
@@ -113,6 +115,12 @@ def zero_condition(
     return Condition(expression, variable, values, posture, tuple(j + 1 for j in joints))
 
 
+def _in_one_turn(angle: Expr) -> Expr:
+    """An angle with its multiple of pi in (-1, 1]."""
+    turns = sympy.ceiling((angle.coeff(sympy.pi) - 1) / 2)
+    return angle - 2 * turns * sympy.pi
+
+
 def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
     """q of k*q + rest = 0 where k is a number; both angles of a*c + b*s = 0, the arc tangents of -a/b."""
     slope = domain.derivative(p, joint)
@@ -121,11 +129,13 @@ def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -
             return ()
         rest = p - slope * domain.ring.generator(domain.robot.joints[joint].variable)
         return (write(rest * (-1 / slope.constant_term)),)
-    c, s = domain.cosine_sine_of(joint)
+    c, s = domain.cosine_sine_of(joint, offset=True)
+    offset = expression_to_sympy(domain.offsets[joint])
     a, b = p * c - slope * s, p * s + slope * c
     if moving_joints(domain, a) or moving_joints(domain, b):
         return ()
-    return (sympy.atan2(write(-a), write(b)), sympy.atan2(write(a), write(-b)))
+    ways = (sympy.atan2(write(-a), write(b)), sympy.atan2(write(a), write(-b)))
+    return tuple(_in_one_turn(way - offset) for way in ways)
 
 
 MAX_TERMS = 20_000
@@ -243,7 +253,7 @@ def find_singularities(robot: Robot, style: Style | None = None) -> Singularitie
 
 
 def _singularities(robot: Robot, style: Style) -> Singularities:
-    domain = PolynomialDomain(robot, contraction=style.contraction, rates=False, max_terms=MAX_TERMS)
+    domain = PolynomialDomain(robot, contraction=style.contraction, rates=False, offsets=True, max_terms=MAX_TERMS)
     write = LectureForm(domain, style=style).kinematic
     blocks = square_blocks(Kinematics(robot, domain))
     determinants = [block.determinant() for block in blocks]
