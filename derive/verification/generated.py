@@ -25,8 +25,11 @@ from derive.targets.compiler import Command, compile_shared
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
 
-C_OPTIONS = ("-std=c99", "-O0")
-"""What is right without optimisation is right; compiling is most of the time spent here."""
+C_OPTIONS = ("-std=c99", "-O0", "-Dalways_inline=unused")
+"""What is right without optimisation is right; compiling is most of the time spent here.
+
+Every kernel is compiled once, and not once more for each function that it is to be inlined into.
+"""
 
 CASADI_OPTIONS = ("-O0",)
 

@@ -45,6 +45,8 @@ class Trial:
 def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]) -> Iterator[Trial]:
     """All calls of a function: in every way that its target offers, with every set of parameters and all at once.
 
+    Long batches are for the first set alone: where they are cut does not depend on numbers.
+
     Args:
         model: A target of the robot.
         function: Name of the function.
@@ -59,7 +61,7 @@ def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet
             yield Trial("no arguments", partial(model.call, function, (), sample_set.parameters), (), sample_set)
             continue
         for way in model.ways:
-            if way != "parameters":
+            if way != "parameters" and (way != "blocks" or sample_set is sample_sets[0]):
                 yield _trial(way, model, function, arguments, sample_set)
     if "parameters" in model.ways and sample_sets[0].parameters:
         yield from _parameter_trials(model, function, sample_sets)

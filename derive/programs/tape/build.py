@@ -112,7 +112,7 @@ def cut(graph: Graph, outputs: Sequence[Ref]) -> Tape:
     """
     order = schedule(graph, outputs)
     number = {old: new for new, old in enumerate(order)}
-    nodes = [replace(graph.node(i), operands=tuple([number[k] for k in graph.operands[i]])) for i in order]
+    nodes = [graph.node(i, number) for i in order]
     tape = Tape(tuple(nodes), tuple(Output(number[node_of(ref)], is_negative(ref)) for ref in outputs))
     results = tuple(
         Output(output.node, False) if output.negative and _turn(nodes, tape.use_counts, output.node) else output

@@ -7,7 +7,7 @@ the order of their creation; numbering depends on nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import NewType
 
@@ -115,14 +115,18 @@ class Graph:
     def __len__(self) -> int:
         return len(self.op)
 
-    def node(self, index: int) -> Node:
+    def node(self, index: int, number: Mapping[int, int]) -> Node:
         """A node as it stands in a tape.
 
+        Args:
+            index: Its index here.
+            number: The indices of its operands in the tape.
+
         Returns:
-            The node, its operands in the numbering of this graph.
+            The node.
         """
-        value, source = self.constants.get(index), self.sources.get(index)
-        return Node(self.op[index], self.operands[index], self.layer[index], value, source)
+        operands = tuple([number[k] for k in self.operands[index]])
+        return Node(self.op[index], operands, self.layer[index], self.constants.get(index), self.sources.get(index))
 
     def number(self, value: Constant) -> Ref:
         """The reference to a constant.

@@ -6,11 +6,14 @@ a further live value moved forward. The order with the lowest peak is taken, the
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from heapq import heappop, heappush
 
 from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import LEAVES, Layer
+
+Operands = Sequence[Sequence[int]]
+"""What each node takes, by its number."""
 
 
 def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
@@ -24,11 +27,20 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
         Indices of nodes.
     """
     roots = [node_of(ref) for ref in outputs]
-    plain = _depth_first(graph, roots, {})
-    needs = _values_needed(graph, plain)
-    orders = [plain, _depth_first(graph, roots, needs), _depth_first(graph, roots[::-1], needs)]
-    orders += [_eager(graph, order) for order in orders]
-    return min(orders, key=lambda order: live(graph, order))
+    nodes = _depth_first(roots, graph.operands)
+    number = {node: k for k, node in enumerate(nodes)}  # from here on, nodes are numbered in this order
+    roots = [number[root] for root in roots]
+    operands = [[number[k] for k in graph.operands[node]] for node in nodes]
+    work = _work(graph, nodes, operands)
+    users: list[list[int]] = [[] for _ in nodes]
+    for k, taken in enumerate(operands):
+        for operand in dict.fromkeys(taken) if work[k] is not None else ():
+            users[operand].append(k)
+    needs = _values_needed(operands, work)
+    highest_first = [sorted(taken, key=needs.__getitem__, reverse=True) for taken in operands]
+    orders = [list(range(len(nodes))), *(_depth_first(some, highest_first) for some in (roots, roots[::-1]))]
+    orders += [_eager(order, work, users) for order in orders]
+    return [nodes[k] for k in min(orders, key=lambda order: _live(work, order))]
 
 
 def live(graph: Graph, order: Sequence[int]) -> tuple[int, int]:
@@ -41,89 +53,97 @@ def live(graph: Graph, order: Sequence[int]) -> tuple[int, int]:
     Returns:
         The most at a time, and the sum over all steps.
     """
-    work = _work(graph, order)
-    last: dict[int, int] = {}
-    for step, i in enumerate(order):
-        for k in graph.operands[i]:
-            last[k] = step
-    peak = alive = total = 0
-    for step, i in enumerate(order):
-        if i in work:
-            alive -= sum([last[k] == step and k in work for k in dict.fromkeys(graph.operands[i])])
-            peak, total = max(peak, alive + 1), total + alive + 1
-            alive += i in last
+    number = {node: k for k, node in enumerate(order)}
+    operands = [[number[k] for k in graph.operands[node]] for node in order]
+    return _live(_work(graph, order, operands), range(len(order)))
+
+
+Work = Sequence[Sequence[int] | None]
+"""Of each operation of the body the operands that are such operations too, each once; None for any other node."""
+
+
+def _work(graph: Graph, nodes: Sequence[int], operands: Operands) -> Work:
+    """The operations of the body: nodes whose values are kept in a local variable."""
+    is_work = [graph.layer[node] is Layer.BODY and graph.op[node] not in LEAVES for node in nodes]
+    return [[k for k in dict.fromkeys(taken) if is_work[k]] if is_work[i] else None for i, taken in enumerate(operands)]
+
+
+def _live(work: Work, order: Sequence[int]) -> tuple[int, int]:
+    """From the last operation to the first: a value is alive from there on to where it is made."""
+    is_alive = bytearray(len(work))
+    peak = total = alive = 0
+    for i in reversed(order):
+        taken = work[i]
+        if taken is not None:
+            alive -= is_alive[i]
+            total += alive + 1
+            if alive >= peak:
+                peak = alive + 1
+            for k in taken:
+                if not is_alive[k]:
+                    is_alive[k] = 1
+                    alive += 1
     return peak, total
 
 
-def _work(graph: Graph, order: Sequence[int]) -> set[int]:
-    """Nodes whose values are kept in a local variable: the operations of the body."""
-    return {i for i in order if graph.layer[i] is Layer.BODY and graph.op[i] not in LEAVES}
-
-
-def _depth_first(graph: Graph, roots: Sequence[int], rank: Mapping[int, int]) -> list[int]:
-    """Each root in turn, after what it needs; the operand of highest rank first."""
-    order: list[int] = []
-    done: set[int] = set()
+def _depth_first(roots: Iterable[int], operands: Operands) -> list[int]:
+    """Each root in turn, after what it needs, one operand after the other."""
+    done: dict[int, None] = {}
     for root in roots:
         stack = [root]
         while stack:
-            index = stack[-1]
-            waiting = [k for k in graph.operands[index] if k not in done]
+            waiting = [k for k in operands[stack[-1]] if k not in done]
             if waiting:
-                waiting.sort(key=lambda k: -rank.get(k, 0))
-                stack.extend(reversed(waiting))
-                continue
-            stack.pop()
-            if index not in done:
-                done.add(index)
-                order.append(index)
-    return order
+                stack += waiting[::-1]
+            else:
+                done[stack.pop()] = None
+    return list(done)
 
 
-def _values_needed(graph: Graph, order: Sequence[int]) -> dict[int, int]:
+def _values_needed(operands: Operands, work: Work) -> list[int]:
     """How many live values each node needs if it were a tree (Sethi and Ullman 1970)."""
-    work = _work(graph, order)
-    needs: dict[int, int] = {}
-    for i in order:
-        parts = sorted([needs[k] for k in graph.operands[i]], reverse=True)
-        needs[i] = max([need + k for k, need in enumerate(parts)], default=0)
-        if i in work:
-            needs[i] = max(needs[i], 1)
+    needs: list[int] = []
+    for taken, own in zip(operands, work, strict=True):
+        parts = sorted([needs[k] for k in taken], reverse=True)
+        needs.append(max([need + k for k, need in enumerate(parts)], default=0))
+        if own is not None:
+            needs[-1] = max(needs[-1], 1)
     return needs
 
 
-def _eager(graph: Graph, order: Sequence[int]) -> list[int]:
-    """The order, with nodes moved forward that take up no more room than they give back."""
-    work = _work(graph, order)
-    place = {i: step for step, i in enumerate(order)}
-    operands = {i: tuple(dict.fromkeys(graph.operands[i])) for i in order}
-    users: dict[int, list[int]] = {i: [] for i in order}
-    for i in order:
-        for k in operands[i]:
-            users[k].append(i)
-    uses_left = {i: len(row) for i, row in users.items()}
-    missing = {i: len(operands[i]) for i in order}
-    done: dict[int, None] = {}
-    free: list[tuple[int, int]] = []
+def _eager(order: Sequence[int], work: Work, users: Operands) -> list[int]:
+    """The order, with operations moved forward that take up no more room than they give back."""
+    place = [0] * len(order)
+    missing = [0] * len(order)
+    for step, i in enumerate(order):
+        place[i] = step
+        for user in users[i]:
+            missing[user] += 1
+    uses_left = [len(row) for row in users]
+    is_done = bytearray(len(order))
+    done: list[int] = []
+    free: list[int] = []  # places of what may come at once
 
     def _offer_users(i: int) -> None:
         for user in users[i]:
-            if user in work and user not in done and not missing[user]:
-                ended = sum([uses_left[k] == 1 and k in work for k in operands[user]])
-                if ended >= bool(users[user]):
-                    heappush(free, (place[user], user))
+            taken = work[user]
+            if not missing[user] and not is_done[user] and taken is not None:
+                ended = [k for k in taken if uses_left[k] == 1]
+                if len(ended) >= bool(users[user]):
+                    heappush(free, place[user])
 
     for i in order:
-        while free or i not in done:
-            node = heappop(free)[1] if free else i
-            if node in done:
+        while free or not is_done[i]:
+            node = order[heappop(free)] if free else i
+            if is_done[node]:
                 continue
-            done[node] = None
+            is_done[node] = 1
+            done.append(node)
             for user in users[node]:
                 missing[user] -= 1
-            for k in operands[node]:
+            for k in work[node] or ():
                 uses_left[k] -= 1
                 if uses_left[k] == 1:
                     _offer_users(k)
             _offer_users(node)
-    return list(done)
+    return done
