@@ -20,9 +20,13 @@ from derive.checking.report import (
     what,
 )
 from derive.errors import CheckError, Location, quoted
-from derive.handouts.notation.text import TextPrinter
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.text import TextPrinter, loses_digits
+from derive.lecture.sympy_conversion import Expr
 from derive.model.model import Model
+from derive.robot.description import Remark
 from derive.robot.robot import Robot
+from derive.robot.rounding import DIGITS
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,9 +98,9 @@ def check(file: str | Path) -> CheckedFile:
         CheckError: A formula cannot be read.
     """
     checked = checked_file(file)
-    report, printer = checked.report, checked.printer
+    report = checked.report
     verdicts = tuple(_verdict(finding, checked) for finding in report.findings)
-    text = "\n".join(report_lines(report, printer))
+    text = "\n".join(report_lines(checked))
     return CheckedFile(report.source, report.robot, verdicts, report.passed, text)
 
 
@@ -161,7 +165,7 @@ def checked_file(file: str | Path) -> Printout:
     """
     report, robot = check_path(str(file))
     with_remarks(robot)
-    return Printout(report, TextPrinter(robot).doprint, robot.remarks)
+    return printout_of(report, robot, robot.remarks)
 
 
 def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool = False) -> Printout:
@@ -179,15 +183,34 @@ def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool =
     Raises:
         CheckError: The formula cannot be read.
     """
-    printer = TextPrinter(robot).doprint
     if not latex:
         finding = check_expression(Model(robot), quantity, formula)
-        return Printout(FileReport(robot.name, robot.name, (finding,)), printer)
+        return printout_of(FileReport(robot.name, robot.name, (finding,)), robot)
     is_file = formula.endswith(".tex") and "\n" not in formula
     text = latex_file(formula) if is_file else formula
     source = formula if is_file and formula.isprintable() else quoted(formula, 200) if is_file else "--latex"
     found = compare_latex(Model(robot), text, quantity, Location(source), document=is_file)
-    return Printout(found.file_report(source, robot.name), printer)
+    return printout_of(found.file_report(source, robot.name), robot)
+
+
+def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = ()) -> Printout:
+    """Comparisons with what writes derived formulas in the notation of their robot.
+
+    Args:
+        report: The comparisons.
+        robot: The robot.
+        remarks: What its file says and hardly means.
+
+    Returns:
+        What is reported.
+    """
+    notation = Notation.of(robot)
+
+    def _is_rounded(right: Expr) -> bool:
+        return loses_digits([right], decimals=notation.decimals, digits=DIGITS)
+
+    printers = TextPrinter(robot, notation).doprint, TextPrinter(robot).doprint
+    return Printout(report, *printers, _is_rounded, remarks)
 
 
 def latex_file(path: str) -> str:
@@ -221,7 +244,7 @@ def formula_lines(reported: Printout) -> list[str]:
         Lines without ends.
     """
     report = reported.report
-    lines = [line for finding in report.findings for line in finding_lines(finding, reported.printer)]
+    lines = [line for finding in report.findings for line in finding_lines(finding, reported)]
     lines += [f"{place}: not compared: {reason}" for place, reason in (note.split(": ", 1) for note in report.unread)]
     if len(report.findings) > 1 or report.unread:
         lines.append(f"{report.source}: {summary(FileReport(report.source, report.robot, report.findings))}")
@@ -229,7 +252,7 @@ def formula_lines(reported: Printout) -> list[str]:
 
 
 def _verdict(finding: Finding, reported: Printout) -> FormulaVerdict:
-    verdict, printer = judge(finding), reported.printer
+    verdict, printer = judge(finding), reported.exact
     return FormulaVerdict(
         quantity=what(finding),
         outcome=verdict.outcome.value,
@@ -238,5 +261,5 @@ def _verdict(finding: Finding, reported: Printout) -> FormulaVerdict:
         change=verdict.repair.text if verdict.repair else "",
         difference=difference_text(verdict, printer),
         place=str(finding.location),
-        report="\n".join(finding_lines(finding, printer)),
+        report="\n".join(finding_lines(finding, reported)),
     )

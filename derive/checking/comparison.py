@@ -63,7 +63,7 @@ def check_expression(model: Model, quantity: str, text: str) -> Finding:
     formula = read_formula(text, model.robot, start)
     right = scalar_quantity(model, quantity)
     question = Question(model.robot, formula, expression_from_sympy(right))
-    verdict = compare(model.robot, question.right, formula)
+    verdict = verdict_at(start, model.robot, question.right, formula)
     return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, right, start, question=question)
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
+from functools import partial
 
 from derive.lecture.shorthand import notation_text
 from derive.robot.evaluate import FUNCTIONS as REAL_FUNCTIONS
@@ -33,6 +34,7 @@ from derive.robot.expression import (
     rebuilt,
 )
 from derive.robot.robot import Robot
+from derive.robot.rounding import is_given_in_decimals, number_text
 
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **REAL_FUNCTIONS,
@@ -329,21 +331,28 @@ def ordinal(i: int) -> str:
 def changes_text(made: Sequence[Edit], robot: Robot) -> str:
     """One change, or several and how many, with formulas in the notation of the robot.
 
+    Numbers have few digits, except where the change is in the digits behind them.
+
     Args:
         made: At least one.
         robot: Whose formula it is.
     """
-    texts = [_text(edit, robot) for edit in made]
+    rounded = partial(number_text, decimals=is_given_in_decimals(robot))
+    texts = []
+    for edit in made:
+        both = [notation_text(e, robot, rounded) for e in (edit.old, edit.new) if e is not None]
+        hides = len(both) == 2 and both[0] == both[1]
+        texts.append(_text(edit, partial(notation_text, robot=robot, write=str if hides else rounded)))
     return texts[0] if len(texts) == 1 else f"{len(texts)} changes: {'; '.join(texts)}"
 
 
-def _text(edit: Edit, robot: Robot) -> str:
+def _text(edit: Edit, write: Callable[[Expression], str]) -> str:
     place, parent = edit.place, edit.place.parent
-    shown_parent = notation_text(parent, robot) if parent is not None else ""
-    old, new = notation_text(edit.old, robot), notation_text(edit.new, robot) if edit.new is not None else ""
+    shown_parent = write(parent) if parent is not None else ""
+    old, new = write(edit.old), write(edit.new) if edit.new is not None else ""
     match edit.kind:
         case SlipKind.SIGN if not new and parent is None:
-            whole = f"sign: {notation_text(edit.node, robot)} instead of {old}"
+            whole = f"sign: {write(edit.node)} instead of {old}"
             return "sign of the whole" if isinstance(edit.old, Sum) else whole
         case SlipKind.SIGN if not new:
             inside = f" of {shown_parent}" if place.depth > 1 else ""
@@ -351,7 +360,7 @@ def _text(edit: Edit, robot: Robot) -> str:
         case SlipKind.EXTRA_TERM:
             return f"extra term: {old}"
         case SlipKind.EXTRA_FACTOR:
-            return f"extra factor: {old} in {notation_text(place.node, robot)}"
+            return f"extra factor: {old} in {write(place.node)}"
         case SlipKind.MISSING_FACTOR:
             return f"missing factor: {new} of {old}"
         case SlipKind.MISSING_TERM:

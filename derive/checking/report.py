@@ -12,6 +12,7 @@ from derive.checking.printed import Citation
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample
 from derive.robot.description import Remark
+from derive.robot.rounding import DIGITS
 
 Printer = Callable[[Any], str]
 """Writes a derived formula in the notation of the file's robot."""
@@ -23,24 +24,24 @@ MAX_SHOWN_TERMS = 6
 """Terms of a difference that are shown; a longer one says little."""
 
 
-def report_lines(report: FileReport, printer: Printer) -> list[str]:
+def report_lines(printout: Printout) -> list[str]:
     """The report of one file: what is wrong, the right formula and what repairs it, what is undecidable, the count.
 
     Args:
-        report: The comparisons.
-        printer: Writes derived formulas.
+        printout: The comparisons, and what writes derived formulas.
 
     Returns:
         Lines without ends.
     """
+    report = printout.report
     corrections = right_corrections(report)
     lines: list[str] = []
     for finding in report.wrong:
-        lines += finding_lines(finding, printer)
+        lines += finding_lines(finding, printout)
         if finding.erratum and finding.entry in corrections:
             lines.append(f"  its correction is right: {cut(corrections[finding.entry].text)}")
     for finding in report.undecidable:
-        lines += finding_lines(finding, printer)
+        lines += finding_lines(finding, printout)
     lines.append(f"{report.source}: {summary(report)}")
     return lines
 
@@ -73,12 +74,12 @@ def summary(report: FileReport) -> str:
     return text + (f"; not compared: {', '.join(report.unread)}" if report.unread else "")
 
 
-def finding_lines(finding: Finding, printer: Printer) -> Iterator[str]:
+def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
     """The verdict on one formula; of a wrong one the right formula, the change that repairs it, and numbers.
 
     Args:
         finding: The comparison.
-        printer: Writes derived formulas.
+        printout: What writes derived formulas.
 
     Yields:
         Lines without ends.
@@ -90,16 +91,16 @@ def finding_lines(finding: Finding, printer: Printer) -> Iterator[str]:
             return
         case Outcome.EQUAL:
             yield f"{what(finding)}: equal" + ("" if finding.verdict.exact else ", at random points")
-            yield f"  ours: {cut(right_text(finding, printer))}"
+            yield f"  ours: {cut(right_text(finding, printout.printer))}{printout.note(finding)}"
             return
         case Outcome.UNDECIDABLE:
             yield f"{finding.location}: {what(finding)}: {verdict.outcome}: {unknown_name(finding)}"
             return
     yield f"{finding.location}: {what(finding)} is wrong: {cut(finding.text)}"
-    yield f"  right: {cut(right_text(finding, printer))}"
+    yield f"  right: {cut(right_text(finding, printout.printer))}{printout.note(finding)}"
     if verdict.repair is not None:
         yield f"  change: {cut(verdict.repair.text)}"
-    if terms := difference_text(verdict, printer):
+    if terms := difference_text(verdict, printout.printer):
         yield f"  printed - right: {cut(terms)}"
     if finding.verdict.counter_example is not None:
         yield f"  {numbers(finding.verdict.counter_example)}"
@@ -263,13 +264,26 @@ class Printout:
 
     Attributes:
         report: Its comparisons.
-        printer: Writes derived formulas in the notation of its robot.
+        printer: Writes derived formulas in the notation of its robot, for people: numbers with few digits.
+        exact: Writes them with all digits, for programs.
+        is_rounded: Whether `printer` rounds a number of one.
         remarks: What its robot says and hardly means.
     """
 
     report: FileReport
     printer: Printer
+    exact: Printer
+    is_rounded: Callable[[Any], bool]
     remarks: tuple[Remark, ...] = ()
+
+    def note(self, finding: Finding) -> str:
+        """What is said behind a derived formula where its numbers are rounded.
+
+        Args:
+            finding: The comparison.
+        """
+        rounded = not isinstance(finding.right, str) and self.is_rounded(finding.right)
+        return f" (numbers with {DIGITS} digits)" if rounded else ""
 
 
 @dataclass(frozen=True)
@@ -362,7 +376,9 @@ def _lines(item: Item) -> Iterator[str]:
         correction = corrections.get(finding.entry)
         # in the document's own style where that is known: its correction, or the printed formula repaired
         own_style = correction.text if correction else repaired_text(finding)
-        lines = [f"- printed: {_code(finding.text)}", f"- right: {_code(own_style or right_text(finding, printer))}"]
+        note = "" if own_style else item.printout.note(finding)
+        right = _code(own_style or right_text(finding, printer)) + note
+        lines = [f"- printed: {_code(finding.text)}", f"- right: {right}"]
         if verdict.repair is not None:
             lines.append(f"- change: {_code(verdict.repair.text)}")
         elif terms := difference_text(verdict, printer):
@@ -370,8 +386,8 @@ def _lines(item: Item) -> Iterator[str]:
         if example is not None and example.values:
             lines.append(f"- numbers: {_plain(numbers(example))}")
         yield from [f"- {_code(finding.entry)}", *(f"  {line}" for line in lines)] if several else lines
-    if note := item.findings[0].remark.note:
-        yield f"- why: {_plain(note)}"
+    if why := item.findings[0].remark.note:
+        yield f"- why: {_plain(why)}"
 
 
 def _code(text: str) -> str:

@@ -92,13 +92,13 @@ def _files(arguments: argparse.Namespace) -> int:
     _write_report(arguments.report, checked)
     if arguments.json:
         remarks = ([remark.as_dict() for remark in printout.remarks] for printout in checked)
-        reports = (as_dict(printout.report, printout.printer) for printout in checked)
+        reports = (as_dict(printout.report, printout.exact) for printout in checked)
         print_json([report | {"remarks": found} for report, found in zip(reports, remarks, strict=True)])
     elif sys.stdout.isatty():
         for printout in checked:
             _print_table(printout)
     else:
-        lines = (line for printout in checked for line in report_lines(printout.report, printout.printer))
+        lines = (line for printout in checked for line in report_lines(printout))
         print("\n".join(one_line(line) for line in lines))
     if any(printout.report.undecidable for printout in checked):
         return 2
@@ -125,9 +125,9 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     _write_report(arguments.report, [reported])
     report = reported.report
     if arguments.json and len(report.findings) == 1 and not report.unread:
-        print_json(finding_dict(report.findings[0], reported.printer))
+        print_json(finding_dict(report.findings[0], reported.exact))
     elif arguments.json:
-        print_json(as_dict(report, reported.printer))
+        print_json(as_dict(report, reported.exact))
     else:
         print("\n".join(one_line(line) for line in formula_lines(reported)))
     return 2 if report.undecidable else 0 if report.passed else 1

@@ -35,9 +35,11 @@ from derive.lecture.plan import (
     joined,
     nested,
     product_form,
+    with_plain_numbers,
 )
 from derive.lecture.sympy_conversion import Expr, factor_to_sympy
 from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition, project
+from derive.robot.rounding import is_given_in_decimals
 from derive.robot.style import (
     Brackets,
     CommonFactors,
@@ -102,6 +104,7 @@ class LectureForm:
         self.table = FactorTable(domain)
         self.style = style or Style()
         self._products = ProductBuilder(self.table)
+        self._in_decimals = is_given_in_decimals(domain.robot)
         self._terms: dict[str, Terms] = {}
         self._dynamic_cache: dict[tuple[str, Grouping | None], Expr] = {}
         self.is_of_short_arm: Callable[[], bool] = lambda: False
@@ -260,6 +263,17 @@ class LectureForm:
         """
         return self.sympy(self._dynamic_plan(terms, grouping or self.style.inertia))
 
+    def parameter(self, p: Polynomial) -> Expr:
+        """A base parameter: by body or by geometry, ``I1 + m1*l1**2 + (m2 + m3)*a1**2``, whichever is shorter.
+
+        Args:
+            p: A polynomial of the domain.
+        """
+        groupings = [self.style.inertia]
+        if self.style.inertia is Grouping.USUAL:
+            groupings.append(Grouping.GEOMETRY)
+        return self.sympy(cheapest(self._dynamic_plan(self.terms(p), grouping) for grouping in groupings))
+
     def gravity(self, p: Polynomial) -> Expr:
         """A torque of gravity.
 
@@ -371,7 +385,7 @@ class LectureForm:
         Args:
             plan: A plan in the factors of `table`.
         """
-        match plan:
+        match with_plain_numbers(plan) if self._in_decimals else plan:
             case Term(coefficient, monomial):
                 return self._products.term(coefficient, monomial)
             case Times(coefficient, monomial, inner):

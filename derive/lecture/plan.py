@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from math import ceil
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
@@ -184,6 +185,52 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
         parts.append((write({m: sign * c for m, c in inner.items()}), exponent))
     outer = tuple(sorted(monomial.items()))
     return Times(coefficient, outer, tuple(parts)) if parts else Term(coefficient, outer)
+
+
+LARGE_FACTOR = 1000
+"""A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`."""
+
+
+def with_plain_numbers(plan: Plan) -> Plan:
+    """A product of decimals whose sums have numbers of the size that people write.
+
+    Factors come out with whole numbers, ``-4.8e-8*(141 + 10000*d3)*(...)``. Powers of ten, which leave every digit what
+    it is, are moved between the number in front and the sums, ``-4.8e-4*(0.0141 + d3)*(...)``; what stands in front of
+    a single sum alone is multiplied out, ``-6.768e-6 - 4.8e-4*d3``.
+
+    Args:
+        plan: What is written; anything but a product stays.
+    """
+    if not isinstance(plan, Times):
+        return plan
+    coefficient, sums = plan.coefficient, []
+    for inner, exponent in plan.inner:
+        numbers = _numbers(inner)
+        largest = max(map(abs, numbers), default=Fraction(1))
+        if largest >= LARGE_FACTOR or (largest < 1 and abs(coefficient) != 1):
+            size = Fraction(10) ** (len(str(int(largest))) - 1 if largest >= 1 else -len(str(ceil(1 / largest) - 1)))
+            coefficient *= size**exponent
+            inner, numbers = _scaled(inner, 1 / size), [number / size for number in numbers]
+        sums.append((inner, exponent))
+    bare = not plan.monomial or not any(abs(number) == 1 for number in numbers)
+    if len(sums) == 1 and sums[0][1] == 1 and numbers and bare and coefficient.denominator != 1:
+        whole = _scaled(sums[0][0], coefficient)
+        return Times(Fraction(1), plan.monomial, ((whole, 1),)) if plan.monomial else whole
+    return Times(coefficient, plan.monomial, tuple(sums))
+
+
+def _numbers(plan: Plan) -> list[Fraction]:
+    """The numbers in front of the terms of a sum; none where a term is a sum itself."""
+    parts = plan.parts if isinstance(plan, Plus) else ()
+    numbers = [part.coefficient for part in parts if not isinstance(part, Plus)]
+    return numbers if len(numbers) == len(parts) else []
+
+
+def _scaled(plan: Plan, factor: Fraction) -> Plan:
+    """A plan times a number, which every term of a sum takes."""
+    if isinstance(plan, Plus):
+        return Plus(tuple(_scaled(part, factor) for part in plan.parts))
+    return replace(plan, coefficient=factor * plan.coefficient)
 
 
 def _polynomial(terms: Terms, names: list[int]) -> fmpq_mpoly:

@@ -13,6 +13,7 @@ import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import lru_cache
 
 from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, quoted
@@ -221,20 +222,21 @@ def _divisible(digits: str, labels: tuple[str, ...]) -> bool:
     )
 
 
-def notation_text(expression: Expression, robot: Robot) -> str:
+def notation_text(expression: Expression, robot: Robot, write: Callable[[Fraction], str] = str) -> str:
     """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only.
 
     Args:
         expression: The tree.
         robot: Whose joint angles get tokens.
+        write: Writes a number, for instance rounded.
     """
     labels = [joint_label(joint.variable) for joint in robot.joints]
     taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
     clear = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
     if not clear or any(name[0] in "cs" and name[1:].isdigit() for name in taken):
-        return to_text(_with_tokens(expression, {}))
+        return to_text(_with_tokens(expression, {}), write)
     digits = {j.variable: label for j, label in zip(robot.joints, labels, strict=True) if j.is_revolute}
-    return to_text(_with_tokens(expression, digits))
+    return to_text(_with_tokens(expression, digits), write)
 
 
 def _with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -49,3 +50,14 @@ def test_latex_has_a_verdict_for_each_formula() -> None:
     assert [verdict.outcome for verdict in found.verdicts] == ["same form", "wrong"]
     assert found.verdicts[1].change == "sign of the 2nd term, -a2*s12"
     assert not found.passed
+
+
+def test_numbers_have_six_digits_for_people_and_all_for_programs() -> None:
+    """What is printed may be pasted back: it is right but for rounding."""
+    wrong = check_formula("puma560-corke", "B[6,6]", "0.2")
+    assert "\n  right: 0.194105 (numbers with 6 digits)\n" in wrong.report
+    assert Fraction(wrong.right) == Fraction(48_526_126_417, 250_000_000_000)
+    assert wrong.change == "missing term: -0.00589549"
+    assert check_formula("puma560-corke", "B[6,6]", "0.194105").outcome == "equal"
+    assert check_formula("puma560-corke", "B[6,6]", "0.194106").outcome == "wrong"
+    assert "digits" not in check_formula("puma560-corke", "christoffel[2,3,3]", "1").report

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from derive.api.check import printout_of
 from derive.checking.files import check_path
 from derive.checking.report import Printout, errata_report
-from derive.handouts.notation.text import TextPrinter
 from tests.lectures.results import CORPUS
 from tests.places import ROOT
 
@@ -27,7 +27,7 @@ HEAD = (
 def printouts() -> list[Printout]:
     """Every file of the corpus, checked."""
     checked = (check_path(str(path)) for path in sorted(CORPUS.glob("*.yaml")))
-    return [Printout(report, TextPrinter(robot).doprint) for report, robot in checked]
+    return [printout_of(report, robot) for report, robot in checked]
 
 
 def page() -> str:

@@ -7,7 +7,20 @@ from fractions import Fraction
 
 import pytest
 
-from derive.lecture.plan import Plan, Plus, Term, Times, cheapest, factored, flat, grouped, nested, product_form
+from derive.lecture.plan import (
+    LARGE_FACTOR,
+    Plan,
+    Plus,
+    Term,
+    Times,
+    cheapest,
+    factored,
+    flat,
+    grouped,
+    nested,
+    product_form,
+    with_plain_numbers,
+)
 from derive.lecture.terms import Terms
 
 NUMBERS = [Fraction(n) for n in (2, 3, 5, 7, 11)]
@@ -77,3 +90,60 @@ def test_a_sum_of_negatives_has_its_sign_outside() -> None:
     found = factored(terms, flat)
     assert isinstance(found, Times)
     assert found.coefficient == -1
+
+
+def _sum(*numbers: str) -> Plan:
+    """Number of factor 0, number of factor 1, ...; the first term is plain."""
+    return Plus(tuple(Term(Fraction(n), ((k, 1),) if k else ()) for k, n in enumerate(numbers)))
+
+
+def _numbers(plan: Plan) -> list[Fraction]:
+    match plan:
+        case Term(coefficient, _):
+            return [coefficient]
+        case Times(coefficient, _, inner):
+            return [coefficient, *(n for part, _ in inner for n in _numbers(part))]
+        case Plus(parts):
+            return [n for part in parts for n in _numbers(part)]
+
+
+@pytest.mark.parametrize(
+    ("coefficient", "sums", "expected"),
+    [
+        ("-4.8e-8", [(("141", "10000"), 1)], ["-6.768e-6", "-4.8e-4"]),
+        ("-4.8e-8", [(("141", "10000"), 2)], ["-4.8", "0.0141", "1"]),
+        ("-1.7e-8", [(("31", "10000"), 1), (("-500", "0", "3441"), 1)], ["-0.17", "0.0031", "1", "-0.5", "0", "3.441"]),
+        ("10", [(("0.1", "0.1"), 1), (("1", "1"), 1)], ["1", "1", "1", "1", "1"]),
+        ("0.5", [(("1", "2"), 1), (("1", "1"), 1)], ["0.5", "1", "2", "1", "1"]),
+        ("1", [(("0.05", "0.2"), 1), (("1", "1"), 1)], ["1", "0.05", "0.2", "1", "1"]),
+    ],
+)
+def test_products_of_decimals_have_numbers_of_usual_size(
+    coefficient: str, sums: list[tuple[tuple[str, ...], int]], expected: list[str]
+) -> None:
+    plan = Times(Fraction(coefficient), (), tuple((_sum(*numbers), exponent) for numbers, exponent in sums))
+    plain = with_plain_numbers(plan)
+    assert value(plain) == value(plan)
+    assert _numbers(plain) == [Fraction(n) for n in expected]
+    assert plain.operations <= plan.operations
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_plain_numbers_keep_the_value(seed: int) -> None:
+    rng = random.Random(seed)
+    sums = tuple(
+        (
+            _sum(
+                *(
+                    str(rng.choice([-1, 1]) * Fraction(rng.randint(1, 10 ** rng.randint(1, 5)), rng.choice([1, 100])))
+                    for _ in range(3)
+                )
+            ),
+            rng.randint(1, 2),
+        )
+        for _ in range(rng.randint(1, 2))
+    )
+    plan = Times(Fraction(rng.randint(1, 999), 10**6), ((3, 1),), sums)
+    plain = with_plain_numbers(plan)
+    assert value(plain) == value(plan)
+    assert all(abs(n) < LARGE_FACTOR for part, _ in getattr(plain, "inner", ()) for n in _numbers(part))

@@ -87,7 +87,9 @@ class LatexPrinter:
         Raises:
             TargetError: It holds something that the grammar of robot files has no word for.
         """
-        return self._sum(expression, 0)
+        terms = expression.args if expression.is_Add else ()
+        is_angle = any(term.is_Symbol and term.name in self.notation.labels for term in terms)
+        return self.angle(expression) if is_angle else self._sum(expression, 0)
 
     def angle(self, expression: Any, depth: int = 0) -> Pieces:
         """An angle as pieces; where the robot file has degrees, a multiple of pi that is added is written in degrees.

@@ -79,7 +79,7 @@ class IdentifiedModel(KinematicModel):
         """
         base = self.base_set
         values = grouped_values(self.robot, base, self.domain)
-        moved: dict[Parameter, list[Expr]] = {parameter: [] for parameter in base.parameters}
+        moved: dict[Parameter, dict[Expr, Polynomial]] = {parameter: {} for parameter in base.parameters}
         for relation in base.relations:
             assert base.domain is not None, "relations come with their ring"
             write = LectureForm(base.domain).kinematic
@@ -89,8 +89,10 @@ class IdentifiedModel(KinematicModel):
                     values[parameter] = values[parameter] + factor.numerator.constant_term * value
                 else:
                     ratio = write(factor.numerator) / write(factor.denominator)
-                    moved[parameter].append(ratio * self.form.dynamic(value))
-        return sympy.ImmutableMatrix([sympy.Add(self.form.dynamic(values[p]), *moved[p]) for p in base.parameters])
+                    moved[parameter][ratio] = moved[parameter].get(ratio, self.domain.ring.zero) + value
+        write = self.form.parameter
+        rows = ((values[p], *(k * write(v) for k, v in moved[p].items())) for p in base.parameters)
+        return sympy.ImmutableMatrix([sympy.Add(write(own), *others) for own, *others in rows])
 
     @cached_property
     def regressor(self) -> Matrix:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import comb
 
 import pytest
+import sympy
 
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
@@ -27,6 +28,14 @@ def test_torques_are_regressors_times_parameters(name: str) -> None:
     ):
         assert all(entry.expand(trig=True).equals(0) for entry in regressor * values - model.tau)
     assert len(model.base_set.parameters) <= len(model.standard_set)
+
+
+def test_base_parameters_collect_what_they_have_in_common() -> None:
+    """The masses that link 1 carries, once: by geometry where that is shorter, else by body."""
+    model = Model(Robot.load("planar-2r-perugia"))
+    a1, ml2, mm2 = sympy.symbols("a1 ml2 mm2")
+    assert a1**2 * (ml2 + mm2) in model.base_parameters[2].args
+    assert a1 * (ml2 + mm2) in model.base_parameters[0].args
 
 
 @pytest.mark.parametrize("seed", [s for s in SEEDS if s % 7 < 4])
