@@ -8,7 +8,7 @@ with K_i = Trans(x, a_i) Rot(x, alpha_i), K_0 = 1 (standard) or K_{i-1} = Rot(x,
 1 (modified). *Joint frame* i stands after Z_i: it moves with link i and its z axis is the axis of joint i. In the
 modified convention it is DH frame i; in the standard one DH frame i is joint frame i times K_i. Frames on the joint
 axes make every recursion cheaper than frames at the far end of the links (Khalil and Dombre, Modeling, Identification
-and Control of Robots, ch. 3).
+and Control of Robots, ch. 3 for the frames, ch. 9 for what they save).
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ whose joints follow in the other order, with opposed motions.
 *Its rate*: with z the axis of a revolute joint, r the lever from it to the end effector and omega the angular velocity
 of the link before the joint, dz/dt = omega x z and d(z x r)/dt = zdot x r + z x rdot, where rdot is the velocity of the
 end effector less that of the joint's origin. A prismatic joint's column is its axis (Siciliano et al., Robotics,
-section 3.1; Lynch and Park, Modern Robotics, section 8.1, for spatial velocities).
+section 3.1; Lynch and Park, Modern Robotics, ch. 5, for spatial velocities).
 
 *Analytic Jacobians*: velocity of the end effector and rates of its orientation angles. Both kinds of angles begin with
 a turn about the world's z axis, and the direction u = (x, y, z) that their second turn tilts, column 1 of R for roll,

@@ -13,7 +13,7 @@ stands: choices that change the cost of a recursion and not what it computes.
 
 Inward, a body is moved by the force m a + U h and the moment sum m r x (U r) + h x a, with h its first moment. The
 rotor of joint i adds to link i-1 the moment c (rate_dot u + rate omega x u) and to its own torque c u . omegadot +
-ratio^2 I rate_dot, with u its axis and omega of link i-1 (Siciliano et al., Robotics, section 7.3).
+ratio^2 I rate_dot, with u its axis and omega of link i-1 (Siciliano et al., Robotics, section 7.5).
 """
 
 from __future__ import annotations

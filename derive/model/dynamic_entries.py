@@ -186,7 +186,7 @@ class ModelEntries(KinematicEntries):
         return tuple(triple for triple in found if self.christoffel(*triple).terms(1, 1))
 
     def coriolis_sum(self, i: int, j: int) -> tuple[RateTerm, ...]:
-        """C_ij = sum_k c_ijk qd_k (Siciliano et al., Robotics, eq. 7.44), without what is zero.
+        """C_ij = sum_k c_ijk qd_k (Siciliano et al., Robotics, section 7.2.1), without what is zero.
 
         Args:
             i: The row.

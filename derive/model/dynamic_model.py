@@ -191,7 +191,7 @@ class DynamicModel(IdentifiedModel):
     def B(self) -> Matrix:
         """Inertia matrix B(q), nxn, symmetric: links, rotors and armatures [kg m^2, kg m, kg].
 
-        B = sum m J_v^T J_v + J_w^T R I R^T J_w over links and rotors (Siciliano et al., Robotics, eq. 7.32).
+        B = sum m J_v^T J_v + J_w^T R I R^T J_w over links and rotors (Siciliano et al., Robotics, section 7.1.1).
         """
         return self._inertia(self.dynamics, self.dynamic_form)
 
@@ -218,7 +218,7 @@ class DynamicModel(IdentifiedModel):
         return symmetric_matrix(n, [form.entry(p, limit) for p in upper])
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
-        """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, eq. 7.45).
+        """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
 
         Args:
             i: Joint of the torque, from 1.
@@ -247,7 +247,7 @@ class DynamicModel(IdentifiedModel):
     def C(self) -> Matrix:
         """Coriolis matrix C(q, qd), nxn, by Christoffel symbols: C_ij = sum_k c_ijk qd_k, so that Bdot - 2C is skew.
 
-        Siciliano et al., Robotics, eq. 7.44.
+        Siciliano et al., Robotics, section 7.2.1.
         """
         return self._rate_matrix("C")
 
@@ -271,7 +271,7 @@ class DynamicModel(IdentifiedModel):
 
     @cached_property
     def N(self) -> Matrix:
-        """N = Bdot - 2C, nxn, skew-symmetric (Siciliano et al., Robotics, eq. 7.47)."""
+        """N = Bdot - 2C, nxn, skew-symmetric (Siciliano et al., Robotics, section 7.2.1)."""
         return self._rate_matrix("N")
 
     @cached_property
@@ -290,7 +290,7 @@ class DynamicModel(IdentifiedModel):
 
     @cached_property
     def g(self) -> Matrix:
-        """Gravity vector g(q) = dU/dq, nx1 [N m or N] (Siciliano et al., Robotics, eq. 7.39)."""
+        """Gravity vector g(q) = dU/dq, nx1 [N m or N] (Siciliano et al., Robotics, section 7.1.3)."""
         self._require_links("gravity vector")
         return sympy.ImmutableMatrix([self.form.gravity(p) for p in self.kinematics.gravity_vector])
 
@@ -309,7 +309,7 @@ class DynamicModel(IdentifiedModel):
 
     @cached_property
     def tau(self) -> Matrix:
-        """Joint torques, nx1 [N m or N]: B qdd + C qd + g + friction (Siciliano et al., Robotics, eq. 7.42)."""
+        """Joint torques, nx1 [N m or N]: B qdd + C qd + g + friction (Siciliano et al., Robotics, section 7.1.3)."""
         return self.B_qdd + self.coriolis_vector + self.g + self.friction
 
     def _in_torques(self, grouping: Grouping) -> Grouping:

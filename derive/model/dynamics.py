@@ -92,7 +92,7 @@ class Dynamics:
         return self._derivatives[key]
 
     def christoffel(self, i: int, j: int, k: int) -> Polynomial:
-        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i) (Siciliano et al., Robotics, eq. 7.45).
+        """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
 
         Args:
             i: Joint of the torque.

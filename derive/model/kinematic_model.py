@@ -129,7 +129,7 @@ class KinematicModel:
 
         Standard: A_i = Rot(z, theta_i) Trans(z, d_i) Trans(x, a_i) Rot(x, alpha_i) (Siciliano et al., Robotics,
         section 2.8.2); modified: Rot(x, alpha_{i-1}) Trans(x, a_{i-1}) Rot(z, theta_i) Trans(z, d_i) (Craig,
-        Introduction to Robotics, section 3.4).
+        Introduction to Robotics, ch. 3).
 
         Args:
             i: Row of the table, from 1.
@@ -254,7 +254,7 @@ class KinematicModel:
     def J_end(self) -> Matrix:
         """Geometric Jacobian of the end effector, 6xn, linear rows first, in the axes of the end effector.
 
-        It is diag(R^T, R^T) J (Siciliano et al., Robotics, eq. 3.35).
+        It is diag(R^T, R^T) J (Siciliano et al., Robotics, section 3.1).
         """
         if self._is_long:
             turned = sympy.Matrix(self.R).T
@@ -279,7 +279,7 @@ class KinematicModel:
     def J_dot(self) -> Matrix:
         """dJ/dt(q, qd), 6xn: rate of change of the geometric Jacobian J, world frame.
 
-        The acceleration of the end effector is J qdd + dJ/dt qd (Siciliano et al., Robotics, section 3.8).
+        The acceleration of the end effector is J qdd + dJ/dt qd (Siciliano et al., Robotics, section 3.7).
         """
         if self._is_long:
             rate = sum((self.J.diff(q) * qd for q, qd in zip(self.q, self.qd, strict=True)), sympy.zeros(6, self.n))

@@ -96,7 +96,7 @@ class IdentifiedModel(KinematicModel):
 
     @cached_property
     def regressor(self) -> Matrix:
-        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi (Siciliano et al., Robotics, eq. 7.63)."""
+        """Y(q, qd, qdd), nxp, with tau = Y pi for the standard parameters pi (Siciliano et al., section 7.2.2)."""
         return self._regressor(self.standard_set, ends=True)
 
     @cached_property

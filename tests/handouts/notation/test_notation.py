@@ -1,4 +1,4 @@
-"""The options of the notation: letters, functions, frames."""
+"""The options of the notation, letters, functions, frames; and the order of textbooks, whatever that of SymPy."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Rational, Symbol, cos, sin, symbols
+from sympy import Rational, Symbol, cos, pi, sin, symbols
 
 from derive.handouts.layout.lines import Equation, equation_lines
-from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.handouts.notation.pieces import italic, joined
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import Symbols
@@ -233,3 +233,28 @@ def test_default_options_change_nothing(seed: int) -> None:
     robot = Robot.from_text(robot_text(random.Random(seed), 1 + seed % 7))
     assert Notation.of(robot, NotationOptions()) == Notation.of(robot)
     assert all(Notation.of(robot).glyph(joint.variable) for joint in robot.joints)
+
+
+PLANAR = Robot.load("planar-2r-perugia")
+Q1, Q2, QD1, QDD1 = (Symbol(name) for name in ("q1", "q2", "qd1", "qdd1"))
+A1 = Symbol("a1")
+MASS = Symbol(next(iter(Notation.of(PLANAR).inertial)))
+
+
+def test_factors_stand_from_masses_to_accelerations() -> None:
+    wanted = [MASS, A1, cos(Q1), sin(Q1), cos(Q1 + Q2), cos(Q2), A1 + cos(Q2), QD1, QDD1]
+    for seed in range(20):
+        shuffled = random.Random(seed).sample(wanted, len(wanted))
+        assert sorted(shuffled, key=Order(Notation.of(PLANAR)).factor) == wanted
+
+
+def test_terms_stand_from_accelerations_to_multiples_of_pi() -> None:
+    wanted = [MASS * QDD1, MASS * QD1**2, A1, A1 * cos(Q1), A1 * cos(Q1 + Q2), pi]
+    for seed in range(20):
+        shuffled = random.Random(seed).sample(wanted, len(wanted))
+        assert sorted(shuffled, key=Order(Notation.of(PLANAR)).term) == wanted
+
+
+def test_negative_powers_are_denominators() -> None:
+    assert is_below((1 / A1).as_base_exp()[1])
+    assert not is_below((A1**2).as_base_exp()[1])

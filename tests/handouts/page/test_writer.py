@@ -12,7 +12,7 @@ import pytest
 from derive.handouts.document import Formula, Rows, blocks_of
 from derive.handouts.language import Text
 from derive.handouts.page.viewer import Viewer
-from derive.handouts.page.writer import formula_style, page, safe_script
+from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
 from tests.handouts.page.page_documents import ENTRIES, TITLE, document
 
 VOID = {"meta", "link", "br", "img", "input", "hr"}
@@ -135,3 +135,22 @@ def test_fonts_of_the_formulas_are_inside_and_no_others_are_asked_for() -> None:
     assert len(faces) == 13
     assert all("url(data:font/woff2;base64," in face for face in faces)
     assert not re.search(r"url\((?!data:)", css)
+
+
+@pytest.mark.parametrize(
+    ("latex", "name"),
+    [
+        ("b_{12}", "b₁₂"),
+        (r"\dot{\vartheta}_{1}", "ϑ\u0307₁"),
+        (r"\mathbf{T}_{4}^{0}", "T₄⁰"),
+        (r"c_{ijk}", "cᵢⱼₖ"),
+        (r"{}^{0}A_{1}", "⁰A₁"),
+        (r"c_{1,23}", "c_1,23"),
+    ],
+)
+def test_names_of_entries_in_plain_letters(latex: str, name: str) -> None:
+    assert unicode_name(latex) == name
+
+
+def test_a_formula_is_its_latex_and_no_markup() -> None:
+    assert formula(r"a < b \& c", display=True) == r"<div class=math>a &lt; b \&amp; c</div>"

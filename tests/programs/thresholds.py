@@ -1,0 +1,85 @@
+"""What each threshold of the search is worth: ``python -m tests.programs.thresholds [--only NAME]... [ROBOT...]``.
+
+Every threshold of `derive.programs.search_policy.Policy` is halved and doubled, that of a margin its part above 1, and
+all programs are searched with it: those of the built-in robots and of the benchmarks, or of the given files. Printed is
+one line for each: the value, in how many functions operations were gained and lost, the change of all costs together,
+and the processor time as a multiple of that with the policy as it is. An hour on one core for all of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from derive.programs import search_policy
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
+
+BENCHES = Path(__file__).parents[2] / "bench" / "robots"
+
+Costs = dict[tuple[str, str], int]
+"""Cost of the body by robot and function."""
+
+
+def values_tried(name: str) -> tuple[float, float]:
+    """A threshold halved and doubled; of a margin the part above 1."""
+    value = getattr(search_policy.Policy(), name)
+    if not name.endswith("_margin"):
+        return type(value)(value / 2), type(value)(value * 2)
+    return 1 + (value - 1) / 2, 1 + (value - 1) * 2
+
+
+def measured(policy: search_policy.Policy, robots: Sequence[str]) -> tuple[Costs, float]:
+    """The costs of all programs under a policy, and the seconds of processor time that they take.
+
+    In a process of its own, since functions take thresholds as defaults.
+    """
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(_measure, (asdict(policy), robots))
+
+
+def _measure(thresholds: dict[str, float], robots: Sequence[str]) -> tuple[Costs, float]:
+    """Put a policy in place before anything has taken it, and search."""
+    search_policy.POLICY = search_policy.Policy(**thresholds)  # type: ignore[arg-type]
+    from derive.programs.functions import build_program
+
+    loaded = {name: Robot.load(name) for name in robots}
+    started = time.process_time()
+    programs = {name: build_program(robot) for name, robot in loaded.items()}
+    seconds = time.process_time() - started
+    return {(r, f.interface.name): f.tape.operations.cost for r, p in programs.items() for f in p.functions}, seconds
+
+
+def report(names: Sequence[str], robots: Sequence[str]) -> Iterator[str]:
+    """The lines to print."""
+    usual = search_policy.Policy()
+    before, usual_seconds = measured(usual, robots)
+    yield f"{len(before)} functions of {len(robots)} robots, cost {sum(before.values())}, {usual_seconds:.1f} s"
+    for name in names:
+        for value in values_tried(name):
+            after, seconds = measured(search_policy.Policy(**{**asdict(usual), name: value}), robots)
+            changes = {key: after[key] - before[key] for key in before if after[key] != before[key]}
+            largest = sorted(changes.items(), key=lambda item: -abs(item[1]))[:3]
+            yield (
+                f"{name} {getattr(usual, name):g} -> {value:g}: {sum(c < 0 for c in changes.values())} cheaper, "
+                f"{sum(c > 0 for c in changes.values())} dearer, cost {sum(changes.values()):+d}, time x "
+                f"{seconds / usual_seconds:.2f}  {', '.join(f'{r} {f} {c:+d}' for (r, f), c in largest)}"
+            )
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", action="append", choices=[field.name for field in fields(search_policy.Policy)])
+    parser.add_argument("robots", nargs="*", metavar="ROBOT")
+    options = parser.parse_args()
+    everything = [*catalogue_names(), *map(str, sorted(BENCHES.glob("*.yaml")))]
+    for line in report(
+        options.only or [field.name for field in fields(search_policy.Policy)], options.robots or everything
+    ):
+        print(line, flush=True)
+    sys.exit()
