@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from derive.errors import TargetError
 from derive.programs.search_policy import Effort
 from derive.publish.atomic_folder import OvertakenError, heal, publish
 from derive.publish.manifest import FILE as MANIFEST
@@ -177,7 +178,7 @@ def build_robot(
             files = (*texts, MANIFEST, *compiled)
             return BuildResult(robot.name, target, files, True, {}, None, time.perf_counter() - started)
         libraries = library_names(chosen)
-        compiler = require_compiler() if libraries else None
+        compiler = _compiler_for(libraries, targets_named(targets), target) if libraries else None
         tell(robot.name, "derive")
         check = partial(_compile_and_verify, robot, chosen, compiler, None if force else target, verified, tell)
         try:
@@ -189,6 +190,17 @@ def build_robot(
         tell(robot.name, "built")
         files = (*rendered.files, *libraries)
         return BuildResult(robot.name, target, files, False, rendered.operations, report, time.perf_counter() - started)
+
+
+def _compiler_for(libraries: Sequence[str], asked: Sequence[Target], folder: Path) -> Command:
+    """The C compiler; where only libraries of an earlier build need it, its lack is told with a way round it."""
+    try:
+        return require_compiler()
+    except TargetError as error:
+        if library_names(asked):
+            raise
+        held = f"{error.found}, and {folder.name} holds native code of an earlier build, which is kept up to date"
+        raise TargetError(held, remedy=f"{error.remedy}; or leave it out of the folder with --only") from None
 
 
 def _compile_and_verify(

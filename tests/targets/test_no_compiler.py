@@ -8,6 +8,7 @@ import pytest
 
 from derive.cli.main import main
 from derive.errors import TargetError
+from derive.publish import build
 from derive.publish.build import build_robot
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
@@ -39,6 +40,20 @@ def test_the_native_target_is_refused_before_anything_is_written(
     assert without in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_native_code_of_an_earlier_build_can_be_left_out(
+    without: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A folder from a machine with a compiler: what to do is said, and works."""
+    robot = Robot.from_text(ONE_JOINT)
+    monkeypatch.setattr(build, "written_targets", lambda folder: ("numpy", "native"))
+    with pytest.raises(TargetError, match=f"{without}.*native code of an earlier build.*--only"):
+        build_robot(robot, tmp_path / "out", ["numpy"])
+    with pytest.raises(TargetError, match=without) as asked:
+        build_robot(robot, tmp_path / "out", ["native"])
+    assert "--only" not in str(asked.value)
+    assert "model_numpy.py" in build_robot(robot, tmp_path / "out", ["numpy"], only=True).files
 
 
 def test_c_is_written_and_left_out_of_the_verification(

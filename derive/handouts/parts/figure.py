@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 
 from derive.errors import DeriveError
 from derive.handouts.context import Context
@@ -13,13 +14,13 @@ from derive.handouts.figure.convention import convention_drawing
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.formula import textbook
-from derive.handouts.notation.pieces import EMPTY, joined
+from derive.handouts.notation.pieces import EMPTY, joined, magnitude
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression
 from derive.robot.handout_options import Functions
 
 _DIGITS = 4
-"""Decimals of a number in a caption."""
+"""Significant digits of a number in a caption."""
 
 
 def arm(context: Context) -> tuple[Block, ...]:
@@ -82,8 +83,8 @@ def _values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
     for name, value, unit in values:
         if unit == "rad" and context.notation.degrees:
             value, unit = math.degrees(value), "^{\\circ}"
-        number = f"{value:.{_DIGITS}f}".rstrip("0").rstrip(".")
-        number = "0" if number in ("-0", "") else number.replace(".", "{,}" if context.text.comma else ".")
+        size = magnitude(Fraction(value), decimals=True, digits=_DIGITS, comma=context.text.comma).tex
+        number = f"-{size}" if value < 0 else size
         behind = unit if "circ" in unit else f"\\,\\mathrm{{{unit}}}"
         written.append(f"${context.notation.glyph(name).box.tex.strip()} = {number}{behind}$")
     return ("; " if context.text.comma else ", ").join(written)
