@@ -9,7 +9,7 @@ from itertools import pairwise, product
 
 import sympy
 
-from derive.checking.diagnosis import Question
+from derive.checking.diagnosis import Question, other_orders
 from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
 from derive.checking.latex_check import check_latex
 from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity, PrintedText
@@ -62,7 +62,8 @@ def check_expression(model: Model, quantity: str, text: str) -> Finding:
     start = Location("--expression")
     formula = read_formula(text, model.robot, start)
     right = scalar_quantity(model, quantity)
-    question = Question(model.robot, formula, expression_from_sympy(right))
+    others = other_orders(model, quantity)
+    question = Question(model.robot, formula, expression_from_sympy(right), others=others)
     verdict = verdict_at(start, model.robot, question.right, formula)
     return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, right, start, question=question)
 
@@ -147,7 +148,8 @@ def _entry(
     if entry.unknown is not None:
         return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown, erratum, item.remark)
     derived = right[entry.row - 1, entry.column - 1]
-    question = Question(model.robot, entry.formula, expression_from_sympy(derived))
+    others = other_orders(model, item.quantity)
+    question = Question(model.robot, entry.formula, expression_from_sympy(derived), others=others)
     where = entry.location
     verdict = verdict_at(where, model.robot, question.right, question.printed)
     return Finding(

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 
 from derive.checking.edits import Edit, Evaluator, Replacements, SlipKind, Spot, changes_text, edits, is_token, spots
 from derive.errors import DeriveError
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import compare
+from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Name, Product, Sum, children, multiply, names, negate, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
@@ -60,6 +63,7 @@ class Question:
         definitions: What further names stand for.
         compared: What of a printed tree must equal the right one; the tree itself by default.
         extra_terms: Further terms that may be missing.
+        others: Other quantities by name that the formula may be right for.
     """
 
     robot: Robot
@@ -68,6 +72,7 @@ class Question:
     definitions: Mapping[str, Expression] = field(default_factory=dict)
     compared: Callable[[Expression], Expression] = _itself
     extra_terms: tuple[Expression, ...] = ()
+    others: Mapping[str, Expression] = field(default_factory=dict)
 
     @property
     def is_plain(self) -> bool:
@@ -102,15 +107,46 @@ class Repair:
     formula: Expression
 
 
+def other_orders(model: DynamicModel, quantity: str) -> Mapping[str, Expression]:
+    """Christoffel symbols with the indices of one in another order, as Spong writes c_ijk for our c_kij.
+
+    Args:
+        model: The robot's model.
+        quantity: A name; anything but a Christoffel symbol has none.
+
+    Returns:
+        Name -> value; those that are zero are left out.
+    """
+    if not quantity.startswith("christoffel["):
+        return {}
+    i, j, k = parse(model, quantity)[1]
+    names = {f"christoffel[{a},{b},{c}]": model.christoffel(a, b, c) for a, b, c in ((j, i, k), (k, i, j)) if a != i}
+    return {name: expression_from_sympy(value) for name, value in names.items() if value != 0}
+
+
 def diagnose(question: Question) -> Repair | None:
-    """The smallest change that repairs a formula.
+    """The smallest change that repairs a formula, and what else it is right for.
 
     Args:
         question: The formula and what it should be.
 
     Returns:
-        The change, or None if no single change and no two of one kind repair it.
+        The change, or None if no single change and no two of one kind repair it and it is right for nothing else.
     """
+    repair = _smallest_change(question)
+    fitting = (
+        name for name, value in question.others.items() if replace(question, right=value).is_answer(question.printed)
+    )
+    if (meant := next(fitting, None)) is None:
+        return repair
+    text = f"other order of the indices: it is {meant}"
+    if repair is None:
+        return Repair((), text, question.right)
+    return replace(repair, text=f"{repair.text}; or {text}")
+
+
+def _smallest_change(question: Question) -> Repair | None:
+    """The first change of those of `_Search` at a point where both formulas have a value."""
     known_names = _known_names(question)
     rng = random.Random(7)
     wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])

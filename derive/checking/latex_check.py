@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 
-from derive.checking.diagnosis import Question
+from derive.checking.diagnosis import Question, other_orders
 from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
 from derive.checking.latex_equations import Equation, equations
 from derive.checking.latex_formula import LatexReader
@@ -50,6 +50,15 @@ _PRODUCT = re.compile(
     r"\s*(?:[_^]\s*(?:\{[^{}]*\}|\w)\s*)*(?:\([^()]*\))?\s*(?:\\cdot|\*)?\s*){2,}"
 )
 """Transforms side by side."""
+
+
+_SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
+"""A Christoffel symbol with letters for its indices."""
+
+_SUBTRACTED = re.compile(
+    r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
+)
+"""A partial derivative that is subtracted, and the index of its variable."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +155,8 @@ class _Check:
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
         if not self.equations:
             raise CheckError("empty formula", remedy="write a formula or an equation", location=start)
-        self.meanings = Meanings(model)
+        self.orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
+        self.meanings = Meanings(model, next(iter(self.orders.values()), 0))
         self.plain = LatexReader(self.robot, text, start)
         self.skipped: list[Skipped] = []
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
@@ -154,6 +164,7 @@ class _Check:
         self.names: set[tuple[int, int]] = set()
         self._define()
         self.reader = self._reader(0)
+        self.defining |= self.orders.keys()
         self.lone = len(self.equations) - len(self.defining) == 1
 
     def findings(self) -> Iterator[Finding]:
@@ -184,6 +195,19 @@ class _Check:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
 
     # -- definitions
+
+    def _torque_index(self, equation: Equation) -> int | None:
+        """Which index of a Christoffel symbol is that of the torque, where the equation defines the symbol.
+
+        It is that of the variable in the derivative that is subtracted, as in -(partial d_ij)/(partial q_k).
+        """
+        first, *others = (self.text[side.start : side.end] for side in equation.sides)
+        symbol = _SYMBOL.fullmatch("".join(first.split()))
+        minus = next(filter(None, map(_SUBTRACTED.search, others)), None)
+        if symbol is None or minus is None:
+            return None
+        letters = symbol[1].replace(",", "")
+        return letters.find(minus[1]) if minus[1] in letters else None
 
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
@@ -241,7 +265,8 @@ class _Check:
         pieces = [piece for piece in equation.sides if (index, piece.offset) not in self.names]
         sides = [self._side(piece, len(pieces) > 1) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
-            sides[1:] = [self._side(piece, False) for piece in pieces[1:]]
+            turned = any(target.turned for side in sides for target in side.targets)
+            sides[1:] = [self._said(side, turned) for side in sides[1:]]
         first, *others = sides
         if len(sides) == 2 and (cells := self._named_cells(*sides)):
             for name, entry in cells:
@@ -279,6 +304,19 @@ class _Check:
             return _Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
             return _Side(piece, left, targets, error=error)
+
+    def _said(self, side: _Side, derived: bool) -> _Side:
+        """What a side says that names a quantity, too: its formula, or else what is derived for it."""
+        read = self._side(side.piece, False)
+        if read.value is not None or not derived:
+            return read
+        rights = (self.meanings.right(target) for target in side.targets)
+        value = next((right.value for right in rights if right is not None), None)
+        if value is None:
+            return read
+        rows = value.tolist()
+        table = Table(tuple(tuple(Entry(expression_from_sympy(entry)) for entry in row) for row in rows))
+        return _Side(side.piece, value=table)
 
     def _whole(self, side: _Side) -> Entry:
         assert side.value is not None
@@ -356,6 +394,9 @@ class _Check:
             identity = tuple(self._identities([name, side]))
             is_token = name.left is not None and name.left.head in ("c", "s")
             chosen = identity if not chosen or is_token or identity[0].verdict.equal else chosen
+        if not chosen and not rights:
+            where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
+            raise CheckError(f"{quoted(self._typed(name.piece))} is not derived", allowed=allowed, location=where)
         if not chosen:
             shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
             quantity = rights[0].quantity if rights else self.asked
@@ -398,6 +439,7 @@ class _Check:
                     continue
                 where = self.plain.location(entry.offset or offset)
                 derived = right.value[i, j]
-                question = Question(self.robot, entry.formula, expression_from_sympy(derived))
+                others = other_orders(self.model, right.quantity)
+                question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
                 verdict = verdict_at(where, self.robot, question.right, question.printed)
                 yield Finding(right.quantity, *place, Role.PRINTED, text, verdict, derived, where, question=question)

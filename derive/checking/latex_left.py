@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import StrEnum
 
 from derive.checking.latex_names import FLAT
 from derive.model.quantities import REGISTRY
@@ -32,6 +33,19 @@ _LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")
 _ANGULAR = ("omega", "w", "O", "o", "A", "R", "ang", "rot")
 
 
+class Turned(StrEnum):
+    """What is raised behind a matrix."""
+
+    NOT = ""
+    TRANSPOSED = "^T"
+    INVERTED = "^-1"
+    BOTH = "^-T"
+
+
+_TURNED = re.compile(r"(?P<script>.*?)(?:(?P<inverse>-1)|(?P<both>-T|-top|-intercal)|T|top|intercal)")
+"""The superscript of a transpose or an inverse, another one before it: that of R^{0T} or of (R^0)^T."""
+
+
 @dataclass(frozen=True, slots=True)
 class Target:
     """A quantity, or some rows and columns of it.
@@ -41,12 +55,14 @@ class Target:
         rows: The rows that are meant; none for all.
         columns: The columns that are meant; none for all.
         is_determinant: Whether its determinant is meant.
+        turned: Whether the transpose of these rows and columns is meant, their inverse, or both.
     """
 
     quantity: str
     rows: Indices = ()
     columns: Indices = ()
     is_determinant: bool = False
+    turned: Turned = Turned.NOT
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +80,7 @@ class Left:
         arguments: What follows in brackets, such as q.
         is_determinant: Whether a determinant is meant.
         factor: A vector that it is multiplied with, as in C(q, qd) qd.
+        turned: Whether its transpose or its inverse is meant.
     """
 
     head: str
@@ -76,12 +93,13 @@ class Left:
     arguments: str = ""
     is_determinant: bool = False
     factor: str = ""
+    turned: Turned = Turned.NOT
 
     @property
     def is_plain(self) -> bool:
         """Whether it is a letter or word with at most a subscript, as names are."""
         raised = self.sup or self.before or self.before_sub
-        return not (raised or self.dots or self.primes or self.is_determinant or self.factor)
+        return not (raised or self.dots or self.primes or self.is_determinant or self.factor or self.turned)
 
     @property
     def flat(self) -> str:
@@ -106,6 +124,8 @@ def taken_apart(text: str) -> Left | None:
             rest = inner[1]
     while (single := re.sub(r"\{\{([^{}]*)\}\}", r"{\1}", rest)) != rest:
         rest = single
+    if (whole := re.match(r"\((?!\\d?dot)(.*)\)(?=[_^][^()]*$)", rest)) and _ARGUMENTS.fullmatch(f"({whole[1]})"):
+        rest = whole[1] + rest[whole.end() :]
     before, rest = _scripts(rest)
     dots = 0
     if match := re.match(r"\\(d?)dot", rest):
@@ -132,10 +152,14 @@ def taken_apart(text: str) -> Left | None:
         factor, rest = match[1] + "d", ""
     if rest:
         return None
+    raised, turned = after.get("^", ""), Turned.NOT
+    if match := _TURNED.fullmatch(raised):
+        turned = Turned.INVERTED if match["inverse"] else Turned.BOTH if match["both"] else Turned.TRANSPOSED
+        raised = match["script"]
     return Left(
         head,
         after.get("_", ""),
-        after.get("^", ""),
+        raised,
         before.get("^", ""),
         before.get("_", ""),
         dots,
@@ -143,6 +167,7 @@ def taken_apart(text: str) -> Left | None:
         arguments,
         determinant,
         factor,
+        turned,
     )
 
 
@@ -175,8 +200,8 @@ def candidates(left: Left, n: int, first: int = 1) -> tuple[Target, ...]:
     found = (*_named(left), *_dynamics(left, n), *_jacobians(left, n), *others, *_kinematics(left, n, 1))
     if left.is_determinant:
         whole = [Target("detJ")] if left.head == "J" and not left.sub else []
-        found = (*whole, *(Target(t.quantity, t.rows, t.columns, True) for t in found))
-    return tuple(dict.fromkeys(found))
+        found = (*whole, *(replace(target, is_determinant=True) for target in found))
+    return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
 
 
 _VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))

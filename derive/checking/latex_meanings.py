@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
-from derive.checking.latex_left import Left, Target, candidates, is_scalar, taken_apart
+from derive.checking.latex_left import Left, Target, Turned, candidates, is_scalar, taken_apart
 from derive.checking.latex_matrices import LARGEST_DETERMINANT, Table
 from derive.errors import QuantityError
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
@@ -22,6 +22,10 @@ from derive.robot.names import joint_label
 
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
 """Entries that may stand in formulas."""
+
+
+LARGEST_INVERSE = 3
+"""Rows of a matrix that is inverted; transforms are inverted whatever their size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +75,11 @@ class Meanings:
 
     Args:
         model: The robot's model.
+        torque: Which of the three indices of a Christoffel symbol is that of the torque, from 0; Spong's is the last.
     """
 
-    def __init__(self, model: Model) -> None:
-        self._model, self._robot = model, model.robot
+    def __init__(self, model: Model, torque: int = 0) -> None:
+        self._model, self._robot, self._torque = model, model.robot, torque
         labels = [joint_label(joint.variable) for joint in self._robot.joints]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
         self._rights: dict[Target, Right | None] = {}
@@ -85,8 +90,15 @@ class Meanings:
         Args:
             left: The left side.
         """
-        found = candidates(left, self._robot.n, self._first)
+        found = [self._in_our_order(target) for target in candidates(left, self._robot.n, self._first)]
         return tuple(target for target in found if REGISTRY[target.quantity.partition("[")[0]].is_of(self._robot))
+
+    def _in_our_order(self, target: Target) -> Target:
+        """A Christoffel symbol with the index of the torque in front."""
+        if not (self._torque and target.quantity.startswith("christoffel[")):
+            return target
+        indices = target.quantity.removesuffix("]").partition("[")[2].split(",")
+        return replace(target, quantity=f"christoffel[{','.join([indices.pop(self._torque), *indices])}]")
 
     def right(self, target: Target) -> Right | None:
         """What a target stands for, derived once; None where the robot has no such quantity or entry.
@@ -103,7 +115,8 @@ class Meanings:
     def _derived(self, target: Target) -> Right:
         value = self._model.quantity(target.quantity)
         if not hasattr(value, "shape"):
-            return Right(target.quantity, sympy.ImmutableMatrix([[value]]), (0,), (0,))
+            value = sympy.ImmutableMatrix([[value]])
+            return Right(target.quantity + target.turned, self._turned(target, value), (0,), (0,))
         whole = _whole(target.quantity, value)
         rows = target.rows or tuple(range(1, value.shape[0] + 1))
         columns = target.columns or tuple(range(1, value.shape[1] + 1))
@@ -113,7 +126,38 @@ class Meanings:
             if part.shape[0] != part.shape[1] or not 0 < part.shape[0] <= LARGEST_DETERMINANT:
                 raise QuantityError(f"determinant of {target.quantity}")
             return Right(f"det {target.quantity}", sympy.ImmutableMatrix([[part.det(method="berkowitz")]]), (0,), (0,))
-        return Right(target.quantity, part, rows, columns if whole.columns != (0,) else (0,))
+        if target.turned in (Turned.TRANSPOSED, Turned.BOTH):
+            rows, columns = columns, rows
+        elif whole.columns == (0,):
+            columns = (0,)
+        return Right(target.quantity + target.turned, self._turned(target, part), rows, columns)
+
+    def _turned(self, target: Target, part: Matrix) -> Matrix:
+        """The transpose or inverse of a matrix.
+
+        Raises:
+            QuantityError: It has no inverse, or a long one.
+        """
+        if target.turned in (Turned.TRANSPOSED, Turned.BOTH):
+            part = part.T
+        if target.turned not in (Turned.INVERTED, Turned.BOTH):
+            return part
+        if parse(self._model, target.quantity)[0].name in ("T", "A") and part.rows == part.cols:
+            size = sum(row < 4 for row in target.rows) or 3
+            turn, place = part[:size, :size].T, part[:size, size:]
+            moved = (-turn * place).applyfunc(self._written)
+            return sympy.ImmutableMatrix(turn.row_join(moved).col_join(part[size:, :]))
+        if part.rows != part.cols or part.rows > LARGEST_INVERSE:
+            raise QuantityError(f"inverse of {target.quantity}", allowed=f"up to {LARGEST_INVERSE} rows")
+        determinant = self._written(part.det(method="berkowitz"))
+        if determinant == 0:
+            raise QuantityError(f"inverse of {target.quantity}, which is singular everywhere")
+        return part.adjugate().applyfunc(lambda entry: self._written(entry) / determinant)
+
+    def _written(self, expression: Expr) -> Expr:
+        """A sum of products as the model would write it, in factors."""
+        domain = self._model.domain
+        return self._model.form.determinant(domain.constant(expression_from_sympy(expression)))
 
     def asked(self, quantity: str) -> Iterator[Right]:
         """What is asked about: an entry, or a quantity as a whole, or parts of it.

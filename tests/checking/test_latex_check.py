@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -110,3 +111,57 @@ def test_a_long_matrix_of_another_program_is_read_entry_by_entry() -> None:
     findings = check_latex(puma, sympy.latex(puma.quantity("B")), "B").findings
     assert len(findings) == 36
     assert all(judge(finding).outcome is Outcome.SAME_FORM for finding in findings)
+
+
+INVERSES = [
+    r"J^{T} = \begin{bmatrix} -a_1 s_1 - a_2 s_{12} & a_1 c_1 + a_2 c_{12} \\ -a_2 s_{12} & a_2 c_{12} \end{bmatrix}",
+    r"J^{-1} = \frac{1}{a_1 a_2 s_2} \begin{bmatrix} a_2 c_{12} & a_2 s_{12} \\"
+    r" -a_1 c_1 - a_2 c_{12} & -a_1 s_1 - a_2 s_{12} \end{bmatrix}",
+    r"\left(\mathbf{A}_1^0\right)^{-1} = \begin{bmatrix} c_1 & s_1 & 0 & -a_1 \\"
+    r" -s_1 & c_1 & 0 & 0 \\ 0 & 0 & 1 & 0 \\ 0 & 0 & 0 & 1 \end{bmatrix}",
+    r"B^{-1} = \frac{1}{b_{11} b_{22} - b_{12}^2} \begin{bmatrix} b_{22} & -b_{12} \\ -b_{12} & b_{11} \end{bmatrix}",
+    r"(\mathbf{R}_2^0)^T = \mathbf{R}_0^2",
+    r"R_1^{0\,\top} = \begin{bmatrix} c_1 & s_1 \\ -s_1 & c_1 \end{bmatrix}",
+]
+
+
+@pytest.mark.parametrize("text", INVERSES)
+def test_transposes_and_inverses_of_what_is_derived_are_compared(text: str) -> None:
+    """Each is right as it stands; one sign more is wrong, in one entry or in all."""
+    arm = model("planar-2r-perugia")
+    assert all(finding.verdict.equal for finding in check_latex(arm, text).findings)
+    left, right = text.split(" = ", 1)
+    if "begin" in right:
+        wrong = check_latex(arm, left + " = " + right.replace("c_1", "-c_1", 1).replace("{ b_{22}", "{ -b_{22}"))
+        assert not all(finding.verdict.equal for finding in wrong.findings) or "c_1" not in right
+
+
+def test_an_inverse_that_is_long_or_has_no_end_is_refused() -> None:
+    with pytest.raises(CheckError, match=re.escape("'J^{-1}' is not derived")):
+        check_latex(model("puma560-usp"), r"J^{-1} = \begin{bmatrix} c_1 & s_1 \\ -s_1 & c_1 \end{bmatrix}")
+
+
+SPONG = (
+    r"c_{ijk} = \frac{1}{2} \left( \frac{\partial d_{kj}}{\partial q_i} + \frac{\partial d_{ki}}{\partial q_j}"
+    r" - \frac{\partial d_{ij}}{\partial q_k} \right) \\ "
+)
+
+
+def test_the_order_of_the_indices_is_that_of_the_definition_in_the_text() -> None:
+    """Spong's c_{112} is our c_{211}: the index of the torque is that of the derivative which is subtracted."""
+    arm, symbol = model("planar-2r-perugia"), r"c_{112} = m_{l2} a_1 l_2 s_2"
+    (finding,) = check_latex(arm, SPONG + symbol).findings
+    assert (finding.entry, finding.verdict.equal) == ("christoffel[2,1,1]", True)
+    ours = SPONG.replace("q_k", "q_x").replace("q_i", "q_k").replace("q_x", "q_i")
+    (finding,) = check_latex(arm, ours + symbol).findings
+    assert (finding.entry, finding.verdict.equal) == ("christoffel[1,1,2]", False)
+
+
+def test_another_order_of_the_indices_is_named_where_it_fits() -> None:
+    (finding,) = check_latex(model("planar-2r-perugia"), r"c_{112} = m_{l2} a_1 l_2 s_2").findings
+    repair = judge(finding).repair
+    assert repair is not None
+    assert repair.text.endswith("; or other order of the indices: it is christoffel[2,1,1]")
+    (finding,) = check_latex(model("planar-2r-perugia"), r"c_{112} = 3 m_{l2} a_1 l_2 s_2").findings
+    repair = judge(finding).repair
+    assert repair is None or "indices" not in repair.text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from derive.checking.latex_left import Target, candidates, is_scalar, taken_apart
+from derive.checking.latex_left import Target, Turned, candidates, is_scalar, taken_apart
 
 N = 3
 
@@ -71,3 +71,19 @@ def test_an_entry_is_one_formula_and_a_matrix_is_not() -> None:
 @pytest.mark.parametrize("text", ["a + b", r"\frac{a}{b}", "", "2", "T T"])
 def test_what_is_no_single_symbol_names_nothing(text: str) -> None:
     assert meanings(text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "target"),
+    [
+        (r"\mathbf{J}^T", Target("J", turned=Turned.TRANSPOSED)),
+        (r"(\mathbf{T}^0_2)^{-1}", Target("T[0,2]", turned=Turned.INVERTED)),
+        (r"R_2^{0\top}", Target("T[0,2]", (1, 2, 3), (1, 2, 3), turned=Turned.TRANSPOSED)),
+        (r"^0R_2^{-1}", Target("T[0,2]", (1, 2, 3), (1, 2, 3), turned=Turned.INVERTED)),
+        (r"J^{-T}", Target("J", turned=Turned.BOTH)),
+        (r"M(q)^{-1}", Target("B", turned=Turned.INVERTED)),
+    ],
+)
+def test_transposes_and_inverses_are_those_of_what_is_known(text: str, target: Target) -> None:
+    assert target in meanings(text)
+    assert all(other.turned is target.turned for other in meanings(text))
