@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load, with_remarks
@@ -22,7 +23,6 @@ from derive.checking.report import (
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
-from derive.lecture.sympy_conversion import Expr
 from derive.model.model import Model
 from derive.robot.description import Remark
 from derive.robot.robot import Robot
@@ -205,12 +205,9 @@ def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = 
         What is reported.
     """
     notation = Notation.of(robot)
-
-    def _is_rounded(right: Expr) -> bool:
-        return loses_digits([right], decimals=notation.decimals, digits=DIGITS)
-
     printers = TextPrinter(robot, notation).doprint, TextPrinter(robot).doprint
-    return Printout(report, *printers, _is_rounded, remarks)
+    is_rounded = partial(loses_digits, decimals=notation.decimals, digits=DIGITS)
+    return Printout(report, *printers, lambda right: is_rounded([right]), remarks)
 
 
 def latex_file(path: str) -> str:

@@ -141,8 +141,7 @@ class LatexReader:
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
         tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
         try:
-            text = self._with_long_names(piece.text)
-            found = parsed(text, self.names, tables)
+            found = parsed(_RUN.sub(self._long_name, piece.text), self.names, tables)
         except UnexpectedInput as error:
             raise self._refusal(piece, error) from None
         except MisplacedError as error:
@@ -156,11 +155,8 @@ class LatexReader:
             raise CheckError("formula has too many terms when multiplied out", location=self.location(piece.start))
         return found
 
-    def _with_long_names(self, text: str) -> str:
-        """One sign for each run of letters that is a name of the robot, as SymPy prints it: ``qd_{1}``, ``Ixx_{1}``."""
-        return _RUN.sub(self._long_name, text)
-
     def _long_name(self, match: re.Match[str]) -> str:
+        """One sign for a run of letters that is a name of the robot, as SymPy prints it: ``qd_{1}``, ``Ixx_{1}``."""
         run = match["run"]
         if run is None:
             return match[0]

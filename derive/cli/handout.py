@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 from derive.cli.terminal import print_json, progress
 from derive.errors import DeriveError, OutputError
 from derive.robot.handout_options import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
+
+T = TypeVar("T")
 
 SUMMARY = "a sheet to hand out: LaTeX, PDF and web page"
 DESCRIPTION = """\
@@ -30,23 +34,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Where the arguments are added.
     """
-    add = parser.add_argument
+    add, parts = parser.add_argument, _reader(lambda text: chosen_parts(text.split(",")))
     add("robot", metavar="ROBOT", help="robot file or catalogue name")
     add("--tex", action="store_true", help="the LaTeX file; it stands alone (default)")
     add("--pdf", action="store_true", help="the LaTeX file and the PDF; needs latexmk and pdflatex")
     add("--html", action="store_true", help="a web page in one file")
     add("--out", metavar="DIR", type=Path, default=Path("."), help="folder of the files (default: the current one)")
-    add("--parts", metavar="A,B", type=_parts, help="only these parts, see docs/handout.md")
+    add("--parts", metavar="A,B", type=parts, help="only these parts, see docs/handout.md")
     add("--lang", metavar="CODE", help="language: en, it, pt or another that has a message catalogue")
     add("--derivation", choices=[choice.value for choice in Derivation], help="results, or the steps to them too")
-    add("--notation", metavar="NAME=VALUE", type=_notation, action="append", help="such as angle=vartheta,inertia=M")
+    letters = "such as angle=vartheta,inertia=M"
+    add("--notation", metavar="NAME=VALUE", type=_reader(_notation), action="append", help=letters)
     grouped = parser.add_mutually_exclusive_group()
     grouped.add_argument("--style", metavar="STYLE", help="how expressions are grouped, as for derive show")
     from_notes = "group expressions as these notes do: a .tex file or a corpus file, see derive style"
     grouped.add_argument("--style-from", metavar="NOTES", help=from_notes)
-    add(
-        "--pages", metavar="N", type=_pages, help="most pages on paper, the least useful left out (default: 20; 0: all)"
-    )
+    pages = "most pages on paper, the least useful left out (default: 20; 0: all)"
+    add("--pages", metavar="N", type=_reader(chosen_pages), help=pages)
     add("--exercise", action="store_true", help="an exercise with room for answers, and its solutions")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
     add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
@@ -57,20 +61,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--json", action="store_true", help="machine-readable report")
 
 
-def _parts(text: str) -> tuple[str, ...]:
-    """``table,jacobian`` as names of parts."""
-    try:
-        return chosen_parts(text.split(","))
-    except DeriveError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+def _reader(read: Callable[[str], T]) -> Callable[[str], T]:
+    """What reads the value of an option, its refusals in the form of the command line."""
 
+    def _read(text: str) -> T:
+        try:
+            return read(text)
+        except DeriveError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
 
-def _pages(text: str) -> int:
-    """A number of pages."""
-    try:
-        return chosen_pages(text)
-    except DeriveError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    return _read
 
 
 def _notation(text: str) -> dict[str, str]:
@@ -78,10 +78,7 @@ def _notation(text: str) -> dict[str, str]:
     chosen = {}
     for item in (item.strip() for item in text.split(",") if item.strip()):
         name, _, value = (word.strip() for word in item.partition("="))
-        try:
-            chosen_notation({name: value}, NotationOptions())
-        except DeriveError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
+        chosen_notation({name: value}, NotationOptions())
         chosen[name] = value
     return chosen
 

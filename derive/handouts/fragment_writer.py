@@ -97,17 +97,13 @@ def _written(block: Block, text: Text) -> str:
             return _macro("paragraph", text=_words(task))
         case Table(header, rows):
             head, *body = (" & ".join(map(_words, row)) for row in (header, *rows))
-            items = [_as_list([(_words(h), _words(c)) for h, c in zip(header, row, strict=True)]) for row in rows]
+            pairs = (zip(header, row, strict=True) for row in rows)  # in words, for a line that the table does not fit
+            items = ["; ".join(f"{_words(name)}: {_words(cell)}" for name, cell in row) for row in pairs]
             return _macro("table", header=head, rows=body, items=items)
         case Figure(drawing, caption):
             return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
         case Steps(title, blocks):
             return _macro("steps", title=_words(title)) + "".join(_written(inner, text) for inner in blocks)
-
-
-def _as_list(cells: Sequence[tuple[str, str]]) -> str:
-    """A row of a table in words, for a line that the table does not fit."""
-    return "; ".join(f"{head}: {cell}" for head, cell in cells)
 
 
 def _formula(block: Formula, _: Text) -> Iterator[str]:

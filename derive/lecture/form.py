@@ -360,7 +360,8 @@ class LectureForm:
         for body, part in partition(terms, self.inertial).items():
             whole = _whole(body, part)
             plan = self._geometry_inside(part) if body else None
-            if (isinstance(plan, Times) and project(plan.monomial, self._sines)) or _is_product(plan):
+            is_product = isinstance(plan, Times) and sum(exponent for _, exponent in plan.inner) > 1  # a square, too
+            if is_product or (isinstance(plan, Times) and project(plan.monomial, self._sines)):
                 products.append(self._by_body(whole))
             else:
                 rest.update(whole)
@@ -408,11 +409,6 @@ def _whole(factor: Monomial, terms: Terms) -> Terms:
     return {multiply(factor, m): c for m, c in terms.items()}
 
 
-def _is_product(plan: Plan | None) -> bool:
-    """Whether a plan is a product of two sums or more; a square counts as two."""
-    return isinstance(plan, Times) and sum(exponent for _, exponent in plan.inner) > 1
-
-
 class ProductBuilder:
     """Turns monomials over a `FactorTable` into SymPy products.
 
@@ -440,7 +436,7 @@ class ProductBuilder:
         key = (coefficient, monomial)
         if key in self._cache:
             return self._cache[key]
-        number = sympy.Rational(coefficient.numerator, coefficient.denominator)
+        number = sympy.Rational(coefficient)
         powers = [self._power(pair) for pair in monomial]
         factors = [self._table.factors[f] for f, _ in monomial]
         if not coefficient or not monomial or any(factor.kind not in PLAIN for factor in factors):

@@ -57,7 +57,7 @@ def expression_to_sympy(e: Expression) -> Expr:
     """
     match e:
         case Number(value):
-            return sympy.Rational(value.numerator, value.denominator)
+            return sympy.Rational(value)
         case Pi():
             return sympy.pi
         case Name(name):

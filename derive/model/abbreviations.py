@@ -163,7 +163,7 @@ class _ByChristoffel:
         scale, key = p.normalised()
         base = self._bases.setdefault(key, p)
         name = self.names.name(key, lambda: self._form.entry(base, self._limit, self._grouping))
-        return _rational(scale / base.normalised()[0]), name
+        return sympy.Rational(scale / base.normalised()[0]), name
 
 
 class _ByCoefficients:
@@ -203,7 +203,7 @@ class _ByCoefficients:
     def _named(self, terms: Terms) -> Expr:
         lead = terms[min(terms)]
         if list(terms) == [()]:
-            return _rational(lead)
+            return sympy.Rational(lead)
         # the greatest rational of which all are whole multiples
         numerators, denominators = zip(*((c.numerator, c.denominator) for c in terms.values()), strict=True)
         scale = abs(lead) if len(terms) == 1 else Fraction(gcd(*numerators), lcm(*denominators))
@@ -212,8 +212,4 @@ class _ByCoefficients:
         # decimals stay in the value: a name is the value itself, not what a tiny number multiplies
         base = self._bases.setdefault(key, scale if scale.denominator > 1 else Fraction(1))
         name = self.names.name(key, lambda: self._form.write_dynamic({m: c * base for m, c in key}))
-        return _rational(scale / base) * name
-
-
-def _rational(value: Fraction) -> Expr:
-    return sympy.Rational(value.numerator, value.denominator)
+        return sympy.Rational(scale / base) * name

@@ -123,8 +123,7 @@ class DynamicForm:
                 self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.table.terms(unit)))
             value = self._coefficients[key]
             if scale != 1:
-                factor = sympy.Rational(scale.numerator, scale.denominator)
-                value = sympy.Mul(factor, value, evaluate=not value.is_Add)
+                value = sympy.Mul(sympy.Rational(scale), value, evaluate=not value.is_Add)
             terms.append(sympy.Mul(self._lumps[lump.generator], value))
         if rest:
             terms.append(self.form.dynamic(self.dynamics.domain.ring.project(rest)))
@@ -215,7 +214,7 @@ class DynamicForm:
         for (body, geometry), rates in self._combinations(pairs).items():
             key = tuple(rates.items())
             if key not in factored:
-                total = sympy.Add(*(_rational(value) * rate for rate, value in key))
+                total = sympy.Add(*(sympy.Rational(value) * rate for rate, value in key))
                 factored[key] = sympy.factor(total) if len(key) > 1 else total
             bodies.setdefault(body, []).append(self.form.monomial(geometry) * factored[key])
         half = sympy.Rational(1, 2)
@@ -232,10 +231,6 @@ class DynamicForm:
                 rates = found.setdefault((body, divide(monomial, body)), {})
                 rates[product] = rates.get(product, Fraction(0)) + coefficient * Fraction(int(number.p), int(number.q))
         return found
-
-
-def _rational(value: Fraction) -> Expr:
-    return sympy.Rational(value.numerator, value.denominator)
 
 
 def times_rate(value: Expr, rate: Expr, rates: Rates) -> Expr:

@@ -114,5 +114,4 @@ def _number(e: Expr, arguments: list[Real]) -> Real:
 def _written(value: Any) -> Expr:
     if isinstance(value, sympy.Basic):
         return value
-    number = Fraction(mpmath.nstr(value, KEPT))
-    return sympy.Rational(number.numerator, number.denominator)
+    return sympy.Rational(Fraction(mpmath.nstr(value, KEPT)))

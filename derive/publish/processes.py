@@ -159,15 +159,11 @@ def _is_worthwhile() -> bool:
     Python nor of a library. Only Linux tells.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return cores > 1 and _threads() == 1 and multiprocessing.parent_process() is None
-
-
-def _threads() -> int:
-    """How many threads this process has, those of libraries included; 0 where that is not known."""
     try:
-        return len(os.listdir("/proc/self/task"))
+        threads = len(os.listdir("/proc/self/task"))
     except OSError:
-        return 0
+        return False
+    return cores > 1 and threads == 1 and multiprocessing.parent_process() is None
 
 
 def _do_and_send(work: Callable[[], object], sender: Connection) -> None:

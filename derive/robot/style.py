@@ -6,7 +6,7 @@ the usual sets.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from types import MappingProxyType
@@ -313,12 +313,10 @@ class Style:
         """
         ways = []
         for name, start in NAMED_STYLES.items():
-            changes = {key: str(value) for key, value in self._values() if value != getattr(start, key)}
+            values = {option.name: getattr(self, option.name) for option in fields(self)}
+            changes = {key: str(value) for key, value in values.items() if value != getattr(start, key)}
             ways.append(changes if name == DEFAULT_STYLE else {"name": name, **changes})
         return min(ways, key=len)
-
-    def _values(self) -> Iterator[tuple[str, StrEnum]]:
-        return ((option.name, getattr(self, option.name)) for option in fields(self))
 
     def __str__(self) -> str:
         """The style as `of` reads it: ``by-geometry, gravity: body``."""

@@ -204,7 +204,9 @@ class _Search:
         plane = PlaneMap.of(self.point, picture)
         reachable, exact = self._reachable(plane)
         if reachable.region.is_empty:
-            return WorkspaceView(picture, reachable, None, exact, plane.values(_line(plane))[0].T)
+            low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
+            line = low + (high - low) * np.linspace(0.0, 1.0, 721)
+            return WorkspaceView(picture, reachable, None, exact, plane.values(line)[0].T)
         return WorkspaceView(picture, reachable, self._dexterous(picture, reachable), exact, np.zeros((0, 2)))
 
     def _reachable(self, plane: PlaneMap) -> tuple[Area, bool]:
@@ -265,12 +267,6 @@ class _Search:
 def _area(plane: PlaneMap) -> Area:
     """What a map covers."""
     return exact_area(plane) if plane.has_exact_curves else refined_area(plane)
-
-
-def _line(plane: PlaneMap) -> Array:
-    """Configurations along the ranges of all joints, for a workspace that is a line."""
-    low, high = plane.box
-    return low + (high - low) * np.linspace(0.0, 1.0, 721)
 
 
 def _seen_along_axis(section: Region) -> Region:
