@@ -7,6 +7,7 @@ import io
 import os
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from unittest import mock
@@ -36,22 +37,42 @@ class Outcome:
 
 def derive(*arguments: str, folder: Path, **variables: str) -> Outcome:
     """Run ``derive`` with ``arguments`` in ``folder``, in this process: what imports take is spent once."""
-    streams = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2)]
+    streams = [_stream() for _ in range(2)]
+    status = _run_main(arguments, folder, variables, *streams)
+    return Outcome(status, *map(_printed, streams))
+
+
+def derive_on_terminal(*arguments: str, folder: Path, **variables: str) -> tuple[int, str]:
+    """The same with both streams as they follow each other, which is what a reader sees."""
+    stream = _stream()
+    status = _run_main(arguments, folder, variables, stream, stream)
+    return status, _printed(stream)
+
+
+def _stream() -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BytesIO(), encoding="utf-8", write_through=True)
+
+
+def _printed(stream: io.TextIOWrapper) -> str:
+    buffer = stream.buffer
+    assert isinstance(buffer, io.BytesIO)
+    return buffer.getvalue().decode("utf-8")
+
+
+def _run_main(
+    arguments: Sequence[str], folder: Path, variables: Mapping[str, str], out: io.TextIOWrapper, err: io.TextIOWrapper
+) -> int:
+    """The exit status."""
     with (
         contextlib.chdir(folder),
         mock.patch.dict(os.environ, variables),
-        contextlib.redirect_stdout(streams[0]),
-        contextlib.redirect_stderr(streams[1]),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
     ):
         try:
-            status = main(arguments)
+            return main(arguments)
         except SystemExit as stop:
-            status = stop.code
-    printed = []
-    for stream in streams:
-        stream.flush()
-        printed.append(stream.buffer.getvalue().decode("utf-8"))
-    return Outcome(status, *printed)
+            return int(stop.code or 0)
 
 
 def derive_process(*arguments: str, folder: Path, **variables: str) -> Outcome:

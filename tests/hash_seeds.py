@@ -1,0 +1,10 @@
+"""Seeds of the hashes of strings, on which nothing may depend."""
+
+from __future__ import annotations
+
+import os
+
+
+def another_hash_seed() -> str:
+    """A seed that is surely not this process's, which is random unless ``PYTHONHASHSEED`` is set."""
+    return "7" if os.environ.get("PYTHONHASHSEED") != "7" else "99"
