@@ -219,7 +219,10 @@ def _lines(form: str, name: str, value: Any, printer: Printer) -> list[str]:
     if rows is None:
         return [printer(value)] if form == "latex" else [f"{target} = {printer(value)}"]
     if form == "latex":
-        body = [f"  {' & '.join(row)} \\\\" for row in rows]
+        from derive.handouts.layout.lines import matrix_rows
+
+        body = [f"  {row}" for row in matrix_rows(rows)]
+        body[-1] += r" \\"
         return [rf"\left[\begin{{array}}{{{'c' * len(rows[0])}}}", *body, r"\end{array}\right]"]
     if form == "python":
         return [f"{target} = [", *(f"    [{', '.join(row)}]," for row in rows), "]"]

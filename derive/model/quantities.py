@@ -89,7 +89,7 @@ class Quantity:
         if model.n not in self.joints:
             first, last = self.joints[0], self.joints[-1]
             allowed = f"{first} joints" if first == last else f"{first} joints or more" if last == ANY[-1] else ""
-            found = f"{self.name} of {model.robot.name}, an arm of {model.n} joints"
+            found = f"{self.name} of {model.robot.name}, an arm of {model.n} joint{'s' * (model.n != 1)}"
             raise QuantityError(found, allowed=allowed or f"{first} to {last} joints")
         if self.formula is not None:
             return self.formula(model, *indices)

@@ -195,7 +195,7 @@ def _length(robot: Robot, data: DataPrinter, segment: Segment) -> str:
     latex = joined(data.value(cell)).tex.strip()
     if not any(True for _ in names(cell)):
         latex += r"\,\mathrm{m}"
-    if label_width(latex) <= LONGEST_LABEL and "\\frac" not in latex and "\\sqrt" not in latex:
+    if label_width(latex) <= LONGEST_LABEL and "frac{" not in latex and "\\sqrt" not in latex:
         return latex
     behind = segment.cell == "a" and robot.convention is Convention.MODIFIED
     return f"{segment.cell}_{{{segment.row + (0 if behind else 1)}}}"

@@ -23,6 +23,8 @@ _FACTORS = 6
 _TOKEN = re.compile(
     r"\\begin\{bmatrix\}.*?\\end\{bmatrix\}|\\[bB]ig[lr]\\?.|\\[A-Za-z]+ ?|\\.|\s+|[0-9](?:[0-9.]|\{,\})*|.", re.DOTALL
 )
+_ENDS_IN_NAME = re.compile(r"\\[A-Za-z]+$")
+_ROW_END = re.compile(r"\\\\(?:\[[^]&]*\])?")
 _MATRIX = re.compile(r"(?P<left>.*?) = \\begin\{bmatrix\}(?P<body>.*?)\\end\{bmatrix\}", re.DOTALL)
 _PHANTOM = re.compile(r"\\phantom\{(.*)\}")
 
@@ -78,7 +80,9 @@ def whole_equations(lines: Iterable[str]) -> list[str]:
         if indent is None:
             joined.append(line)
         else:
-            joined[-1] = f"{joined[-1].rstrip()} {_uncontinued(line.removeprefix(indent))}"
+            whole = joined[-1].rstrip()
+            space = "  " if _ENDS_IN_NAME.search(whole) else " "  # a name takes one: the sign behind it has its own
+            joined[-1] = f"{whole}{space}{_uncontinued(line.removeprefix(indent))}"
     return [equation for line in joined for equation in _side_by_side(line)]
 
 
@@ -212,5 +216,5 @@ def matrix_equation(equation: str) -> MatrixEquation | None:
     if match is None or "bmatrix" in match["left"] + match["body"]:
         return None
     symbol = match["left"].partition(" = ")[0].strip()
-    rows = (tuple(cell.strip() for cell in row.split("&")) for row in match["body"].split("\\\\"))
+    rows = (tuple(cell.strip() for cell in row.split("&")) for row in _ROW_END.split(match["body"]))
     return MatrixEquation(_PHANTOM.sub(r"\1", symbol), tuple(rows))

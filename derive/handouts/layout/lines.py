@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, Piece, concatenate
 
@@ -32,6 +33,9 @@ BREAK_AFTER = 250
 
 KEPT_TOGETHER = 14
 """Rows of a display that is not broken over pages; a matrix that is printed as one counts as four."""
+
+FRACTION_ROOM = "0.6ex"
+"""Added between two rows of a matrix that both hold fractions."""
 
 GAP = Box(" \\qquad ", 20.0)
 """Between two equations on one line."""
@@ -184,8 +188,23 @@ def matrix(rows: Sequence[Sequence[Box]]) -> Box:
     columns = zip(*rows, strict=True)
     width = sum(max(cell.width for cell in column) for column in columns)
     width += _COLUMN_GAP * (len(rows[0]) - 1) + _DELIMITERS
-    body = " \\\\ ".join(" & ".join(cell.tex.strip() for cell in row) for row in rows)
+    body = " ".join(matrix_rows([[cell.tex.strip() for cell in row] for row in rows]))
     return Box(f"\\begin{{bmatrix}} {body} \\end{{bmatrix}}", width)
+
+
+def matrix_rows(cells: Sequence[Sequence[str]]) -> list[str]:
+    """The rows of a matrix with what parts them; fractions in one would touch those in the next without some room.
+
+    Args:
+        cells: LaTeX of its cells, row by row.
+
+    Returns:
+        LaTeX of each row, all but the last with an end.
+    """
+    rows = [" & ".join(row) for row in cells]
+    are_tall = ["frac{" in row for row in rows]
+    ends = [f" \\\\[{FRACTION_ROOM}]" if all(pair) else " \\\\" for pair in pairwise(are_tall)]
+    return [*(row + end for row, end in zip(rows, ends, strict=False)), *rows[-1:]]
 
 
 def fits(box: Box, rows: int, width: float = LINE_WIDTH) -> bool:

@@ -41,6 +41,18 @@ def test_lines_of_latex_are_short_enough_for_any_tex() -> None:
     assert max(map(len, latex_drawing(_drawing("human-body")).splitlines())) < 900
 
 
+def test_lengths_that_are_fractions_or_roots_are_drawn_as_the_symbols_of_their_cells() -> None:
+    """Matplotlib sets no small fraction."""
+    pytest.importorskip("matplotlib")
+    rows = "[{type: revolute, a: 1/7, d: 2/3}, {type: revolute, a: sqrt(2)/3}]"
+    robot = Robot.from_text(f"name: sevenths\nconvention: standard\njoints: {rows}\n")
+    poses = RobotPoses(robot)
+    drawing = arm_drawing(robot, DataPrinter(robot, Notation.of(robot)), poses.frames(poses.zero), "an arm")
+    labels = {item.latex for item in drawing.items if isinstance(item, Label)}
+    assert {"a_{1}", "d_{1}", "a_{2}"} <= labels
+    assert drawing_bytes(drawing, ".svg").startswith(b"<?xml")
+
+
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_same_drawing_same_bytes(suffix: str) -> None:
     pytest.importorskip("matplotlib")

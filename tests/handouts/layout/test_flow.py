@@ -8,7 +8,7 @@ import pytest
 
 from derive.handouts.assemble import context_of
 from derive.handouts.layout.flow import breakable, matrix_equation, whole_equations
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines
+from derive.handouts.layout.lines import EQUALS, INDENTS, Equation, equation_lines
 from derive.handouts.notation.pieces import concatenate, joined
 from derive.robot.robot import Robot
 from tests.random_robots import swept_catalogue
@@ -56,6 +56,11 @@ def test_a_line_may_end_before_a_sign_outside_of_braces(equation: str, marked: s
     assert breakable(equation) == marked
 
 
+def test_a_line_that_was_broken_behind_a_name_may_end_there_again() -> None:
+    (whole,) = whole_equations(["x = a\\sin \\phi ", f"{INDENTS[0].tex}{{}}- b\\cos \\phi "])
+    assert breakable(whole).count("\\brk") == 1
+
+
 def test_a_matrix_is_also_its_entries() -> None:
     """Those that are not zero, of a symmetric one those above the diagonal."""
     matrix = matrix_equation("\\phantom{A} = \\begin{bmatrix} a & b \\\\ b & 0 \\end{bmatrix}")
@@ -64,6 +69,9 @@ def test_a_matrix_is_also_its_entries() -> None:
     column = matrix_equation("p = AB = \\begin{bmatrix} x \\\\ 0 \\\\ y \\end{bmatrix}")
     assert column is not None
     assert column.entries() == ["(p)_{1} = x", "(p)_{3} = y"]
+    spaced = matrix_equation("p = \\begin{bmatrix} \\tfrac{1}{2} \\\\[0.6ex] \\tfrac{1}{3} \\end{bmatrix}")
+    assert spaced is not None
+    assert spaced.entries() == ["(p)_{1} = \\tfrac{1}{2}", "(p)_{2} = \\tfrac{1}{3}"]
     assert matrix_equation("x = a + b") is None
 
 

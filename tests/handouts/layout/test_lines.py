@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.handouts.layout.lines import Equation, break_lines, equation_lines, matrix, pack
+from derive.handouts.layout.lines import Equation, break_lines, equation_lines, matrix, matrix_rows, pack
 from derive.handouts.notation.pieces import Box, Break, Piece, italic
 
 HEAD = Box("b = ", 30.0)
@@ -70,3 +70,9 @@ def test_the_width_of_a_matrix_is_that_of_its_columns() -> None:
     """The widest cell of each, and the gaps."""
     cell = Box("x", 20.0)
     assert matrix([[cell, cell], [cell, Box("y", 50.0)]]).width >= 20.0 + 50.0 + 10.0
+
+
+def test_rows_of_fractions_in_a_matrix_keep_off_each_other() -> None:
+    rows = matrix_rows([["\\tfrac{1}{2}", "0"], ["x", "\\tfrac{1}{3}"], ["0", "1"]])
+    assert rows == ["\\tfrac{1}{2} & 0 \\\\[0.6ex]", "x & \\tfrac{1}{3} \\\\", "0 & 1"]
+    assert matrix_rows([["x"]]) == ["x"]
