@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from derive.api.robots import RobotLike, configuration, load
@@ -48,6 +49,7 @@ def plot(
     q: Sequence[float | str] | None = None,
     workspace: bool = False,
     size: float = 1.0,
+    progress: Callable[[str, str], None] | None = None,
 ) -> Plot:
     """Draw the arm with its Denavit-Hartenberg frames, or its workspace, as ``derive plot`` does.
 
@@ -57,6 +59,7 @@ def plot(
         q: Joint values in the units of the robot file; None for those of its block ``figure:``, or zeros.
         workspace: Whether the positions that the end effector reaches are drawn instead.
         size: Factor by which the figure is enlarged.
+        progress: Called with the robot's name and what of its workspace is looked for.
 
     Returns:
         The file, and what was assumed.
@@ -78,7 +81,7 @@ def plot(
     found = None
     if workspace:
         poses = RobotPoses(chosen)
-        found = find_workspace(poses)
+        found = find_workspace(poses, None if progress is None else partial(progress, chosen.name))
         remarks = f"workspace of {chosen.name}: {workspace_summary(found)}{_assumed(poses)}"
         data = workspace_bytes(found.views, suffix, remarks, size)
     else:

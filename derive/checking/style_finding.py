@@ -21,7 +21,6 @@ from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
 from derive.robot.expression import (
     Call,
@@ -144,7 +143,7 @@ def printed_examples(findings: Iterable[Finding]) -> list[Example]:
     found = []
     for finding in findings:
         question, telling = finding.question, finding.role in (Role.PRINTED, Role.CORRECTION) and not finding.erratum
-        known = finding.unknown is None and finding.quantity.partition("[")[0] in REGISTRY
+        known = finding.unknown is None and "^" not in finding.quantity  # no transpose, no inverse
         if telling and known and question is not None and _has_sum(question.printed):
             printed = substitute(question.printed, question.definitions)
             found.append(Example(question.robot, finding.entry, printed, finding.text, finding.location))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from derive.cli.terminal import magnification
+from derive.cli.terminal import magnification, progress
 
 SUMMARY = "draw the arm with its frames, or its workspace"
 DESCRIPTION = """\
@@ -45,12 +45,14 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.plot import plot
 
-    result = plot(
-        arguments.robot,
-        arguments.out,
-        q=None if arguments.q is None else arguments.q.split(","),
-        workspace=arguments.workspace,
-        size=arguments.size,
-    )
+    with progress(1, quiet=False) as tell:
+        result = plot(
+            arguments.robot,
+            arguments.out,
+            q=None if arguments.q is None else arguments.q.split(","),
+            workspace=arguments.workspace,
+            size=arguments.size,
+            progress=tell,
+        )
     print(f"{arguments.out}: {result.remarks}")
     return 0

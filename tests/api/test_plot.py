@@ -33,3 +33,9 @@ def test_nothing_is_written_where_the_request_is_wrong(tmp_path: Path) -> None:
     with pytest.raises(DeriveError, match="leave one of them out"):
         plot("thumb", tmp_path / "arm.svg", q=[0.0], workspace=True)
     assert not list(tmp_path.iterdir())
+
+
+def test_what_of_a_workspace_is_looked_for_is_told(tmp_path: Path) -> None:
+    told: list[tuple[str, str]] = []
+    plot("stanford-deluca", tmp_path / "w.svg", workspace=True, progress=lambda *stage: told.append(stage))
+    assert told == [("stanford-deluca", "section"), ("stanford-deluca", "top view")]

@@ -2,7 +2,8 @@
 
 Every file is one robot of one book in the format of the corpus, its formulas grouped as the book prints them, to the
 best of our knowledge: they are restated from memory, and what is tested is that each equals the derived one, and how
-many come out in the same form. ``python -m tests.textbooks.collection`` prints the table; ``--robots`` by robot.
+many come out in the same form. ``python -m tests.textbooks.collection`` prints the table; ``--robots`` by robot;
+``--options`` what another value of one option of the default style gains and loses, here and in the lecture corpus.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,9 +21,11 @@ from derive.checking.files import corpus_from_bytes
 from derive.checking.findings import FileReport
 from derive.checking.printed import CorpusFile
 from derive.checking.style_finding import Example, StyleEvidence, printed_examples
-from derive.robot.style import Style
+from derive.errors import DeriveError
+from derive.robot.style import STYLE_OPTIONS, Style
 
 FILES = sorted(Path(__file__).parent.glob("*.yaml"))
+LECTURES = Path(__file__).parents[1] / "lectures" / "corpus"
 
 
 @dataclass(frozen=True)
@@ -91,5 +95,32 @@ def table(groups: Mapping[str, Sequence[Example]]) -> str:
     return "\n".join([*lines, f"{'all':60}  {count:8}  {default:6.1f}%  {found:4.1f}%  {foretold:7.1f}%"])
 
 
+def evidence_of(path: Path) -> StyleEvidence:
+    """The formulas of a file that name a quantity; definitions of an abbreviation do not."""
+    good = []
+    for example in printed_examples(report(path).findings):
+        with suppress(DeriveError):
+            StyleEvidence([example])
+            good.append(example)
+    return StyleEvidence(good)
+
+
+def effects() -> str:
+    """One line for each value of each option: formulas that more or fewer come out as printed."""
+    corpora = [[evidence_of(path) for path in paths] for paths in (FILES, sorted(LECTURES.glob("[0-9]*.yaml")))]
+
+    def _fitting(style: Style) -> list[int]:
+        return [sum(evidence.finding(style).reproduced for evidence in corpus) for corpus in corpora]
+
+    default = _fitting(Style())
+    lines = [f"{'default':32}  {default[0]:5}  {default[1]:8}", f"{'':32}  books  lectures"]
+    for option, kind in STYLE_OPTIONS.items():
+        for value in kind:
+            if value != getattr(Style(), option):
+                books, lectures = _fitting(Style().changed({option: value}))
+                lines.append(f"{f'{option}: {value}':32}  {books - default[0]:+5}  {lectures - default[1]:+8}")
+    return "\n".join(lines)
+
+
 if __name__ == "__main__":
-    print(table(by_robot() if "--robots" in sys.argv else by_book()))
+    print(effects() if "--options" in sys.argv else table(by_robot() if "--robots" in sys.argv else by_book()))

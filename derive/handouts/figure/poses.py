@@ -150,6 +150,37 @@ class RobotPoses:
         frames = list(self._joint_frames(q, np.cos, np.sin))
         return [*frames, frames[-1] @ self._chain.tool]
 
+    def end_point(self, q: Sequence[Any], place: Sequence[float], joints: Sequence[int] = ()) -> list[list[Any]]:
+        """Where a point of the end effector is, at many configurations at once, from the tool inwards.
+
+        A vector goes through the constant frames of the joints, most entries of which are zero: cheaper than frames.
+
+        Args:
+            q: Joint positions [rad or m]: numbers, or arrays of one shape.
+            place: The point in the axes of the end effector [m].
+            joints: Joints, from 0, for which derivatives are wanted.
+
+        Returns:
+            Its position in the world [m], and its derivative with respect to the variable of each of the joints.
+        """
+        point, slopes = _placed(self._chain.tool, place), dict[int, list[Any]]()
+        for index in reversed(range(len(q))):
+            row, joint, value = self._chain.joints[index], self.robot.joints[index], q[index]
+            if joint.is_revolute:
+                angle = joint.sign * value + to_float(joint.theta, self._values)
+                c, s, offset = np.cos(angle), np.sin(angle), row.offset
+            else:
+                c, s, offset = row.cosine, row.sine, joint.sign * value + to_float(joint.d, self._values)
+            vectors = [[c * x - s * y, s * x + c * y, z] for x, y, z in (point, *slopes.values())]
+            x, y, z = vectors[0]
+            slopes = dict(zip(slopes, vectors[1:], strict=True))
+            if index in joints:
+                slopes[index] = [-joint.sign * y, joint.sign * x, 0.0] if joint.is_revolute else [0.0, 0.0, joint.sign]
+            slopes = {moved: _turned(row.fixed, slope) for moved, slope in slopes.items()}
+            point = _placed(row.fixed, (x, y, z + offset))
+        base = self._chain.base
+        return [_placed(base, point), *(_turned(base, slopes[index]) for index in joints)]
+
     def frame_of_axis(self, joint: int) -> Frame[Any]:
         """The frame in the world in which a joint moves about (along) z, in the zero configuration.
 
@@ -189,6 +220,16 @@ class RobotPoses:
                 moved = replace(row, offset=joint.sign * value + to_float(joint.d, self._values))
             frame = advance(frame, moved)
             yield frame
+
+
+def _turned(frame: Frame[float], vector: Sequence[Any]) -> list[Any]:
+    """A vector of a constant frame, of which most entries are zero, in the axes outside of it."""
+    return [sum(k * x for k, x in zip(row, vector, strict=True) if k) for row in frame.rotation]
+
+
+def _placed(frame: Frame[float], point: Sequence[Any]) -> list[Any]:
+    """A point of a constant frame in the axes outside of it."""
+    return [x + shift for x, shift in zip(_turned(frame, point), frame.position, strict=True)]
 
 
 def middle(joint: Joint) -> Expression:

@@ -58,7 +58,7 @@ class _Cells:
         self.plane = plane
         self.width = plane.point.size / cells
         q = plane.point.random(_SAMPLES_PER_CELL * cells**2, plane.joints, limits=_AT_A_LIMIT)
-        places = plane.values(q)[0]
+        places = plane.places(q)
         margin = (_LAYERS + 2) * self.width
         self.origin = places.min(axis=1) - margin
         self.shape = tuple(np.ceil((places.max(axis=1) + margin - self.origin) / self.width).astype(int) + 1)
@@ -101,7 +101,7 @@ class _Cells:
                 rows.append(np.flatnonzero(good))
                 found.append(q[:, good])
         row, q = np.concatenate(rows), np.concatenate(found, axis=1)
-        away = np.sum((self.plane.values(q)[0] - self.places(nodes)[:, row]) ** 2, axis=0)
+        away = np.sum((self.plane.places(q) - self.places(nodes)[:, row]) ** 2, axis=0)
         order = np.argsort(away, kind="stable")
         nearest = order[_rank(row[order]) < _TRIED]
         return row[nearest], q[:, nearest]

@@ -166,7 +166,7 @@ def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.
     package = shapely()
     if not len(faces):
         return np.zeros(0, dtype=bool)
-    x, y = plane.values(plane.inside(plane.point.random(_SAMPLES, plane.joints, limits=_AT_A_LIMIT)))[0]
+    x, y = plane.places(plane.inside(plane.point.random(_SAMPLES, plane.joints, limits=_AT_A_LIMIT)))
     found = np.zeros(len(faces), dtype=bool)
     for k, face in enumerate(faces):
         left, low, right, high = face.bounds
@@ -199,7 +199,7 @@ def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> npt.NDArr
     if not places.shape[1]:
         return np.zeros(0, dtype=bool)
     configurations = plane.point.random(seeds, plane.joints)
-    known = plane.values(configurations)[0]
+    known = plane.places(configurations)
     starts = np.stack([_closest(known, place) for place in places.T])
     reached = np.zeros(len(starts), dtype=bool)
     for some in (slice(0, _FIRST), slice(_FIRST, None)):  # most places are reached from the nearest ones

@@ -6,7 +6,7 @@ Kumar and Waldron, The workspaces of a mechanical manipulator, 1981.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -101,18 +101,19 @@ class Workspace:
         return tuple(way for way in self.ranges if way.assumed)
 
 
-def find_workspace(poses: RobotPoses) -> Workspace:
+def find_workspace(poses: RobotPoses, tell: Callable[[str], None] | None = None) -> Workspace:
     """The workspace of a robot.
 
     Args:
         poses: The robot in numbers.
+        tell: Told what is looked for, for many joints take seconds.
 
     Raises:
         DeriveError: Shapely is not installed.
     """
     point = ArmPoint(poses, joint_ranges(poses))
     wrist = find_wrist(point)
-    search = _Search(point, wrist)
+    search = _Search(point, wrist, tell or (lambda stage: None))
     return Workspace(search.views, *search.volumes, wrist, tuple(point.ranges[j] for j in point.moving))
 
 
@@ -179,6 +180,7 @@ class _Search:
 
     point: ArmPoint
     wrist: Wrist | None
+    tell: Callable[[str], None]
     centres: dict[Picture, Area] = field(default_factory=dict)
     followed: dict[Picture, Area] = field(default_factory=dict)
 
@@ -201,6 +203,7 @@ class _Search:
         return self.point.turn is not None and self.point.ranges[self.point.turn].full
 
     def _view(self, picture: Picture) -> WorkspaceView:
+        self.tell(str(picture))
         plane = PlaneMap.of(self.point, picture)
         reachable, exact = self._reachable(plane)
         if reachable.region.is_empty:
@@ -260,6 +263,7 @@ class _Search:
             return first.reachable.volume, None if first.dexterous is None else first.dexterous.volume
         if any(view.reachable.region.is_empty for view in self.views):
             return Measure(0.0, 0.0), None
+        self.tell("volume")
         whole = _counted_volume(self.point, self.views)
         return whole, whole if first.dexterous is first.reachable else None
 

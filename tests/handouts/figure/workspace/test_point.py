@@ -24,6 +24,22 @@ def test_derivatives_are_those_of_the_positions(name: str, picture: Picture) -> 
         assert np.abs(measured - slopes[:, row]).max() <= 1e-7 * seen.point.size
 
 
+@pytest.mark.parametrize("name", ["kuka-lwr4", "stanford-laschi", "dh-modified-deluca", "human-body"])
+def test_positions_are_those_of_the_frames(name: str) -> None:
+    """From the tool inwards, vector by vector, and from the base outwards, frame by frame."""
+    poses = RobotPoses(Robot.load(name))
+    point = ArmPoint(poses, joint_ranges(poses), (0.1, -0.2, 0.3))
+    joints = tuple(range(len(point.ranges)))
+    q = point.random(10, joints, seed=2)
+    seen = PlaneMap(point, Picture.SPACE, joints)
+    rotation, origin = point.axis
+    for place, configuration in zip(seen.places(q).T, q.T, strict=True):
+        end = np.array(poses.frames([float(value) for value in configuration])[-1])
+        expected = rotation.T @ ((end @ (0.1, -0.2, 0.3, 1.0))[:3] - origin)
+        assert np.abs(place - expected).max() <= 1e-12 * point.size
+    assert np.abs(seen.places(q) - seen.values(q)[0]).max() <= 1e-12 * point.size
+
+
 def test_the_first_joint_that_turns_is_the_axis_unless_something_shifts_it() -> None:
     poses = [RobotPoses(robot) for robot in (arm(LIMITED), arm(CYLINDRICAL), Robot.load("skeleton-root"), arm(GANTRY))]
     assert [ArmPoint(p, joint_ranges(p)).turn for p in poses] == [0, 1, None, None]
