@@ -5,16 +5,18 @@ Symbols are plain, sines and cosines too; a tree is walked, no text is ever eval
 
 from __future__ import annotations
 
+from bisect import insort
 from fractions import Fraction
-from functools import cache
+from functools import cache, cmp_to_key
 from typing import Any
 
 import sympy
+from sympy.core.basic import Basic
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, quoted
-from derive.lecture.terms import PrintedFactor
+from derive.lecture.terms import FactorTable, Monomial, PrintedFactor
 from derive.robot.expression import (
     ZERO,
     Call,
@@ -37,6 +39,11 @@ Expr = Any
 
 Matrix = Any
 """A SymPy matrix; those of a model are immutable."""
+
+PLAIN = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE, Kind.PARAMETER, Kind.RATE, Kind.ACCELERATION})
+"""Factors that SymPy never merges with another or with a number."""
+
+_order = cmp_to_key(Basic.compare)
 
 _FUNCTIONS = {
     "sin": sympy.sin,
@@ -170,3 +177,53 @@ def _power(e: Any, known: dict[Any, Expression]) -> Expression:
 
 def _refused(e: Any, allowed: str) -> ExpressionError:
     return ExpressionError(f"SymPy expression {quoted(str(e), 80)}", allowed=allowed)
+
+
+class ProductBuilder:
+    """Turns monomials over a `FactorTable` into SymPy products.
+
+    SymPy's canonical order of the factors is found once, by insertion; asking SymPy for it again and again takes most
+    of the time otherwise.
+
+    Args:
+        table: What the factor numbers mean.
+    """
+
+    def __init__(self, table: FactorTable) -> None:
+        self._table = table
+        self._powers: dict[tuple[int, int], Expr] = {}
+        self._sorted: list[Any] = []
+        self._rank: dict[tuple[int, int], int] = {}
+        self._cache: dict[tuple[Fraction, Monomial], Expr] = {}
+
+    def term(self, coefficient: Fraction, monomial: Monomial) -> Expr:
+        """coefficient * monomial as SymPy's own product would be.
+
+        Args:
+            coefficient: A rational.
+            monomial: Pairs (number of a factor, exponent).
+        """
+        key = (coefficient, monomial)
+        if key in self._cache:
+            return self._cache[key]
+        number = sympy.Rational(coefficient)
+        powers = [self._power(pair) for pair in monomial]
+        factors = [self._table.factors[f] for f, _ in monomial]
+        if not coefficient or not monomial or any(factor.kind not in PLAIN for factor in factors):
+            built = sympy.Mul(number, *powers)
+        elif len(powers) == 1 and coefficient == 1:
+            built = powers[0]
+        else:
+            ordered = [self._powers[pair] for pair in sorted(monomial, key=self._rank.__getitem__)]
+            built = sympy.Mul._from_args(ordered if coefficient == 1 else [number, *ordered])
+        self._cache[key] = built
+        return built
+
+    def _power(self, pair: tuple[int, int]) -> Expr:
+        if pair not in self._powers:
+            factor, exponent = pair
+            value = factor_to_sympy(self._table.domain, self._table.factors[factor]) ** exponent
+            self._powers[pair] = value
+            insort(self._sorted, (_order(value), pair), key=lambda item: item[0])
+            self._rank = {p: i for i, (_, p) in enumerate(self._sorted)}
+        return self._powers[pair]
