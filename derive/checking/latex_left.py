@@ -27,7 +27,6 @@ _HEAD = re.compile(r"\\[A-Za-z]+|[A-Za-z\u0391-\u03c9]+")
 _ARGUMENTS = re.compile(r"\((?:[^()]|\([^()]*\))*\)|\{\((?:[^()]|\([^()]*\))*\)\}")
 _END = frozenset(("e", "ee", "E", "EE", "n", "tool", "tcp", "TCP", "H", "h", "eff", "end", "t", "N", "hand", "F"))
 _BASE = frozenset(("0", "b", "B", "base", "w", "W", "world", "s", "S", "O", "o"))
-_PLANAR = ((1, 2), (1, 2, 4))
 _AXES = {"x": 1, "y": 2, "z": 3}
 _LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")
 _ANGULAR = ("omega", "w", "O", "o", "A", "R", "ang", "rot")
@@ -116,16 +115,7 @@ def taken_apart(text: str) -> Left | None:
     Returns:
         Its parts; None where it is no single symbol.
     """
-    rest = _FONT.sub("", _SPACE.sub(" ", text)).replace(" ", "").replace("\\prime", "'")
-    determinant = False
-    if match := re.fullmatch(r"(?:\\det|det|\{det\})(.*)", rest) or re.fullmatch(r"\|(.*)\|", rest):
-        rest, determinant = match[1], True
-        while (inner := re.fullmatch(r"[({](.*)[)}]", rest)) and _ARGUMENTS.fullmatch("(" + inner[1] + ")"):
-            rest = inner[1]
-    while (single := re.sub(r"\{\{([^{}]*)\}\}", r"{\1}", rest)) != rest:
-        rest = single
-    if (whole := re.match(r"\((?!\\d?dot)(.*)\)(?=[_^][^()]*$)", rest)) and _ARGUMENTS.fullmatch(f"({whole[1]})"):
-        rest = whole[1] + rest[whole.end() :]
+    rest, determinant = _undressed(text)
     before, rest = _scripts(rest)
     dots = 0
     if match := re.match(r"\\(d?)dot", rest):
@@ -169,6 +159,21 @@ def taken_apart(text: str) -> Left | None:
         factor,
         turned,
     )
+
+
+def _undressed(text: str) -> tuple[str, bool]:
+    """A side without fonts, blanks and brackets around all of it, and whether it is a determinant."""
+    rest = _FONT.sub("", _SPACE.sub(" ", text)).replace(" ", "").replace("\\prime", "'")
+    determinant = False
+    if match := re.fullmatch(r"(?:\\det|det|\{det\})(.*)", rest) or re.fullmatch(r"\|(.*)\|", rest):
+        rest, determinant = match[1], True
+        while (inner := re.fullmatch(r"[({](.*)[)}]", rest)) and _ARGUMENTS.fullmatch("(" + inner[1] + ")"):
+            rest = inner[1]
+    while (single := re.sub(r"\{\{([^{}]*)\}\}", r"{\1}", rest)) != rest:
+        rest = single
+    if (whole := re.match(r"\((?!\\d?dot)(.*)\)(?=[_^][^()]*$)", rest)) and _ARGUMENTS.fullmatch(f"({whole[1]})"):
+        rest = whole[1] + rest[whole.end() :]
+    return rest, determinant
 
 
 def _scripts(text: str) -> tuple[dict[str, str], str]:
