@@ -52,14 +52,15 @@ class _Cells:
     Args:
         plane: The map.
         cells: Along the arm's size.
+        far: How far the grid goes on in every direction beyond the samples [m].
     """
 
-    def __init__(self, plane: PlaneMap, cells: int) -> None:
+    def __init__(self, plane: PlaneMap, cells: int, far: float = 0.0) -> None:
         self.plane = plane
         self.width = plane.point.size / cells
         q = plane.point.random(_SAMPLES_PER_CELL * cells**2, plane.joints, limits=_AT_A_LIMIT)
         places = plane.places(q)
-        margin = (_LAYERS + 2) * self.width
+        margin = (_LAYERS + 2) * self.width + far
         self.origin = places.min(axis=1) - margin
         self.shape = tuple(np.ceil((places.max(axis=1) + margin - self.origin) / self.width).astype(int) + 1)
         self.reached = np.zeros(self.shape, dtype=bool)
@@ -70,6 +71,12 @@ class _Cells:
         for kept in range(_KEPT):  # of the samples near a node the last one written stays: a different one each time
             order = np.random.default_rng(kept).permutation(q.shape[1])
             self.known[kept][:, at[0, order], at[1, order]] = q[:, order]
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether what is reached comes so near to the grid's edge that it may go on beyond."""
+        inner = self.reached[2:-2, 2:-2]
+        return bool(inner.sum() < self.reached.sum())
 
     def places(self, nodes: Array | Nodes) -> Array:
         """Where nodes are.
@@ -165,8 +172,11 @@ def refined_area(plane: PlaneMap, cells: int = CELLS) -> Area:
         cells: Cells of the grid along the arm's size.
     """
     package = shapely()
-    grid = _Cells(plane, cells)
+    grid, far = _Cells(plane, cells), plane.point.size / 4.0
     _spread(grid)
+    while grid.is_cut:  # samples of many joints seldom stretch the arm
+        grid, far = _Cells(plane, cells, far), 2.0 * far
+        _spread(grid)
     from contourpy import contour_generator
 
     outside = np.where(grid.reached, 0.0, np.minimum(grid.distance, (_LAYERS + 1) * grid.width))

@@ -40,3 +40,10 @@ def test_a_redundant_planar_arm_covers_its_disc() -> None:
     area = refined_area(plane(arm(f"[{joints}]"), Picture.TOP), 30)
     assert area.region.bounds[2] == pytest.approx(2.0, abs=1e-3)
     assert math.pi * 4.0 > area.region.area > 0.8 * math.pi * 4.0
+
+
+def test_an_arm_whose_samples_never_stretch_it_covers_its_disc() -> None:
+    """Ten links in a line are as good as never sampled; the search goes on beyond the grid around the samples."""
+    joints = ", ".join("{type: revolute, a: 1}" for _ in range(10))
+    area = refined_area(plane(arm(f"[{joints}]"), Picture.TOP), 12)
+    assert area.region.area == pytest.approx(math.pi * 100.0, rel=0.01)
