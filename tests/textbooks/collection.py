@@ -110,7 +110,8 @@ def effects() -> str:
     corpora = [[evidence_of(path) for path in paths] for paths in (FILES, sorted(LECTURES.glob("[0-9]*.yaml")))]
 
     def _fitting(style: Style) -> list[int]:
-        return [sum(evidence.finding(style).reproduced for evidence in corpus) for corpus in corpora]
+        fitting = ((e.fits(i, style) for e in corpus for i in range(len(e.examples))) for corpus in corpora)
+        return [sum(fits) for fits in fitting]
 
     default = _fitting(Style())
     lines = [f"{'default':32}  {default[0]:5}  {default[1]:8}", f"{'':32}  books  lectures"]
