@@ -84,6 +84,7 @@ def handout_files(
     shortened = paper is not whole
     for name, made_from in sheets.items():
         tex = latex(made_from(paper), context.text) if {Format.TEX, Format.PDF}.intersection(formats) else ""
+        printed: dict[str, bytes] = {}
         if Format.PDF in formats:
             tell(robot.name, "pdflatex")
             compiled, spare = compile_latex(tex, name), 0
@@ -92,9 +93,10 @@ def handout_files(
                 tex = latex(within(whole, options.pages, context.text, spare), context.text)
                 compiled = compile_latex(tex, name)
             shortened |= spare > 0
-            files[f"{name}.pdf"], pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
+            printed[f"{name}.pdf"], pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
         if Format.TEX in formats:
             files[f"{name}.tex"] = tex.encode()
+        files.update(printed)
         if Format.HTML in formats:
             tell(robot.name, "web page")
             files[f"{name}.html"] = _page(made_from(whole), context).encode()
