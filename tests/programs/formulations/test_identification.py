@@ -57,7 +57,7 @@ def test_a_planar_arm_has_the_base_parameters_of_the_books() -> None:
     model = Model(Robot.load("planar-2r-perugia"))
     found = dict(zip(model.base_parameter_names, map(str, model.base_parameters), strict=True))
     assert found["mx1"] == "a1*(ml2 + mm2) + l1*ml1"
-    assert found["Izz1"] == "Il1 + Im1*kr1**2 + a1**2*ml2 + a1**2*mm2 + l1**2*ml1"
+    assert found["Izz1"] == "Il1 + Im1*kr1**2 + a1**2*(ml2 + mm2) + l1**2*ml1"
     assert found["mx2"] == "l2*ml2"
     assert found["Izz2"] == "Il2 + l2**2*ml2"
     assert found["Im2"] == "Im2"
