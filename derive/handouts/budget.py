@@ -82,6 +82,8 @@ def pages(document: Document) -> int:
                 if filled + above + piece > PAGE:
                     count, filled = count + 1, 0.0
                 filled, above = filled + above + piece, 0.0
+                while filled > PAGE:  # a piece that is higher than a page
+                    count, filled = count + 1, filled - PAGE
     return count
 
 
@@ -98,7 +100,7 @@ def height(block: Block) -> float:
 
 
 def _pieces(block: Block) -> Iterator[float]:
-    """Heights of what no page divides, one below the other [pt]; none is higher than a page."""
+    """Heights of what no page divides, one below the other [pt]."""
     match block:
         case Paragraph(text):
             yield _words(text)

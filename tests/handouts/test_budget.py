@@ -10,7 +10,7 @@ import pytest
 from derive.handouts import budget
 from derive.handouts.assemble import context_of, document
 from derive.handouts.budget import USEFULNESS, pages, within
-from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, Steps, blocks_of
+from derive.handouts.document import Document, Formula, Paragraph, Rows, Section, Steps, Table, blocks_of
 from derive.handouts.language import Text
 from derive.handouts.latex_writer import latex
 from derive.handouts.render import Format, handout_files
@@ -41,6 +41,15 @@ def test_a_sheet_that_fits_is_left_as_it_is() -> None:
     whole = sheet(table=(SHORT,), skew=(LONG,))
     assert within(whole, pages(whole), Text()) is whole
     assert within(whole, 0, Text()) is whole
+
+
+def test_pages_are_filled_by_what_no_page_divides() -> None:
+    column = (("x",),) * 35
+    half = Table(("a",), column)  # more than half a page
+    divided = replace(half, long=True)
+    assert pages(sheet(table=(half, half, half))) == 3
+    assert pages(sheet(table=(divided, divided, divided))) == 2
+    assert pages(sheet(table=(Table(("a",), column * 4),))) > 2  # higher than a page
 
 
 def test_steps_go_before_results_and_rules_before_what_they_follow_from() -> None:
