@@ -23,12 +23,18 @@ def executed() -> Any:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONPATH", str(ROOT))
         notebook = nbformat.read(TOUR, as_version=4)
-        nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3", record_timing=False).execute()
+        nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3", record_timing=False).execute()
     return notebook
 
 
 def outputs(notebook: Any) -> list[dict[str, Any]]:
-    return [output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", ())]
+    """What each cell displays; a printed text, which reaches us in as many pieces as the machine likes, as one."""
+    shown: list[dict[str, Any]] = []
+    for cell in notebook.cells:
+        results = cell.get("outputs", ())
+        shown += [{"printed": "".join(result["text"] for result in results if result.get("name") == "stdout")}]
+        shown += [result["data"] for result in results if "data" in result]
+    return shown
 
 
 def test_the_tour_shows_what_it_stores(executed: Any) -> None:
