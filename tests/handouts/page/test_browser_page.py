@@ -148,6 +148,7 @@ def test_steps_open_and_close(view: Page) -> None:
 
 def test_wide_formulas_scroll_and_the_page_does_not(view: Page) -> None:
     view.set_viewport_size({"width": 390, "height": 800})
+    view.evaluate("window.dispatchEvent(new Event('beforeprint'))")  # every formula is set, not only those in sight
     view.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
     stops = view.evaluate(
         "[...document.querySelectorAll('.display[tabindex]')].map(e => e.scrollWidth > e.clientWidth)"
