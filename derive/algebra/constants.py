@@ -154,6 +154,16 @@ def cosine(a: Constant) -> Constant:
     return _settle(_CONTEXT.cos(_real(a)), _uncertainty(a))
 
 
+def arctangent(y: Constant, x: Constant) -> Constant:
+    """The angle of a point of the plane [rad].
+
+    Args:
+        y: Its ordinate.
+        x: Its abscissa.
+    """
+    return _settle(_CONTEXT.atan2(_real(y), _real(x)), 0)
+
+
 def _real(value: Constant) -> Any:
     if isinstance(value, Fraction):
         return _CONTEXT.mpf(value.numerator) / value.denominator

@@ -13,7 +13,7 @@ from math import prod
 from derive.programs.program import ARGUMENTS, Function, joint_lines
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.targets.escape import c_comment, c_prefix
-from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
+from derive.targets.kernel import TRIGONOMETRIC, C, Piece, case_context, input_name, temporary_names, write_statements
 from derive.targets.target import Source, Target, shape_text
 from derive.targets.templating import render
 
@@ -171,6 +171,7 @@ def c_context(source: Source) -> dict[str, object]:
         "guard": f"DERIVE_{prefix.upper()}MODEL_H",
         "functions": functions,
         "has_angles": any(function.angle_count for function in functions),
+        **case_context(function.tape for function in program),
         "has_sign": any(node.op is Op.SIGN for function in program for node in function.tape.nodes),
         "has_batches": any(function.arguments for function in functions),
     }

@@ -101,6 +101,12 @@ def casadi_function(function: Function, joints: int, parameters: int) -> Any:
         "cos": casadi.cos,
         "sqrt": casadi.sqrt,
         "sign": casadi.sign,
+        "atan2": casadi.atan2,
+        "less": casadi.lt,
+        "select": casadi.if_else,
+        "maximum": casadi.fmax,
+        "minimum": casadi.fmin,
+        "absolute": casadi.fabs,
     }
     results = evaluate(function.tape, entries, arithmetic)
     output = casadi.densify(casadi.vertcat(*results))  # an entry that is zero is an entry

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from derive.programs.program import ARGUMENTS, Function, Program, joint_lines
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
-from derive.targets.kernel import JAVASCRIPT, Kernel, rows_of, wrapped, write_kernel
+from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, joint_limits, shape_text
 from derive.targets.templating import render
 
@@ -117,6 +117,7 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
         "limits": wrapped(limits),
         "parameters": wrapped([javascript_string(name) for name in program.parameters]),
         "has_parameters": bool(program.parameters),
+        **case_context(function.tape for function in program),
         "functions": tuple(_function(function, program.parameters, robot.n) for function in program),
     }
 

@@ -6,13 +6,24 @@ A value that is used once is written where it is used, unless it is long; any ot
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 
 from derive.algebra.constants import Constant, to_float
-from derive.programs.tape.tape import FUNCTION_NAMES, LEAVES, PARAMETER, Layer, Op, Output, Source, Tape
+from derive.programs.tape.tape import (
+    ALL_NAMES,
+    BRANCHING_NAMES,
+    FUNCTION_NAMES,
+    LEAVES,
+    PARAMETER,
+    Layer,
+    Op,
+    Output,
+    Source,
+    Tape,
+)
 
-SUM, PRODUCT, ATOM = 1, 2, 3
+CASE, SUM, PRODUCT, ATOM = 0, 1, 2, 3
 """How tightly the outermost operation of a text binds."""
 
 TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}
@@ -51,10 +62,14 @@ class Language:
     Attributes:
         assignment: The statement that names a value, with ``{name}`` and ``{value}`` in it.
         double_minus: Whether ``--2`` is 2; where it is a mistake, a negative number is no atom.
+        has_choice: Whether it has ``case ? a : b``, and a comparison is a number; elsewhere functions do both.
+        names: What it calls functions.
     """
 
     assignment: str
     double_minus: bool = False
+    has_choice: bool = False
+    names: Mapping[Op, str] = field(default_factory=lambda: ALL_NAMES)
 
     def number(self, value: Constant | None) -> Piece:
         """An exact constant.
@@ -91,8 +106,13 @@ class Language:
                 return Piece(f"{a.inside(PRODUCT)}/{b.inside(ATOM)}", PRODUCT)
             case Op.NEGATE:
                 return Piece(f"-{a.inside(PRODUCT)}", SUM)
+            case Op.LESS if self.has_choice:
+                return Piece(f"{a.inside(SUM)} < {b.inside(SUM)}", CASE)
+            case Op.SELECT if self.has_choice:
+                case, chosen, other = (operand.inside(SUM) for operand in operands)
+                return Piece(f"{case} ? {chosen} : {other}", CASE)
             case _:
-                return Piece(f"{FUNCTION_NAMES[op]}({a.text})")
+                return Piece(f"{self.names[op]}({', '.join(operand.text for operand in operands)})")
 
     def output(self, tape: Tape, output: Output, pieces: Mapping[int, Piece]) -> str:
         """A result, with its sign.
@@ -116,10 +136,27 @@ PYTHON = Language("{name} = {value}", double_minus=True)
 """Python: floats, arrays and CasADi expressions alike."""
 
 JAVASCRIPT = Language("const {name} = {value};")
-"""JavaScript: numbers, with ``sin``, ``cos``, ``sqrt`` and ``sign`` taken from ``Math``."""
+"""JavaScript: numbers, with ``sin``, ``cos``, ``sqrt``, ``sign`` and the like taken from ``Math``."""
 
-C = Language("const double {name} = {value};")
-"""C: doubles, with ``sin``, ``cos`` and ``sqrt`` of <math.h> and a ``sign`` of our own."""
+C = Language(
+    "const double {name} = {value};",
+    has_choice=True,
+    names=ALL_NAMES | {Op.ARCTANGENT: "arctangent", Op.ABSOLUTE: "fabs"},
+)
+"""C: doubles, with ``sin``, ``cos``, ``sqrt`` and ``fabs`` of <math.h> and a ``sign`` and the like of our own."""
+
+
+def case_context(tapes: Iterable[Tape]) -> dict[str, object]:
+    """What templates ask for about the functions that a file provides for its kernels.
+
+    Args:
+        tapes: The programs in the file.
+
+    Returns:
+        ``has_cases``, whether one of them tells cases apart, and ``operators``, the names of the functions.
+    """
+    has_cases = any(node.op in BRANCHING_NAMES for tape in tapes for node in tape.nodes)
+    return {"has_cases": has_cases, "operators": ", ".join((ALL_NAMES if has_cases else FUNCTION_NAMES).values())}
 
 
 def input_name(source: Source, parameters: Sequence[str]) -> str:
@@ -234,8 +271,8 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
         arguments=tuple(kind for kind in ("q", "qd", "qdd", "tau") if kind in kinds),
         body=body,
         results=tuple(language.output(tape, output, pieces) for output in tape.outputs),
-        hoisted_calls=any(tape.nodes[i].op in FUNCTION_NAMES for i in layers[Layer.HOISTED]),
-        calls=any(tape.nodes[i].op in FUNCTION_NAMES for i in layers[Layer.BODY]),
+        hoisted_calls=any(tape.nodes[i].op in ALL_NAMES for i in layers[Layer.HOISTED]),
+        calls=any(tape.nodes[i].op in ALL_NAMES for i in layers[Layer.BODY]),
     )
 
 

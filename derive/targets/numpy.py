@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from derive.programs.program import ARGUMENTS, Function, joint_lines
 from derive.targets.escape import python_docstring, python_string
-from derive.targets.kernel import LINE_WIDTH, PYTHON, rows_of, wrapped, write_kernel
+from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, joint_limits
 from derive.targets.templating import render
 
@@ -159,6 +159,7 @@ def python_context(source: Source) -> dict[str, object]:
         "tables": tuple(tables),
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
+        **case_context(function.tape for function in program),
         "functions": [_python_function(function, program.parameters, robot.n) for function in program],
     }
 

@@ -7,6 +7,9 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 
+import array_api_strict as strict
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -19,6 +22,7 @@ from derive.targets.compiler import find_compiler
 from derive.targets.kernel import JAVASCRIPT, PYTHON, C, Language, Piece, wrapped, write_kernel
 from tests.targets.c_models import c_model, needs_compiler
 from tests.targets.generated_models import casadi_model, numpy_model, planar, small_program, source_of
+from tests.targets.javascript_model import JavaScriptModel
 
 Build = Callable[[Value, Value], Value]
 Check = Callable[[float, float], float]
@@ -49,6 +53,33 @@ EXPRESSIONS: dict[str, tuple[Build, Check]] = {
     "root of a negative": (lambda x, y: (-(x * x) + 90).sqrt(), lambda x, y: math.sqrt(90 - x * x)),
     "root under minus": (lambda x, y: (-(-(x * x) - 1)).sqrt(), lambda x, y: math.sqrt(x * x + 1)),
     "sign": (lambda x, y: x.sign() * y + (x - x).sign(), lambda x, y: math.copysign(y, x) * math.copysign(1, y)),
+    "arctangent": (lambda x, y: y.arctangent(x), lambda x, y: math.atan2(y, x)),
+    "opposite arctangents": (
+        lambda x, y: (-y).arctangent(x) + 10 * y.arctangent(-x) + 100 * (-y).arctangent(-x),
+        lambda x, y: math.atan2(-y, x) + 10 * math.atan2(y, -x) + 100 * math.atan2(-y, -x),
+    ),
+    "arctangents on the axes": (
+        lambda x, y: (x - x).arctangent(x) + 10 * y.arctangent(0) + (x + y).arctangent(x + y),
+        lambda x, y: math.atan2(0, x) + 10 * math.atan2(y, 0) + math.atan2(x + y, x + y),
+    ),
+    "comparison": (
+        lambda x, y: x.less(y) + 2 * (-x).less(-y) + 4 * x.less(-1) + 8 * (-y).less(x),
+        lambda x, y: (x < y) + 2 * (-x < -y) + 4 * (x < -1) + 8 * (-y < x),
+    ),
+    "comparison with itself": (lambda x, y: (x * y).less(y * x), lambda x, y: 0.0),
+    "choice": (lambda x, y: x.less(y).select(x * y, -x) * 3, lambda x, y: (x * y if x < y else -x) * 3),
+    "choice of opposites": (lambda x, y: x.less(0).select(-y, 0), lambda x, y: -y if x < 0 else 0.0),
+    "the opposite case": (lambda x, y: (1 - x.less(y)).select(x, 2), lambda x, y: 2 if x < y else x),
+    "a choice that spares a root": (
+        lambda x, y: x.less(0).select(-1, x.sqrt()),
+        lambda x, y: -1.0 if x < 0 else math.sqrt(x),
+    ),
+    "larger and smaller": (
+        lambda x, y: x.maximum(y) - 3 * x.minimum(-y) + (-x).maximum(-y) * 7,
+        lambda x, y: max(x, y) - 3 * min(x, -y) + max(-x, -y) * 7,
+    ),
+    "clamped": (lambda x, y: (x * y).maximum(0).sqrt(), lambda x, y: math.sqrt(max(x * y, 0))),
+    "absolute": (lambda x, y: abs(-x) + abs(y) * abs(abs(x)), lambda x, y: abs(x) + abs(y * x)),
     "shared value": (lambda x, y: (x + y).sin() * (x + y) + (x + y), lambda x, y: (math.sin(x + y) + 1) * (x + y)),
 }
 TWO = Robot.from_text("name: two\nconvention: standard\njoints: [{type: revolute}, {type: revolute}]\n")
@@ -136,3 +167,39 @@ def test_lists_break_between_values() -> None:
     assert max(map(len, lines)) <= 104
     assert " ".join(lines) == ", ".join(f"value_{k}" for k in range(40)) + ","
     assert wrapped([]) == ()
+
+
+@pytest.mark.parametrize("library", [strict, jnp])
+def test_cases_on_arrays_of_other_libraries(library: object) -> None:
+    graph = Graph()
+    x, y = (Value(graph, graph.input("q", i)) for i in range(2))
+    model = numpy_model(TWO, small_program(graph, [build(x, y) for build, _ in EXPRESSIONS.values()]))
+    with jax.enable_x64(True):
+        found = np.asarray(model.gravity_vector(library.asarray(np.array(POINTS))))
+    np.testing.assert_allclose(found, model.gravity_vector(np.array(POINTS)), rtol=1e-14, atol=1e-15)
+
+
+def test_cases_in_javascript() -> None:
+    graph = Graph()
+    x, y = (Value(graph, graph.input("q", i)) for i in range(2))
+    model = JavaScriptModel(TWO, small_program(graph, [build(x, y) for build, _ in EXPRESSIONS.values()]))
+    for point in POINTS:
+        wanted = [check(*point) for _, check in EXPRESSIONS.values()]
+        assert model.call("gravity_vector", point) == pytest.approx(wanted, rel=1e-14, abs=1e-15)
+
+
+@needs_compiler
+def test_the_arctangent_of_c_is_within_two_units_in_the_last_place() -> None:
+    graph = Graph()
+    x, y = (Value(graph, graph.input("q", i)) for i in range(2))
+    model = c_model(TWO, small_program(graph, [y.arctangent(x)]))
+    turns = np.random.default_rng(3).uniform(-np.pi, np.pi, 20000)
+    sizes = 10.0 ** np.random.default_rng(4).uniform(-150, 150, turns.size)
+    points = np.stack([sizes * np.cos(turns), sizes * np.sin(turns)], axis=-1)
+    near = 10.0 ** np.arange(-20.0, 21.0)
+    axes = np.array([(a * s, b * t) for a, b in zip(near, near[::-1], strict=True) for s in (1, -1) for t in (1, -1)])
+    corners = np.array([(a, b) for a in (0.0, 1.0, -1.0) for b in (0.0, 1.0, -1.0)])
+    for rows in (points, axes, corners):
+        wanted = np.arctan2(rows[:, 1], rows[:, 0])
+        found = model.call("gravity_vector", [rows], {})[:, 0]
+        assert (abs(found - wanted) <= 2 * np.spacing(abs(wanted))).all()

@@ -75,6 +75,10 @@ def residue_of(op: Op, operands: Sequence[int]) -> int:
             if op is Op.COSINE:
                 return (1 - tangent * tangent) * scale % PRIME
             return (2 * tangent if low == first else -2 * tangent) * scale % PRIME
+        case Op.ABSOLUTE:
+            return scatter(int(op), low)
+        case Op.MAXIMUM | Op.MINIMUM:
+            return scatter(int(op), *sorted(operands))
         case Op.SIGN:
             value = scatter(int(op), low)
             return value if low == first else PRIME - value

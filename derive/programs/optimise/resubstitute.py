@@ -36,6 +36,12 @@ _FLOATS: dict[Op, Callable[..., float]] = {
     Op.COSINE: math.cos,
     Op.ROOT: lambda a: math.sqrt(abs(a)),
     Op.SIGN: lambda a: math.copysign(1.0, a),
+    Op.ARCTANGENT: math.atan2,
+    Op.LESS: lambda a, b: float(a < b),
+    Op.SELECT: lambda case, a, b: max(a, b, key=abs),
+    Op.MAXIMUM: max,
+    Op.MINIMUM: min,
+    Op.ABSOLUTE: abs,
 }
 
 Size = tuple[int, tuple[float, ...]]

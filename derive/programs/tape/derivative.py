@@ -84,5 +84,17 @@ def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:
             return negated(graph.multiply(graph.sine(a), da))
         case Op.ROOT:
             return graph.divide(da, graph.add(ref_to(i), ref_to(i)))
+        case Op.ARCTANGENT:
+            x, dx = ref_to(operands[1]), rates[1]
+            square = graph.add(graph.multiply(a, a), graph.multiply(x, x))
+            return graph.divide(graph.subtract(graph.multiply(x, da), graph.multiply(a, dx)), square)
+        case Op.SELECT:
+            return graph.select(a, rates[1], rates[2])
+        case Op.MAXIMUM:
+            return graph.select(graph.less(a, ref_to(operands[1])), rates[1], da)
+        case Op.MINIMUM:
+            return graph.select(graph.less(a, ref_to(operands[1])), da, rates[1])
+        case Op.ABSOLUTE:
+            return graph.multiply(graph.sign(a), da)
         case _:
             return ZERO

@@ -291,7 +291,7 @@ class Graph:
         return self._intern(Op.COSINE, a >> 1)
 
     def root(self, a: Ref) -> Ref:
-        """The square root; the only operation that needs a change of sign of its own.
+        """The square root, which needs a change of sign of its own under it.
 
         Args:
             a: What it is taken of.
@@ -305,8 +305,7 @@ class Graph:
         value = self.constant_of(a)
         if value is not None:
             return self.number(constants.square_root(value))
-        index = a >> 1
-        return self._intern(Op.ROOT, node_of(self._intern(Op.NEGATE, index)) if is_negative(a) else index)
+        return self._intern(Op.ROOT, self._plain(a))
 
     def sign(self, a: Ref) -> Ref:
         """The sign of a value.
@@ -319,6 +318,110 @@ class Graph:
             return self.number(Fraction((value > 0) - (value < 0)))
         return signed(self._intern(Op.SIGN, a >> 1), is_negative(a))
 
+    def arctangent(self, y: Ref, x: Ref) -> Ref:
+        """The angle of a point of the plane; points that differ in sign share one, to within a full turn.
+
+        Args:
+            y: Ordinate.
+            x: Abscissa.
+
+        Returns:
+            atan2(y, x), in (-pi, pi] but for the side on which a half turn falls [rad].
+        """
+        up, right = self.constant_of(y), self.constant_of(x)
+        if up is not None and right is not None:
+            return self.number(constants.arctangent(up, right))
+        angle = self._intern(Op.ARCTANGENT, y >> 1, x >> 1)
+        if is_negative(x):
+            half = self.number(constants.pi())
+            turn = self.select(self.less(angle, ZERO), negated(half), half)
+            angle = self.subtract(turn, angle)
+        return signed(angle, is_negative(y))
+
+    def less(self, a: Ref, b: Ref) -> Ref:
+        """A comparison.
+
+        Args:
+            a: A value.
+            b: Another.
+
+        Returns:
+            1 where a < b, else 0.
+        """
+        left, right = self.constant_of(a), self.constant_of(b)
+        if left is not None and right is not None:
+            return ONE if left < right else ZERO
+        if a == b:
+            return ZERO
+        if is_negative(a) and (is_negative(b) or b == ZERO):
+            a, b = negated(b), negated(a)
+        elif a == ZERO and is_negative(b):
+            a, b = negated(b), ZERO
+        return self._intern(Op.LESS, self._plain(a), self._plain(b))
+
+    def select(self, case: Ref, a: Ref, b: Ref) -> Ref:
+        """One of two values; the other one may be anything.
+
+        Args:
+            case: 1 or 0.
+            a: The value where it is 1.
+            b: The value where it is 0.
+
+        Returns:
+            a or b.
+        """
+        known = self.constant_of(case)
+        if known is not None or a == b:
+            return b if known == 0 else a
+        index = case >> 1
+        if self.op[index] is Op.SUBTRACT and self.operands[index][0] == node_of(ONE):  # the opposite case
+            return self.select(ref_to(self.operands[index][1]), b, a)
+        if a == ONE and b == ZERO:
+            return case
+        negative = (is_negative(a) and (is_negative(b) or b == ZERO)) or (a == ZERO and is_negative(b))
+        if negative:
+            a, b = negated(a), negated(b)
+        return signed(self._intern(Op.SELECT, index, self._plain(a), self._plain(b)), negative)
+
+    def maximum(self, a: Ref, b: Ref) -> Ref:
+        """The larger of two values.
+
+        Args:
+            a: A value.
+            b: Another.
+
+        Returns:
+            max(a, b).
+        """
+        return self._extreme(Op.MAXIMUM, Op.MINIMUM, a, b)
+
+    def minimum(self, a: Ref, b: Ref) -> Ref:
+        """The smaller of two values.
+
+        Args:
+            a: A value.
+            b: Another.
+
+        Returns:
+            min(a, b).
+        """
+        return self._extreme(Op.MINIMUM, Op.MAXIMUM, a, b)
+
+    def absolute(self, a: Ref) -> Ref:
+        """The absolute value.
+
+        Args:
+            a: A value.
+
+        Returns:
+            abs(a).
+        """
+        value = self.constant_of(a)
+        if value is not None:
+            return self.number(abs(value))
+        index = a >> 1
+        return ref_to(index) if self.op[index] in (Op.ABSOLUTE, Op.ROOT) else self._intern(Op.ABSOLUTE, index)
+
     def apply(self, op: Op, operands: Sequence[Ref]) -> Ref:
         """The operation by its kind, folded as if written.
 
@@ -330,6 +433,29 @@ class Graph:
             The result.
         """
         return _METHODS[op](self, *operands)
+
+    def _extreme(self, op: Op, opposite: Op, a: Ref, b: Ref) -> Ref:
+        left, right = self.constant_of(a), self.constant_of(b)
+        if left is not None and right is not None:
+            return a if (left > right) == (op is Op.MAXIMUM) else b
+        if a == b:
+            return a
+        negative = (is_negative(a) or a == ZERO) and (is_negative(b) or b == ZERO)
+        first, second = sorted(self._plain(negated(ref) if negative else ref) for ref in (a, b))
+        return signed(self._intern(opposite if negative else op, first, second), negative)
+
+    def _plain(self, a: Ref) -> int:
+        """The node of a value, a change of sign where it has one."""
+        if not is_negative(a):
+            return a >> 1
+        value = self.constant_of(a)
+        if value is None:
+            return node_of(self._intern(Op.NEGATE, a >> 1))
+        key = constants.key_of(value)
+        if key not in self._numbers:
+            self._numbers[key] = self._append(Op.CONSTANT, (), Layer.CONSTANT)
+            self.constants[node_of(self._numbers[key])] = value
+        return node_of(self._numbers[key])
 
     def _intern(self, op: Op, *operands: int) -> Ref:
         """An operation on nodes; it is known with its operands in this order."""
@@ -356,6 +482,12 @@ _METHODS: dict[Op, Callable[..., Ref]] = {
     Op.COSINE: Graph.cosine,
     Op.ROOT: Graph.root,
     Op.SIGN: Graph.sign,
+    Op.ARCTANGENT: Graph.arctangent,
+    Op.LESS: Graph.less,
+    Op.SELECT: Graph.select,
+    Op.MAXIMUM: Graph.maximum,
+    Op.MINIMUM: Graph.minimum,
+    Op.ABSOLUTE: Graph.absolute,
 }
 
 
@@ -441,6 +573,29 @@ class Value:
     def sign(self) -> Value:
         """-1, 0 or 1."""
         return Value(self.graph, self.graph.sign(self.ref))
+
+    def arctangent(self, x: Value | int) -> Value:
+        """The angle of the point whose ordinate this is and whose abscissa is x, atan2 [rad]."""
+        return Value(self.graph, self.graph.arctangent(self.ref, self._other(x)))
+
+    def less(self, other: Value | int | Fraction) -> Value:
+        """1 where this is less than another value, else 0."""
+        return Value(self.graph, self.graph.less(self.ref, self._other(other)))
+
+    def select(self, a: Value | int | Fraction, b: Value | int | Fraction) -> Value:
+        """a where this is 1, b where it is 0."""
+        return Value(self.graph, self.graph.select(self.ref, self._other(a), self._other(b)))
+
+    def maximum(self, other: Value | int | Fraction) -> Value:
+        """The larger of this and another value."""
+        return Value(self.graph, self.graph.maximum(self.ref, self._other(other)))
+
+    def minimum(self, other: Value | int | Fraction) -> Value:
+        """The smaller of this and another value."""
+        return Value(self.graph, self.graph.minimum(self.ref, self._other(other)))
+
+    def __abs__(self) -> Value:
+        return Value(self.graph, self.graph.absolute(self.ref))
 
     def __repr__(self) -> str:
         """``v7``, or ``-v7``."""

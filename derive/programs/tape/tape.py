@@ -3,7 +3,7 @@
 A tape is what is printed. It holds no joint of any robot and knows no language: nodes, and the outputs as nodes with a
 sign. Nodes are in three layers: constants (exact numbers, folded), hoisted work (depends on run-time parameters alone,
 done once per call) and the body (depends on the arguments). A change of sign is not an operation: the sign is kept
-beside the operand, and only outputs and square roots ever need one.
+beside the operand, and only outputs, square roots and the choice among cases ever need one.
 """
 
 from __future__ import annotations
@@ -32,6 +32,12 @@ class Op(IntEnum):
     COSINE = 8
     ROOT = 9
     SIGN = 10
+    ARCTANGENT = 11
+    LESS = 12
+    SELECT = 13
+    MAXIMUM = 14
+    MINIMUM = 15
+    ABSOLUTE = 16
 
     __hash__ = int.__hash__  # that of an enumeration hashes the name, which takes long
 
@@ -59,6 +65,12 @@ OPERATION_COST: Mapping[Op, int] = {
     Op.COSINE: 25,
     Op.ROOT: 1,
     Op.SIGN: 0,
+    Op.ARCTANGENT: 25,
+    Op.LESS: 1,
+    Op.SELECT: 1,
+    Op.MAXIMUM: 1,
+    Op.MINIMUM: 1,
+    Op.ABSOLUTE: 0,
 }
 """By what candidates are compared, here and nowhere else; `derive.programs.tape.cost` adds it up.
 
@@ -67,7 +79,24 @@ additions, so one more pair must save many of them.
 """
 
 FUNCTION_NAMES = {Op.SINE: "sin", Op.COSINE: "cos", Op.ROOT: "sqrt", Op.SIGN: "sign"}
-"""What languages call the functions."""
+"""What languages call the functions that every program may use."""
+
+BRANCHING_NAMES = {
+    Op.ARCTANGENT: "atan2",
+    Op.LESS: "less",
+    Op.SELECT: "select",
+    Op.MAXIMUM: "maximum",
+    Op.MINIMUM: "minimum",
+    Op.ABSOLUTE: "absolute",
+}
+"""What languages call the functions of programs that tell cases apart.
+
+`less` is 1 or 0, and so is what says which case holds: products and maxima of such are *and* and *or*.
+`select(case, a, b)` is a where the case is not 0, else b; the other one may be anything, not a number too.
+"""
+
+ALL_NAMES = FUNCTION_NAMES | BRANCHING_NAMES
+"""All of them."""
 
 PARAMETER = "parameter"
 """Kind of the inputs that are run-time parameters; any other kind is the name of an argument, such as ``q``."""
@@ -123,6 +152,8 @@ class Operations:
     sin: int = 0
     cos: int = 0
     sqrt: int = 0
+    atan2: int = 0
+    cases: int = 0
 
     @property
     def arithmetic(self) -> int:
@@ -140,8 +171,9 @@ class Operations:
         return sum(OPERATION_COST[_COUNTED[name][0]] * count for name, count in self.as_dict().items())
 
     def as_dict(self) -> dict[str, int]:
-        """Counts by name, in the order of the manifest."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        """Counts by name, in the order of the manifest; what tells cases apart is left out where there are none."""
+        counts = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: count for name, count in counts.items() if count or name not in _ONLY_WITH_CASES}
 
 
 _COUNTED = {
@@ -151,7 +183,11 @@ _COUNTED = {
     "sin": (Op.SINE,),
     "cos": (Op.COSINE,),
     "sqrt": (Op.ROOT,),
+    "atan2": (Op.ARCTANGENT,),
+    "cases": (Op.LESS, Op.SELECT, Op.MAXIMUM, Op.MINIMUM),
 }
+
+_ONLY_WITH_CASES = ("atan2", "cases")
 
 
 @dataclass(frozen=True)
@@ -213,7 +249,7 @@ def evaluate(tape: Tape, inputs: Mapping[str, Sequence[Any]], arithmetic: Mappin
     Args:
         tape: The program.
         inputs: Values by kind: ``q``, ..., and `PARAMETER`.
-        arithmetic: ``number`` (from an exact constant), ``sin``, ``cos``, ``sqrt``, ``sign``.
+        arithmetic: ``number`` (from an exact constant), and of `ALL_NAMES` those that the tape uses.
 
     Returns:
         The outputs, row by row.
@@ -238,6 +274,6 @@ def evaluate(tape: Tape, inputs: Mapping[str, Sequence[Any]], arithmetic: Mappin
             case Op.NEGATE:
                 value = -operands[0]
             case _:
-                value = arithmetic[FUNCTION_NAMES[node.op]](operands[0])
+                value = arithmetic[ALL_NAMES[node.op]](*operands)
         values.append(value)
     return [-values[o.node] if o.negative else values[o.node] for o in tape.outputs]

@@ -96,3 +96,31 @@ def test_what_does_not_depend_on_an_input_costs_nothing() -> None:
     zero, one = gradient_columns([p * p, p + x], [x])
     assert (zero[0].ref, one[0].ref) == (graph.number(Fraction(0)), graph.number(Fraction(1)))
     assert len(graph) == before + 2
+
+
+def test_cases_and_arctangents_have_their_derivatives() -> None:
+    graph = Graph()
+    x, y = (Value(graph, graph.input("q", i)) for i in range(2))
+    case = x.less(y)
+    values = [
+        (x * y).arctangent(x - y),
+        case.select(x * x, y * y),
+        (x * x).maximum(y) + x.minimum(x * y),
+        abs(x * y) + case,
+    ]
+    functions = {
+        "number": float,
+        "atan2": math.atan2,
+        "less": lambda a, b: float(a < b),
+        "select": lambda case, a, b: a if case else b,
+        "maximum": max,
+        "minimum": min,
+        "absolute": abs,
+        "sign": lambda v: math.copysign(1.0, v),
+    }
+    for at in ([0.7, -1.3], [0.4, 0.9], [-2.0, 0.3]):
+        rows = run([entry for row in gradient_columns(values, [x, y]) for entry in row], functions, at, [])
+        for j in range(2):
+            ends = [run(values, functions, [v + h * (k == j) for k, v in enumerate(at)], []) for h in (-1e-6, 1e-6)]
+            wanted = [(b - a) / 2e-6 for a, b in zip(*ends, strict=True)]
+            assert all(math.isclose(a, b, rel_tol=1e-7) for a, b in zip(rows[j::2], wanted, strict=True))

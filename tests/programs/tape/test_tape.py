@@ -190,3 +190,43 @@ def test_deep_programs_need_no_recursion() -> None:
         total = total + (x * (k + 2)).sin()
     tape = cut(*improve(graph, [value.ref, total.ref]))
     assert tape.operations.sin == 3000
+
+
+def test_arctangents_of_opposite_points_are_one() -> None:
+    graph = Graph()
+    x, y, _ = variables(graph)
+    angles = [y.arctangent(x), (-y).arctangent(x), y.arctangent(-x), (-y).arctangent(-x)]
+    assert operations(*angles).atan2 == 1
+    assert angles[1].ref == (-angles[0]).ref
+
+
+def test_cases_that_are_known_leave_no_trace() -> None:
+    graph = Graph()
+    x, y, z = variables(graph)
+    one = Value(graph, ONE)
+    assert (one.select(x, y).ref, (one - one).select(x, y).ref, z.select(x, x).ref) == (x.ref, y.ref, x.ref)
+    assert x.less(x).ref == ZERO
+    assert (x * x).sqrt().ref == abs((x * x).sqrt()).ref
+    assert (-x).maximum(-y).ref == (-(x.minimum(y))).ref
+    assert (1 - z).select(x, y).ref == z.select(y, x).ref
+
+
+@given(point=st.lists(fractions(), min_size=3, max_size=3))
+@settings(max_examples=100, deadline=None)
+def test_improving_keeps_what_cases_choose(point: list[Fraction]) -> None:
+    graph = Graph()
+    x, y, z = variables(graph)
+    case = (x * y + x * z).less(y * z)
+    values = [case.select(x * y + x * z, -x) + z, (x - y).maximum(-z) * abs(z - x), (1 - case).minimum(x * -y)]
+    functions = RATIONAL | {
+        "less": lambda a, b: Fraction(a < b),
+        "select": lambda case, a, b: a if case else b,
+        "maximum": max,
+        "minimum": min,
+        "absolute": abs,
+    }
+    refs = [value.ref for value in values]
+    plain, improved = (
+        evaluate(cut(*stage), {"q": point}, functions) for stage in ((graph, refs), improve(graph, refs))
+    )
+    assert plain == improved
