@@ -1,0 +1,1 @@
+"""Inverse kinematics: from a table to a graph of elementary equations with every branch."""
