@@ -40,6 +40,7 @@ _FUNCTIONS: Mapping[Any, Callable[..., Real]] = {
     sympy.tan: mpmath.tan,
     sympy.atan2: _direction,
     sympy.sign: mpmath.sign,
+    sympy.Abs: abs,
 }
 
 
@@ -68,16 +69,28 @@ def at_point(
         return found
     with mpmath.workdps(DIGITS):
         try:
-            known = {symbol: _value(value, {}) for symbol, value in put_in.items()}
+            known = {symbol: value_of(value, {}) for symbol, value in put_in.items()}
             if hasattr(expression, "applyfunc"):
-                return expression.applyfunc(lambda entry: _written(_value(entry, known)))
-            return _written(_value(expression, known))
+                return expression.applyfunc(lambda entry: _written(value_of(entry, known)))
+            return _written(value_of(expression, known))
         except (ArithmeticError, ValueError):
             raise QuantityError(f"{name} has no finite real value here", remedy="choose another point") from None
 
 
-def _value(e: Expr, known: dict[Expr, Any]) -> Any:
-    """The number of an expression, or the expression with numbers in it where a symbol has none."""
+def value_of(e: Expr, known: dict[Expr, Any]) -> Any:
+    """The number of an expression, or the expression with numbers in it where a symbol has none.
+
+    Args:
+        e: The expression.
+        known: Numbers of symbols, and of every subexpression that has been met; it grows.
+
+    Returns:
+        A number of mpmath with its working precision, or an expression.
+
+    Raises:
+        ValueError: A root of a negative number.
+        ZeroDivisionError: A quotient by zero, or atan2(0, 0).
+    """
     if e in known:
         return known[e]
     if e.is_Symbol:
@@ -87,7 +100,7 @@ def _value(e: Expr, known: dict[Expr, Any]) -> Any:
     elif e is sympy.pi:
         found = +mpmath.pi
     else:
-        arguments = [_value(argument, known) for argument in e.args]
+        arguments = [value_of(argument, known) for argument in e.args]
         if any(isinstance(argument, sympy.Basic) for argument in arguments):
             found = e.func(*map(_written, arguments))
         else:

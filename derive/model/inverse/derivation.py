@@ -1,0 +1,323 @@
+"""A solution graph as the lines of a textbook: each step with its equation, whence it comes, and the formulas.
+
+The pose is written by its entries, ``r11`` to ``r33`` and ``px``, ``py``, ``pz``; where base, tool or offsets of the
+first and last joint stand between it and the arm, the pose within the arm gets names of its own first: of a wrist with
+``d6`` the wrist centre, ``wx = px - d6*r13``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Kind as Generator
+from derive.algebra.ring import Polynomial
+from derive.lecture.form import LectureForm
+from derive.lecture.sympy_conversion import Expr
+from derive.model.inverse.elementary import Line, Linear, Scribe, Solved, minus_signs, positive
+from derive.model.inverse.graph import Node, SolutionGraph
+from derive.model.inverse.nodes import Equation, Formula, Kind, Source, Unknown
+from derive.robot.expression import ZERO, Expression, Name, Number, add, multiply, substitute
+from derive.robot.names import joint_label, robot_symbols
+from derive.robot.robot import Robot
+from derive.robot.style import Contraction, Style
+
+PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
+"""Entries of the upper three rows of a pose."""
+
+
+def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
+    """What the entries of the pose are called: ``r11``, ..., ``px``, ``py``, ``pz``.
+
+    Args:
+        robot: Its own names are avoided: an arm that has an ``r11`` has ``R11``, ... instead.
+
+    Returns:
+        Row and column, from 1, and the name.
+    """
+    taken = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}
+    for rotation, position in (("r", "p"), ("R", "P"), ("R_", "P_"), ("rot_", "pos_")):
+        found = {(i, j): f"{position}{'xyz'[i - 1]}" if j == 4 else f"{rotation}{i}{j}" for i, j in PLACES}
+        if taken.isdisjoint(found.values()):
+            return found
+    return {(i, j): f"pose_{i}{j}_{len(max(taken, key=len))}" for i, j in PLACES}
+
+
+@dataclass(frozen=True)
+class PrintedEquation:
+    """The equation that a step solves.
+
+    Attributes:
+        left: What holds the unknown.
+        right: What is known.
+        source: Where it comes from.
+    """
+
+    left: Expr
+    right: Expr
+    source: Source
+
+
+@dataclass(frozen=True)
+class Step:
+    """How one unknown is found.
+
+    Attributes:
+        unknown: A joint variable, or a sum of them.
+        kind: The elementary type.
+        equations: What is solved.
+        lines: The formulas, the unknown last; none where there is no formula.
+        branches: How many values it has for given ones before.
+        exists: When it has any; SymPy's true where always.
+        free: What vanishes where no equation determines it; empty where that never happens.
+        joints: The joints of the unknown, from 0.
+    """
+
+    unknown: Expr
+    kind: Kind
+    equations: tuple[PrintedEquation, ...]
+    lines: tuple[Line, ...]
+    branches: int
+    exists: Expr
+    free: tuple[Expr, ...]
+    joints: tuple[int, ...]
+
+
+class Derivation:
+    """The lines of one graph, step by step.
+
+    Args:
+        graph: The graph.
+        robot: The arm as its file has it.
+        style: How sums are grouped.
+
+    Attributes:
+        pose: The symbols of the entries of the pose, by row and column.
+        definitions: Lines that name entries of the pose within the arm.
+        sums: Names of sums of joint variables that are found before these: ``q2 + q3`` -> ``q23``.
+        steps: One for each unknown.
+        conditions: What vanishes at every reachable pose, besides that R is a rotation.
+    """
+
+    def __init__(self, graph: SolutionGraph, robot: Robot, style: Style) -> None:
+        self._graph, self._robot = graph, robot
+        names = pose_names(robot)
+        self.pose = {place: sympy.Symbol(name) for place, name in names.items()}
+        variables = [joint.variable for joint in robot.joints]
+        self._scribe = Scribe(self._write, {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND})
+        within = self._names_within_arm()
+        extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts]
+        self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
+        self._form = LectureForm(self._domain, style=style)
+        self._images = self._generators(names)
+        for name, p in graph.definitions:
+            image = self._composed(p)
+            if name in within:
+                self._scribe.lines.append(Line(sympy.Symbol(within[name]), self._write(image)))
+                image = self._domain.ring.generator(within[name])
+            self._images[name] = image
+        self.definitions = tuple(self._scribe.lines)
+        self.sums = dict(self._named_sums())
+        self.steps = tuple(step for node in graph.nodes for step in self._steps(node))
+        self.conditions = tuple(self._condition(equation) for equation in graph.conditions)
+
+    def _write(self, p: Polynomial) -> Expr:
+        return self._form.kinematic(p)
+
+    # -- polynomials of the graph as polynomials of print
+
+    def _names_within_arm(self) -> dict[str, str]:
+        """Names for what the pose within the arm has that no entry of the pose is, but for its sign."""
+        found = dict[str, str]()
+        for name, p in self._graph.definitions:
+            place = _PLACE.fullmatch(name)
+            if place is not None and not _is_plain(p):
+                row, column = int(place[1]), int(place[2])
+                found[name] = self._scribe.name((f"w{'xyz'[row - 1]}" if column == 4 else f"w{row}{column}",))
+        return found
+
+    def _generators(self, names: Mapping[tuple[int, int], str]) -> dict[str, Polynomial]:
+        """What the generators of the graph's ring are, but those that are defined by others."""
+        joints, target = self._robot.joints, self._domain
+        shifted = {
+            j.variable: add(Name(j.variable), shift) for j, shift in zip(joints, self._graph.shifts, strict=True)
+        }
+        images = {f"T[{i},{j}]": target.ring.generator(name) for (i, j), name in names.items()}
+        defined = {name for name, _ in self._graph.definitions}
+        for g in self._graph.domain.generators:
+            if g.name not in images and g.name not in defined and not _is_of_pose(g.name):
+                images[g.name] = target.constant(substitute(g.expression, shifted))
+        return images
+
+    def _composed(self, p: Polynomial) -> Polynomial:
+        ring = self._domain.ring
+        total = ring.zero
+        names = self._graph.domain.ring.names
+        for exponents, coefficient in p.terms():
+            product = ring.number(coefficient)
+            for name, exponent in zip(names, exponents, strict=True):
+                if exponent:
+                    product = product * self._images[name] ** exponent
+            total = total + product
+        return total
+
+    # -- nodes
+
+    def _named_sums(self) -> Iterator[tuple[Expr, Expr]]:
+        """``q23`` for q2 + q3; a letter where angles are subtracted or have no labels."""
+        for unknown in (unknown for node in self._graph.nodes for unknown in node.unknowns):
+            if len(unknown.joints) > 1:
+                variables = [self._robot.joints[j].variable for j in unknown.joints]
+                stem, labels = variables[0].removesuffix(joint_label(variables[0])), self._label(unknown)
+                added = min(unknown.signs) > 0 and all(joint_label(v) and v.startswith(stem) for v in variables)
+                letters = ((f"{stem}{labels}",) if added else ()) + ("alpha", "phi", "psi")
+                yield self._symbol(unknown), sympy.Symbol(self._scribe.name(letters, labels))
+
+    def _steps(self, node: Node) -> Iterator[Step]:
+        formula = node.formulas[0]
+        for unknown in node.unknowns:
+            symbol = self._named(unknown)
+            first = len(self._scribe.lines)
+            solved: Solved | None = None
+            equations: tuple[PrintedEquation, ...] = ()
+            if formula.kind is Kind.SUM:
+                solved = Solved(sympy.Add(*(sign * self._named(part) for part, sign in formula.parts)))
+            elif formula.equations and unknown is node.unknown:
+                printed = [self._equation(unknown, equation) for equation in formula.equations]
+                equations = tuple(equation for equation, _ in printed)
+                solved = self._solved(formula.kind, self._label(unknown), [values for _, values in printed])
+            if solved is not None:
+                self._scribe.lines.append(Line(symbol, solved.value))
+            lines = tuple(self._scribe.lines[first:])
+            free = self._free(node)
+            exists = solved.exists if solved else sympy.true
+            yield Step(symbol, formula.kind, equations, lines, node.branches, exists, free, unknown.joints)
+
+    def _solved(self, kind: Kind, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
+        match kind:
+            case Kind.TYPE_2:
+                return self._scribe.one_equation(label, _three(values[0]))
+            case Kind.TYPE_3:
+                return Solved(self._scribe.two_equations(label, _three(values[0]), _three(values[1])))
+            case Kind.TYPE_1 | Kind.QUADRATIC:
+                return self._scribe.length(label, _three(values[0]))
+        return None
+
+    def _free(self, node: Node) -> tuple[Expr, ...]:
+        """What vanishes where no formula of a node determines its unknown; nothing where one always does."""
+        found: dict[Expr, None] = {}
+        for formula in node.formulas:
+            polynomials = [self._composed(p) for p in self._lost(formula)]
+            if not polynomials or any(p and self._is_geometry(p) for p in polynomials):
+                return ()
+            found.update(dict.fromkeys(self._write(positive(p)) for p in polynomials if p))
+        return tuple(found)
+
+    def _lost(self, formula: Formula) -> tuple[Polynomial, ...]:
+        """The polynomials at whose common zeros a formula does not determine its unknown.
+
+        Where of two equations one is the other turned by a right angle, these are the coefficients of one, or what
+        stands on the right of both, which then vanish too.
+        """
+        if formula.kind is not Kind.TYPE_3:
+            return formula.degenerate
+        (a, b, c), (d, e, g) = (equation.linear for equation in formula.equations)
+        if not b or not a or not ((e == a and d == -b) or (e == -a and d == b)):
+            return formula.degenerate
+        return min((a, b), (c, g), key=lambda pair: sum(map(len, pair)))
+
+    def _is_geometry(self, p: Polynomial) -> bool:
+        """Whether a polynomial is one of the parameters alone, which an arm is supposed not to have zero."""
+        degrees = p.degrees()
+        names = {str(symbol) for symbol in self.pose.values()} | {str(line.symbol) for line in self.definitions}
+        moving = (Generator.SINE, Generator.COSINE, Generator.VARIABLE)
+        return not any(
+            degree and (g.name in names or g.kind in moving)
+            for g, degree in zip(self._domain.generators, degrees, strict=True)
+        )
+
+    def _symbol(self, unknown: Unknown) -> Expr:
+        variables = (sympy.Symbol(self._robot.joints[j].variable) for j in unknown.joints)
+        return sympy.Add(*(sign * q for sign, q in zip(unknown.signs, variables, strict=True)))
+
+    def _named(self, unknown: Unknown) -> Expr:
+        """The variable, or the name of the sum."""
+        symbol = self._symbol(unknown)
+        return self.sums.get(symbol, symbol)
+
+    def _label(self, unknown: Unknown) -> str:
+        return "".join(joint_label(self._robot.joints[j].variable) for j in unknown.joints)
+
+    def _shift(self, unknown: Unknown) -> Expression:
+        """What the unknown has more than the sum of the variables."""
+        signed = zip(unknown.joints, unknown.signs, strict=True)
+        return add(*(multiply(Number(Fraction(sign)), self._graph.shifts[j]) for j, sign in signed))
+
+    def _equation(self, unknown: Unknown, equation: Equation) -> tuple[PrintedEquation, tuple[Polynomial, ...]]:
+        """An equation in the variable itself, and its coefficients: of cosine, sine and 1, or of r^2, r and 1.
+
+        The last one stands on the right of an equation of an angle.
+        """
+        shift, symbol = self._shift(unknown), self._symbol(unknown)
+        if not unknown.is_angle:
+            square, slope, rest = (self._composed(equation.coefficient(k)) for k in (2, 1, 0))
+            by = self._domain.constant(shift)
+            slope, rest = slope + 2 * by * square, rest + by * slope + by * by * square
+            left = sympy.Add(self._write(square) * symbol**2, self._write(slope) * symbol)
+            return PrintedEquation(left, self._write(-rest), equation.source), (square, slope, rest)
+        cosine, sine = sympy.cos(symbol), sympy.sin(symbol)
+        turn = (self._domain.ring.one, self._domain.ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
+        c, s = turn
+        if max((sum(exponents) for exponents in equation.terms), default=0) > 1:
+            return PrintedEquation(self._second_degree(equation, cosine, sine, turn), sympy.S.Zero, equation.source), ()
+        a, b, known = map(self._composed, equation.linear)
+        a, b = a * c + b * s, b * c - a * s
+        if minus_signs(a, b, known) > minus_signs(-a, -b, -known):
+            a, b, known = -a, -b, -known
+        whole, apart = self._whole(unknown, a, b), sympy.Add(self._write(a) * cosine, self._write(b) * sine)
+        left = min((apart, whole), key=lambda value: value.count_ops())
+        return PrintedEquation(left, self._write(known), equation.source), (a, b, known)
+
+    def _whole(self, unknown: Unknown, a: Polynomial, b: Polynomial) -> Expr:
+        """A cos + B sin as any other sum is written, ``a1*c1 + a2*c12``."""
+        signed = zip(unknown.joints, unknown.signs, strict=True)
+        angle = add(*(multiply(Number(Fraction(sign)), Name(self._robot.joints[j].variable)) for j, sign in signed))
+        c, s = self._domain.cosine_sine(angle)
+        return self._write(a * c + b * s)
+
+    def _second_degree(self, equation: Equation, cosine: Expr, sine: Expr, turn: tuple[Polynomial, Polynomial]) -> Expr:
+        """A polynomial in cosine and sine, turned back by the shift."""
+        c, s = (self._write(p) for p in turn)
+        of = (c * cosine - s * sine, s * cosine + c * sine)
+        terms = (
+            self._write(self._composed(p)) * of[0] ** i * of[1] ** j for (i, j), p in sorted(equation.terms.items())
+        )
+        return sympy.Add(*terms)
+
+    def _condition(self, equation: Equation) -> PrintedEquation:
+        p = self._composed(equation.coefficient(*(0,) * len(next(iter(equation.terms)))))
+        return PrintedEquation(self._write(p), sympy.S.Zero, equation.source)
+
+
+_PLACE = re.compile(r"W\[(\d),(\d)\]")
+_SHORTHAND = ("c", "s")
+
+
+def _is_of_pose(name: str) -> bool:
+    """Whether a generator is an entry or invariant of the pose within the arm."""
+    return re.fullmatch(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]", name) is not None
+
+
+def _is_plain(p: Polynomial) -> bool:
+    """Whether a polynomial is an entry of the pose, its negative, or a number."""
+    return p.is_constant or (len(p) == 1 and sum(p.degrees()) == 1 and abs(next(iter(p.terms()))[1]) == 1)
+
+
+def _three(values: Iterable[Polynomial]) -> Linear:
+    first, second, third = values
+    return first, second, third

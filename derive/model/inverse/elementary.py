@@ -1,0 +1,313 @@
+"""How textbooks write the solution of one elementary equation: a few lines with named quantities.
+
+``D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2)``, ``theta2 = atan2(+-sqrt(1 - D**2), D)``: an angle is an atan2, never an
+arc cosine, and every choice of a sign stands in one line. The types are those of Khalil and Dombre, Modeling,
+Identification and Control of Robots, 2002, chapter 4; the forms are those of Craig, Spong and Siciliano.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import gcd, lcm
+
+import sympy
+
+from derive.algebra.ring import Polynomial
+from derive.lecture.sympy_conversion import Expr
+
+LONGEST_ARGUMENTS = 14
+"""Operations of both arguments of an atan2 together; longer ones stand on lines of their own."""
+
+LONGEST_INLINE = 3
+"""Operations of a quantity that is written where it is used; a longer one gets a name."""
+
+
+class Sign(sympy.Symbol):  # type: ignore[misc]
+    """+1 or -1: the choice between two solutions, printed as a plus-minus sign."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a solution: ``symbol = value``.
+
+    Attributes:
+        symbol: A named quantity, a joint variable, a sum of them, or the sine or cosine of one.
+        value: In the pose, the parameters, what the lines before it give, and signs.
+    """
+
+    symbol: Expr
+    value: Expr
+
+    @property
+    def signs(self) -> tuple[Sign, ...]:
+        """The choices that are made in it."""
+        return tuple(sorted((s for s in self.value.free_symbols if isinstance(s, Sign)), key=str))
+
+    @property
+    def alternatives(self) -> tuple[Expr, ...]:
+        """Its values for both signs where a sign stands in it more than once, else the value as it is."""
+        signs = self.signs
+        if len(signs) == 1 and self.value.count(signs[0]) > 1:
+            return tuple(self.value.xreplace({signs[0]: sympy.Integer(e)}) for e in (1, -1))
+        return (self.value,)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What an equation gives.
+
+    Attributes:
+        value: The unknown.
+        exists: The condition that it exists (SymPy's true where it always does).
+    """
+
+    value: Expr
+    exists: Expr = sympy.true
+
+
+Write = Callable[[Polynomial], Expr]
+Linear = tuple[Polynomial, Polynomial, Polynomial]
+"""(A, B, C) of A cos + B sin = C."""
+
+
+@dataclass
+class Scribe:
+    """Writes the lines of one arm's solution, in order.
+
+    Attributes:
+        write: Writes a polynomial.
+        taken: Names that are in use: those of the robot, of the pose, and what has been named.
+        lines: The lines so far.
+    """
+
+    write: Write
+    taken: set[str]
+    lines: list[Line] = field(default_factory=list)
+
+    def name(self, letters: Iterable[str], label: str = "") -> str:
+        """A name that nothing has yet: the first free letter, else one with a label, else with a number.
+
+        Args:
+            letters: In the order of preference.
+            label: That of the joint that is solved for.
+        """
+        letters = tuple(letters)
+        numbered = (f"{letters[0]}_{k}" for k in range(1, len(self.taken) + 2))
+        candidates = (*letters, *(f"{letter}_{label}" for letter in letters if label), *numbered)
+        found = next(name for name in candidates if name not in self.taken)
+        self.taken.add(found)
+        return found
+
+    def sign(self, label: str) -> Sign:
+        """A new choice of sign.
+
+        Args:
+            label: That of the joint that is solved for.
+        """
+        return Sign(self.name((f"epsilon_{label}",)))
+
+    def named(self, value: Expr, letters: Iterable[str], label: str, longest: int = LONGEST_INLINE) -> Expr:
+        """A symbol for a value, or the value itself where it is short.
+
+        Args:
+            value: The value.
+            letters: What it may be called, in the order of preference.
+            label: That of the joint that is solved for.
+            longest: Operations of a short one.
+        """
+        if value.count_ops() <= longest:
+            return value
+        symbol = sympy.Symbol(self.name(letters, label))
+        self.lines.append(Line(symbol, value))
+        return symbol
+
+    def ratio(self, above: Polynomial, below: Polynomial) -> Expr:
+        """A quotient without common factors, ``(x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2)``.
+
+        Args:
+            above: The dividend.
+            below: The divisor, not zero.
+        """
+        above, below = reduced(above, below)
+        if below == 1:
+            return self.write(above)
+        if len(above) == 1:
+            return self.write(above) / self.write(below)
+        return sympy.Mul(1 / self.write(below), self.write(above), evaluate=not below.is_constant)
+
+    # -- the types
+
+    def one_equation(self, label: str, equation: Linear) -> Solved:
+        """A cos + B sin = C (type 2): two angles.
+
+        With a sine or cosine alone it is known and the other is a root. Else the equation says that the angle differs
+        by a known one from that of the vector (-B, A) (Craig, Introduction to Robotics, section 4.7).
+
+        Args:
+            label: That of the joint that is solved for.
+            equation: A, B and C.
+
+        Returns:
+            The angle, and the condition that it exists.
+        """
+        a, minus_b, c = simplest((equation[0], -equation[1], equation[2]))
+        sign = self.sign(label)
+        if not c:
+            return Solved(_atan2(sign * self.write(a), sign * self.write(minus_b)))
+        if not a or not minus_b:
+            known = self.named(self.ratio(c, a or -minus_b), ("D", "E", "F"), label, longest=1)
+            root = sign * sympy.sqrt(1 - known**2)
+            return Solved(_atan2(root, known) if a else _atan2(known, root), sympy.Abs(known) <= 1)
+        common = a.ring.wrap(a.raw.gcd(minus_b.raw))
+        a, minus_b = (p.ring.wrap(p.raw / common.raw) for p in (a, minus_b))
+        along = self.named(self.ratio(c, common), ("K", "k", "L"), label)
+        square = self.write(a * a + minus_b * minus_b)
+        root = self.named(sign * sympy.sqrt(square - along**2), ("r", "rho", "h"), label, longest=LONGEST_ARGUMENTS)
+        towards, apart = _atan2(self.write(a), self.write(minus_b)), _atan2(along, root)
+        if along.could_extract_minus_sign():
+            apart = -_atan2(-along, root)
+        return Solved(towards - apart, square >= along**2)
+
+    def two_equations(self, label: str, first: Linear, second: Linear) -> Expr:
+        """A cos + B sin = C twice (type 3): one angle.
+
+        Where the second equation is the first turned by a right angle, two atan2 are subtracted; a divisor that is
+        positive is left out.
+
+        Args:
+            label: That of the joint that is solved for.
+            first: A, B and C.
+            second: Likewise.
+
+        Returns:
+            The angle.
+        """
+        (a, b, c), (d, e, g) = simplest(first), simplest(second)
+        if not b and not d:
+            return self._quotients(label, (g, e), (c, a))
+        if not a and not e:
+            return self._quotients(label, (c, b), (g, d))
+        determinant = a * e - b * d
+        above = (a * g - c * d, c * e - b * g)
+        if (e == a and d == -b) or (e == -a and d == b):
+            if e == -a:
+                g, above = -g, (-above[0], -above[1])
+            apart = _atan2(self.write(g), self.write(c)) - self._turned(-b, a)
+            together = _atan2(*map(self.write, above))
+            return min((together, apart), key=lambda value: (value.count_ops(), value.count(sympy.atan2)))
+        return self._quotients(label, (above[0], determinant), (above[1], determinant))
+
+    def _turned(self, sine: Polynomial, cosine: Polynomial) -> Expr:
+        """An atan2; of a sine with a minus sign it has the minus sign in front."""
+        if 2 * minus_signs(sine) > len(sine):
+            return -_atan2(self.write(-sine), self.write(cosine))
+        return _atan2(self.write(sine), self.write(cosine))
+
+    def _quotients(
+        self, label: str, sine: tuple[Polynomial, Polynomial], cosine: tuple[Polynomial, Polynomial]
+    ) -> Expr:
+        """The angle of a sine and a cosine that are quotients; a positive number is left out of both."""
+        if sine[1] == cosine[1] and sine[1].is_constant:
+            scale = abs(sine[1].constant_term)
+            sine, cosine = ((p * (scale / q.constant_term), q.ring.one) for p, q in (sine, cosine))
+        values = [self.ratio(*sine), self.ratio(*cosine)]
+        if sum(value.count_ops() for value in values) > LONGEST_ARGUMENTS:
+            values = [
+                self.named(value, letters, label, longest=1)
+                for value, letters in zip(values, (("Y", "V"), ("X", "U")), strict=True)
+            ]
+        return _atan2(*values)
+
+    def length(self, label: str, coefficients: tuple[Polynomial, Polynomial, Polynomial]) -> Solved:
+        """A r^2 + B r + C = 0: two lengths, or one where A is zero (types 1 and 4).
+
+        Args:
+            label: That of the joint that is solved for.
+            coefficients: A, B and C.
+
+        Returns:
+            The length, and the condition that it exists.
+        """
+        a, b, c = simplest(coefficients)
+        if not a:
+            return Solved(self.ratio(-c, b))
+        sign = self.sign(label)
+        if not b:
+            square = self.ratio(-c, a)
+            return Solved(sign * sympy.sqrt(square), square >= 0)
+        half = b * Fraction(1, 2)
+        inside = self.named(self.write(half * half - a * c), ("Delta", "delta"), label)
+        root = -self.write(half) + sign * sympy.sqrt(inside)
+        return Solved(root if a == 1 else root / self.write(a), inside >= 0)
+
+
+def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Dividend and divisor without common factors; the dividend begins with 1, or the divisor is 1.
+
+    Args:
+        above: The dividend.
+        below: The divisor, not zero.
+    """
+    ring = above.ring
+    if not above:
+        return above, ring.one
+    common = above.raw.gcd(below.raw)
+    above, below = ring.wrap(above.raw / common), ring.wrap(below.raw / common)
+    if below.is_constant and (len(above) == 1 or content(above * (1 / below.constant_term)).denominator == 1):
+        return above * (1 / below.constant_term), ring.one
+    size = max((abs(c) for _, c in above.terms()), key=[abs(c) for _, c in above.terms()].count)
+    scale = -size if 2 * minus_signs(below) > len(below) else size
+    return above * (1 / scale), below * (1 / scale)
+
+
+def simplest(polynomials: tuple[Polynomial, Polynomial, Polynomial]) -> tuple[Polynomial, Polynomial, Polynomial]:
+    """An equation divided by its common factor, with as few minus signs as may be.
+
+    Args:
+        polynomials: Coefficients, not all zero.
+    """
+    ring = polynomials[0].ring
+    kept = [p for p in polynomials if p]
+    common = kept[0].raw
+    for p in kept[1:]:
+        common = common.gcd(p.raw)
+    a, b, c = (ring.wrap(p.raw / common) for p in polynomials)
+    return (-a, -b, -c) if minus_signs(a, b, c) > minus_signs(-a, -b, -c) else (a, b, c)
+
+
+def positive(p: Polynomial) -> Polynomial:
+    """What is zero where a polynomial is: whole coefficients, most of them positive.
+
+    Args:
+        p: A polynomial that is not zero.
+    """
+    scale = -content(p) if 2 * minus_signs(p) > len(p) else content(p)
+    return p * (1 / scale)
+
+
+def content(p: Polynomial) -> Fraction:
+    """The positive rational that leaves whole coefficients without a common divisor.
+
+    Args:
+        p: A polynomial that is not zero.
+    """
+    coefficients = [c for _, c in p.terms()]
+    return Fraction(gcd(*(c.numerator for c in coefficients)), lcm(*(c.denominator for c in coefficients)))
+
+
+def minus_signs(*polynomials: Polynomial) -> int:
+    """How many terms have a minus sign.
+
+    Args:
+        polynomials: Any.
+    """
+    return sum(c < 0 for p in polynomials for _, c in p.terms())
+
+
+def _atan2(sine: Expr, cosine: Expr) -> Expr:
+    """An atan2 as it is written: SymPy would turn it into something else where an argument is a number."""
+    return sympy.atan2(sine, cosine, evaluate=False)

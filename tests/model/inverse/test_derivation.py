@@ -1,0 +1,29 @@
+"""The steps of a derivation: equations in the robot's own variables, names that clash with nothing."""
+
+from __future__ import annotations
+
+import sympy
+
+from derive.model.inverse.derivation import Derivation, pose_names
+from derive.robot.robot import Robot
+from tests.model.inverse.test_graph import PLANAR, planar_graph
+
+
+def test_the_equations_of_a_step_hold_the_unknown_on_their_left_and_what_is_known_on_their_right() -> None:
+    robot = Robot.from_text(PLANAR)
+    steps = Derivation(planar_graph(), robot, robot.style).steps
+    assert [step.unknown for step in steps] == list(sympy.symbols("q2 q1"))
+    q1, q2, a1, a2, px, py = sympy.symbols("q1 q2 a1 a2 px py")
+    assert steps[0].equations[0].left == 2 * a1 * a2 * sympy.cos(q2)
+    assert steps[0].equations[0].right == px**2 + py**2 - a1**2 - a2**2
+    assert [(e.left, e.right) for e in steps[1].equations] == [
+        (a1 * sympy.cos(q1) + a2 * sympy.cos(q1 + q2), px),
+        (a1 * sympy.sin(q1) + a2 * sympy.sin(q1 + q2), py),
+    ]
+
+
+def test_the_pose_has_other_names_where_the_robot_has_these() -> None:
+    names = pose_names(Robot.from_text(PLANAR.replace("a1", "r11")))
+    assert names[1, 1] == "R11"
+    assert names[1, 4] == "Px"
+    assert len(set(names.values())) == 12
