@@ -12,7 +12,7 @@ import numpy.typing as npt
 from derive.algebra.residues import Residue, ResidueDomain
 from derive.model.inverse.nodes import Formula
 from derive.robot.evaluate import to_float
-from derive.robot.expression import Expression
+from derive.robot.expression import Expression, substitute
 
 Floats = Any
 """An array of floats (or complex numbers), one entry per pose, or one number."""
@@ -228,10 +228,11 @@ class PrimeField:
 
     Args:
         residues: Values of the robot's constants modulo the prime.
+        numbers: What stands in the place of parameters that `residues` does not know.
     """
 
-    def __init__(self, residues: ResidueDomain) -> None:
-        self.residues = residues
+    def __init__(self, residues: ResidueDomain, numbers: Mapping[str, Expression]) -> None:
+        self.residues, self.numbers = residues, numbers
         self.prime = residues.prime
 
     def number(self, value: int | Fraction) -> Residue:
@@ -248,7 +249,7 @@ class PrimeField:
         Args:
             expression: What stands in the table, or a part of it.
         """
-        return self.residues.constant(expression)
+        return self.residues.constant(substitute(expression, self.numbers))
 
     def divide(self, a: Residue, b: Residue) -> Residue:
         """The quotient; 0 where the divisor is zero.

@@ -19,10 +19,31 @@ from itertools import product
 from typing import Generic
 
 from derive.algebra.ring import Polynomial
+from derive.mechanics.chain import build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics
+from derive.mechanics.vectors import Frame
 from derive.model.inverse.nodes import Branch, Equation, Field, Formula, Kind, M, N, Solver, Unknown
 from derive.model.inverse.unknowns import InverseDomain
+from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
+
+Task = tuple[str, ...]
+"""Rows of a task, in the words of `ROWS`."""
+
+ROWS: Mapping[str, tuple[tuple[int, int], ...]] = {
+    "x": ((1, 4),),
+    "y": ((2, 4),),
+    "z": ((3, 4),),
+    "phi": ((1, 1), (2, 1)),
+    "approach": ((1, 3), (2, 3), (3, 3)),
+    "orientation": tuple((i, j) for j in (1, 2, 3) for i in (1, 2, 3)),
+}
+"""What may be asked of an end effector, and the entries of T that say it: its position, the angle of its x axis about
+the world's z axis, the direction of its z axis, and its whole orientation."""
+
+TASKS: Mapping[str, Task] = {"pose": ("x", "y", "z", "orientation"), "position": ("x", "y", "z")}
+"""Tasks with a name."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +82,7 @@ class SolutionGraph:
     Attributes:
         robot: The arm.
         domain: The ring of all polynomials: pose, parameters, and cosines, sines and lengths of the unknowns.
-        task: Which numbers of the pose are wanted.
+        task: Which numbers of the pose are wanted, rows of `ROWS`.
         given: Indices of the joints that are arguments.
         definitions: Generators of the pose that are computed before any node, in order: name -> polynomial of the
             entries of T and of those before it. An entry of T itself is named ``T[row,column]``.
@@ -76,7 +97,7 @@ class SolutionGraph:
 
     robot: Robot
     domain: InverseDomain
-    task: tuple[str, ...]
+    task: Task
     given: tuple[int, ...]
     definitions: tuple[tuple[str, Polynomial], ...]
     square_reach: Polynomial
@@ -113,6 +134,11 @@ class SolutionGraph:
         for node in self.nodes:
             total *= node.branches
         return total
+
+    @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """The entries of T that the task gives, row and column from 0."""
+        return tuple((i - 1, j - 1) for row in self.task for i, j in ROWS[row])
 
     def joint_node(self, joint: int) -> Node:
         """The node whose unknown is the variable of one joint.
@@ -339,6 +365,75 @@ class Run(Generic[N, M]):
         else:
             product_ = generator * self._horner(quotient, values)
         return product_ if rest == 0 else product_ + self._horner(rest, values)
+
+
+class Posture(Generic[N, M]):
+    """An arm at one of its solutions, as scalars of the mechanics (a `derive.mechanics.chain.Domain`).
+
+    Args:
+        run: The walk.
+        joints: Cosine and sine, or length, of every joint, as `Leaf.joints` has them.
+    """
+
+    def __init__(self, run: Run[N, M], joints: Sequence[Sequence[N]]) -> None:
+        self._run, self._joints = run, joints
+
+    def number(self, value: int | Fraction) -> N:
+        """A rational.
+
+        Args:
+            value: The number.
+        """
+        return self._run.field.number(value)
+
+    def constant(self, expression: Expression) -> N:
+        """A cell without joint variables.
+
+        Args:
+            expression: The cell.
+        """
+        domain = self._run.graph.domain
+        return self._run.evaluate(domain.constant(expression), {})
+
+    def cosine_sine(self, angle: Expression) -> tuple[N, N]:
+        """Cosine and sine of a constant angle.
+
+        Args:
+            angle: The angle [rad].
+        """
+        cosine, sine = self._run.graph.domain.cosine_sine(angle)
+        return self._run.evaluate(cosine, {}), self._run.evaluate(sine, {})
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[N, N]:
+        """Cosine and sine of ``sign*q + theta``.
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
+        cosine, sine = self._joints[index]
+        own = (cosine, sine if joint.sign > 0 else -sine)
+        return turned(own, self.cosine_sine(joint.theta))
+
+    def joint_offset(self, index: int, joint: Joint) -> N:
+        """The offset ``sign*q + d`` [m].
+
+        Args:
+            index: Number of the joint, from 0.
+            joint: Its row of the table.
+        """
+        (length,) = self._joints[index]
+        return (length if joint.sign > 0 else -length) + self.constant(joint.d)
+
+
+def pose_of(run: Run[N, M], joints: Sequence[Sequence[N]]) -> Frame[N]:
+    """The pose of an arm at one of its solutions.
+
+    Args:
+        run: The walk.
+        joints: As `Leaf.joints` has them.
+    """
+    return forward_kinematics(build_chain(run.graph.robot, Posture(run, joints)))
 
 
 Plan = Fraction | tuple[int, "Plan", "Plan"]

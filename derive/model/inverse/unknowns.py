@@ -8,7 +8,7 @@ made equation by equation. Knowing some of them splits 0..m into sets within whi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
@@ -43,10 +43,11 @@ class InverseDomain(PolynomialDomain):
 
     Args:
         robot: The robot, without constants in its joint variables (`shifted`).
+        extra: Further constants that the ring must be able to hold.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        super().__init__(robot, sums=lambda group: False, contraction=Contraction.OPPOSED, rates=False)
+    def __init__(self, robot: Robot, extra: Iterable[Expression] = ()) -> None:
+        super().__init__(robot, extra, sums=lambda group: False, contraction=Contraction.OPPOSED, rates=False)
 
     def _needed_generators(self, rates: bool) -> Iterator[Generator]:
         for group in self.groups:
@@ -73,6 +74,23 @@ class InverseDomain(PolynomialDomain):
             return Unknown(joints, (1,), (key,))
         signs = tuple(self.directions[joints[0]] * self.directions[m] for m in joints)
         return Unknown(joints, signs, (f"cos {key}", f"sin {key}"))
+
+    def joint_turn(self, joint: int, start: int) -> tuple[Polynomial, ...]:
+        """The motion of a joint about (along) its own axis, its angle as a difference of sums of angles.
+
+        Args:
+            joint: Its index.
+            start: The joint of its group at which the sums begin, or the first one after it; -1 for the group's end.
+        """
+        row = self.robot.joints[joint]
+        if not row.is_revolute:
+            return (row.sign * self.ring.generator(row.variable),)
+        g = next(k for k, group in enumerate(self.groups) if joint in group)
+        group = self.groups[g]
+        root = sum(member < start for member in group) if start >= 0 else len(group)
+        place, sign = group.index(joint), row.sign * self.directions[joint]
+        (c, s), (d, e) = self.turn(g, root, place), self.turn(g, root, place + 1)
+        return c * d + s * e, sign * (c * e - s * d)
 
     def turn(self, group: int, u: int, v: int) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of phi_v - phi_u of a group.

@@ -1,0 +1,388 @@
+"""The equations of an arm: every cut of the chain into M = joints i..j and what lies around it.
+
+With W the pose within the arm, from the first joint to the last, M = L^-1 W R^-1, where L are the joints before i and R
+those after j. Besides the entries of both sides their invariants are compared, as Pieper and Raghavan and Roth do:
+
+    p,  u = R^T p,  p.p,  x^2 + y^2 of p and of u,  m = [p]x R,  k = p.p R - 2 p u^T.
+
+All of these but x^2 + y^2 are linear in those of W, whatever is multiplied to W from either side (they are a linear
+representation of rigid motions), so that the right hand sides stay short. With a the translation and Q the rotation:
+
+    W Trans(a):  p + R a,   u + a,      p.p + 2 u.a + a.a,  m + R [a],  k - 2 m [a] - 2 p a^T + a.a R - 2 R a a^T
+    Trans(a) W:  p + a,     u + R^T a,  p.p + 2 p.a + a.a,  m + [a] R,  k - 2 [a] m - 2 a u^T + a.a R - 2 a a^T R
+    W Q:         p,         Q^T u,      p.p,                m Q,        k Q
+    Q W:         Q p,       u,          p.p,                Q m,        Q k
+
+A cut may lie at either end of the offset d of its joint: the distance of a wrist's centre is that of one of the ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Generic
+
+from derive.mechanics.chain import Chain, Domain, build_chain
+from derive.mechanics.vectors import (
+    Frame,
+    Matrix,
+    S,
+    Vector,
+    add,
+    add_matrices,
+    dot,
+    hat,
+    identity,
+    matmul,
+    multiply,
+    outer,
+    scale,
+    transpose,
+)
+from derive.robot.description import Joint
+from derive.robot.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Atoms(Generic[S]):
+    """A rigid transform and its invariants; see the head of the module.
+
+    Attributes:
+        rotation: R.
+        position: p.
+        back: u = R^T p.
+        square: p.p.
+        moment: m, None where the higher invariants are not asked for.
+        reflection: k, likewise.
+    """
+
+    rotation: Matrix[S]
+    position: Vector[S]
+    back: Vector[S]
+    square: S
+    moment: Matrix[S] | None = None
+    reflection: Matrix[S] | None = None
+
+    def moved_after(self, a: Vector[S]) -> Atoms[S]:
+        """Of W Trans(a).
+
+        Args:
+            a: The translation.
+        """
+        r, p, u, m, k = self.rotation, self.position, self.back, self.moment, self.reflection
+        length = dot(a, a)
+        square = self.square + 2 * dot(u, a) + length
+        ra = multiply(r, a)
+        if m is None or k is None:
+            return Atoms(r, add(p, ra), add(u, a), square)
+        cross = hat(a, length - length)
+        sums = add_matrices(matmul(m, cross), outer(add(p, ra), a))
+        k = add_matrices(add_matrices(k, _scaled(-2, sums)), _scaled(length, r))
+        return Atoms(r, add(p, ra), add(u, a), square, add_matrices(m, matmul(r, cross)), k)
+
+    def moved_before(self, a: Vector[S]) -> Atoms[S]:
+        """Of Trans(a) W.
+
+        Args:
+            a: The translation.
+        """
+        r, p, u, m, k = self.rotation, self.position, self.back, self.moment, self.reflection
+        length = dot(a, a)
+        square = self.square + 2 * dot(p, a) + length
+        ra = multiply(transpose(r), a)
+        if m is None or k is None:
+            return Atoms(r, add(p, a), add(u, ra), square)
+        cross = hat(a, length - length)
+        sums = add_matrices(matmul(cross, m), outer(a, add(u, ra)))
+        k = add_matrices(add_matrices(k, _scaled(-2, sums)), _scaled(length, r))
+        return Atoms(r, add(p, a), add(u, ra), square, add_matrices(m, matmul(cross, r)), k)
+
+    def turned_after(self, q: Matrix[S]) -> Atoms[S]:
+        """Of W Q.
+
+        Args:
+            q: The rotation.
+        """
+        moment, reflection = (None if m is None else matmul(m, q) for m in (self.moment, self.reflection))
+        back = multiply(transpose(q), self.back)
+        return Atoms(matmul(self.rotation, q), self.position, back, self.square, moment, reflection)
+
+    def turned_before(self, q: Matrix[S]) -> Atoms[S]:
+        """Of Q W.
+
+        Args:
+            q: The rotation.
+        """
+        moment, reflection = (None if m is None else matmul(q, m) for m in (self.moment, self.reflection))
+        position = multiply(q, self.position)
+        return Atoms(matmul(q, self.rotation), position, self.back, self.square, moment, reflection)
+
+    def after(self, frame: Frame[S]) -> Atoms[S]:
+        """Of W times a frame.
+
+        Args:
+            frame: The frame.
+        """
+        return self.moved_after(frame.position).turned_after(frame.rotation)
+
+    def without_before(self, frame: Frame[S]) -> Atoms[S]:
+        """Of the inverse of a frame times W.
+
+        Args:
+            frame: The frame.
+        """
+        return self.moved_before(scale(-1, frame.position)).turned_before(transpose(frame.rotation))
+
+    def without_after(self, frame: Frame[S]) -> Atoms[S]:
+        """Of W times the inverse of a frame.
+
+        Args:
+            frame: The frame.
+        """
+        return self.turned_after(transpose(frame.rotation)).moved_after(scale(-1, frame.position))
+
+    def mapped(self, change: Callable[[S], S]) -> Atoms[S]:
+        """With every number changed.
+
+        Args:
+            change: What becomes of a number.
+        """
+
+        def _vector(v: Vector[S]) -> Vector[S]:
+            return (change(v[0]), change(v[1]), change(v[2]))
+
+        def _matrix(m: Matrix[S]) -> Matrix[S]:
+            return (_vector(m[0]), _vector(m[1]), _vector(m[2]))
+
+        moment, reflection = (None if m is None else _matrix(m) for m in (self.moment, self.reflection))
+        position, back = _vector(self.position), _vector(self.back)
+        return Atoms(_matrix(self.rotation), position, back, change(self.square), moment, reflection)
+
+    def entry(self, name: str) -> S:
+        """One of the entries and invariants.
+
+        Args:
+            name: One of `ENTRIES` or `HIGHER`.
+        """
+        if name == "p.p":
+            return self.square
+        if name in ("p.xy", "u.xy"):
+            x, y, _ = self.position if name == "p.xy" else self.back
+            return x * x + y * y
+        first, *second = [int(number) - 1 for number in name[2:-1].split(",")]
+        if not second:
+            return (self.position if name[0] == "p" else self.back)[first]
+        matrix = {"R": self.rotation, "m": self.moment, "k": self.reflection}[name[0]]
+        if matrix is None:
+            raise KeyError(name)
+        return matrix[first][second[0]]
+
+
+_PLACES = [f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)]
+
+ENTRIES = (
+    *(f"R{place}" for place in _PLACES),
+    *(f"{name}[{k}]" for name in "pu" for k in (1, 2, 3)),
+    "p.p",
+    "p.xy",
+    "u.xy",
+)
+"""Entries of the rotation and the position, and the invariants that lectures use."""
+
+HIGHER = tuple(f"{name}{place}" for name in "mk" for place in _PLACES)
+"""The invariants of Raghavan and Roth besides."""
+
+
+def dimension(entry: str) -> int:
+    """The power of length that an entry has.
+
+    Args:
+        entry: One of `ENTRIES` or `HIGHER`.
+    """
+    return 2 if "." in entry or entry[0] == "k" else 0 if entry[0] == "R" else 1
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """M = joints first..last.
+
+    Attributes:
+        first: The first joint of M, from 0.
+        last: Its last joint.
+        outer_left: Whether M begins after the offset of its first joint, which then belongs to what is around it.
+        outer_right: Whether M ends before the offset of its last joint.
+    """
+
+    first: int
+    last: int
+    outer_left: bool = False
+    outer_right: bool = False
+
+
+class Links(Generic[S]):
+    """The constant frames between the joint motions, and the motions.
+
+    Args:
+        robot: The arm, its variables counted from where their cells have no constants but right angles.
+        domain: Turns cells into scalars.
+        motion: Cosine and sine, or displacement, of a joint about (along) its own axis, from its index and that of
+            the joint at which sums of angles begin: the first joint of M, 0 left of it, -1 right of it.
+        keep_tool: Whether the end effector is where M ends, not the last joint.
+
+    Attributes:
+        base: What lies before the first joint motion.
+        tool: What lies after the last one.
+        twists: What lies before each joint's own motion, after the offset of the joint before it.
+        offsets: What lies along (about) the axis of each joint.
+    """
+
+    def __init__(
+        self, robot: Robot, domain: Domain[S], motion: Callable[[int, int], tuple[S, ...]], keep_tool: bool = False
+    ) -> None:
+        chain = build_chain(replace(robot, links=(), gravity=None), domain)
+        self.zero, self.one, self.n, self.motion = chain.zero, chain.one, chain.n, motion
+        unit = Frame(identity(self.zero, self.one), chain.null)
+        self.twists = [joint.fixed for joint in chain.joints]
+        self.offsets = [_offset(joint, chain, domain) for joint in robot.joints]
+        self.base = chain.base @ self.twists[0]
+        self.tool = chain.tool
+        if self.n > 1 or not keep_tool:
+            self.base, self.offsets[0] = self.base @ self.offsets[0], unit
+        if keep_tool:
+            self.offsets[-1], self.tool = self.offsets[-1] @ self.tool, unit
+        else:
+            self.offsets[-1], self.tool = unit, self.offsets[-1] @ self.tool
+
+    def cuts(self) -> Iterator[Cut]:
+        """All cuts, those of short M first."""
+        along = [bool(offset.position[2]) for offset in self.offsets]
+        for size in range(self.n):
+            for first in range(self.n - size):
+                last = first + size
+                left = [False, True] if size and along[first] else [False]
+                right = [False, True] if size and along[last] and last < self.n - 1 else [False]
+                yield from (Cut(first, last, a, b) for a in left for b in right)
+
+    def moved(self, atoms: Atoms[S], joint: int, start: int) -> Atoms[S]:
+        """W times the motion of a joint.
+
+        Args:
+            atoms: Of W.
+            joint: The joint.
+            start: The joint at which sums of angles begin.
+        """
+        numbers = self.motion(joint, start)
+        if len(numbers) == 1:
+            return atoms.moved_after((self.zero, self.zero, numbers[0]))
+        return atoms.turned_after(_about_z(numbers[0], numbers[1], self.zero, self.one))
+
+    def before(self, atoms: Atoms[S], joint: int) -> Atoms[S]:
+        """What is right of a joint and of its offset, (.. Z_joint D_joint K)^-1 W.
+
+        Args:
+            atoms: What is right of the joint before it.
+            joint: The joint that is taken off.
+        """
+        numbers = self.motion(joint, 0)
+        if len(numbers) == 1:
+            atoms = atoms.moved_before((self.zero, self.zero, -numbers[0]))
+        else:
+            atoms = atoms.turned_before(_about_z(numbers[0], -numbers[1], self.zero, self.one))
+        return atoms.without_before(self.offsets[joint]).without_before(self.twists[joint + 1])
+
+    def after(self, atoms: Atoms[S], joint: int) -> Atoms[S]:
+        """What is left of a joint, W (K Z_joint D_joint ..)^-1.
+
+        Args:
+            atoms: What is left of the joint after it.
+            joint: The joint that is taken off.
+        """
+        numbers = self.motion(joint, -1)
+        atoms = atoms.without_after(self.offsets[joint])
+        if len(numbers) == 1:
+            atoms = atoms.moved_after((self.zero, self.zero, -numbers[0]))
+        else:
+            atoms = atoms.turned_after(_about_z(numbers[0], -numbers[1], self.zero, self.one))
+        return atoms.without_after(self.twists[joint])
+
+
+class Pool(Generic[S]):
+    """Both sides of every cut of one arm, computed when asked for.
+
+    Args:
+        links: The arm.
+        pose: The atoms of W.
+    """
+
+    def __init__(self, links: Links[S], pose: Atoms[S]) -> None:
+        self.links = links
+        self._unit = identity_atoms(links, deep=pose.moment is not None)
+        self._pose = pose
+        self.inside = cache(self._inside)
+        self.around = cache(self._around)
+
+    def sides(self, cut: Cut) -> tuple[Atoms[S], Atoms[S]]:
+        """M, and L^-1 W R^-1.
+
+        Args:
+            cut: The cut.
+        """
+        links, first, last = self.links, cut.first, cut.last
+        inside, around = self.inside(first, last), self.around(first, last)
+        if first != last:
+            left, right = links.offsets[first], links.offsets[last]
+            if not cut.outer_left:
+                inside = inside.turned_before(left.rotation).moved_before(left.position)
+            else:
+                around = around.without_before(left)
+            if not cut.outer_right:
+                inside = inside.after(right)
+            else:
+                around = around.without_after(right)
+        elif last == links.n - 1:
+            inside = inside.after(links.offsets[last])
+        else:
+            around = around.without_after(links.offsets[last])
+        return inside, around
+
+    def _inside(self, first: int, last: int) -> Atoms[S]:
+        links = self.links
+        if first == last:
+            return links.moved(self._unit, first, first)
+        before = self.inside(first, last - 1)
+        step = links.twists[last] if last - 1 == first else links.offsets[last - 1] @ links.twists[last]
+        return links.moved(before.after(step), last, first)
+
+    def _around(self, first: int, last: int) -> Atoms[S]:
+        if last < self.links.n - 1:
+            return self.links.after(self.around(first, last + 1), last + 1)
+        return self._pose if first == 0 else self.links.before(self.around(first - 1, last), first - 1)
+
+
+def identity_atoms(links: Links[S], *, deep: bool) -> Atoms[S]:
+    """The atoms of no motion.
+
+    Args:
+        links: The arm, for its numbers 0 and 1.
+        deep: Whether with m and k.
+    """
+    zero = links.zero
+    null = (zero, zero, zero)
+    higher = (null, null, null) if deep else None
+    return Atoms(identity(zero, links.one), null, null, zero, higher, higher)
+
+
+def _scaled(factor: S | int, m: Matrix[S]) -> Matrix[S]:
+    return (scale(factor, m[0]), scale(factor, m[1]), scale(factor, m[2]))
+
+
+def _about_z(c: S, s: S, zero: S, one: S) -> Matrix[S]:
+    return ((c, -s, zero), (s, c, zero), (zero, zero, one))
+
+
+def _offset(joint: Joint, chain: Chain[S], domain: Domain[S]) -> Frame[S]:
+    """The constant part of a joint's motion, which commutes with the rest."""
+    c, s = domain.cosine_sine(joint.theta)
+    along = domain.constant(joint.d) if joint.is_revolute else chain.zero
+    return Frame(_about_z(c, s, chain.zero, chain.one), (chain.zero, chain.zero, along))

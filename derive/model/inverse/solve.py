@@ -1,0 +1,462 @@
+"""From a robot to the graph of its solutions: the search decides, exact polynomials say it.
+
+The search works with numbers modulo a prime; here the equations it chose are taken from the exact pool, written in the
+one unknown and what is known, and made the formulas of nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache, cached_property
+from itertools import product
+from math import gcd, lcm
+
+import numpy as np
+
+from derive.algebra.generators import Kind as GeneratorKind
+from derive.algebra.ring import Polynomial
+from derive.mechanics.vectors import Frame, Matrix, dot, hat, matmul, multiply, outer, transpose
+from derive.model.inverse.completeness import counted
+from derive.model.inverse.evidence import Evidence
+from derive.model.inverse.graph import ROWS, TASKS, Node, Plan, SolutionGraph, Task, horner
+from derive.model.inverse.nodes import BRANCHES, Equation, Exponents, Formula, Kind, Source, Unknown
+from derive.model.inverse.pool import Atoms, Links, Pool, dimension
+from derive.model.inverse.search import Choice, Search, State, Step
+from derive.model.inverse.unknowns import ENTRIES, InverseDomain, shifted
+from derive.robot.description import Joint
+from derive.robot.expression import ZERO, Expression, names, substitute
+from derive.robot.robot import Robot
+
+_CONSTANTS = (
+    GeneratorKind.INVERSE,
+    GeneratorKind.ROOT,
+    GeneratorKind.PRIME_ROOT,
+    GeneratorKind.CONSTANT_SINE,
+    GeneratorKind.CONSTANT_COSINE,
+    GeneratorKind.PARAMETER,
+    GeneratorKind.PI,
+)
+
+_ALTERNATIVES = 2
+"""Formulas besides the chosen one that a node has for poses at which that one fails."""
+
+_LONG_SUM = 2
+"""Operations that a sum of angles as unknown must save for each joint more that it spans."""
+
+_COMPARED = 12
+"""Equally simple choices whose formulas are written out to see which is the shortest."""
+
+
+class Pose:
+    """The pose in exact polynomials: entries that are always zero, one or equal are not told apart.
+
+    Args:
+        domain: The ring.
+        links: The arm in it.
+        evidence: Says what is equal wherever the arm reaches.
+        constants: See `Evidence.value`.
+        deep: Whether the higher invariants are taken too.
+
+    Attributes:
+        atoms: W and its invariants.
+        definitions: Generator -> polynomial of the entries of T and of those defined before.
+    """
+
+    def __init__(
+        self,
+        domain: InverseDomain,
+        links: Links[Polynomial],
+        evidence: Evidence,
+        constants: Mapping[str, Expression],
+        *,
+        deep: bool = False,
+    ) -> None:
+        self._domain, self._evidence, self._constants = domain, evidence, constants
+        self._known: list[tuple[tuple[int, ...], Polynomial]] = []
+        self.definitions: dict[str, Polynomial] = {}
+        places = [(i, j) for j in range(4) for i in range(3)]
+        end = self._frame({(i, j): self._entry(f"T[{i + 1},{j + 1}]", None) for i, j in places})
+        inner = links.base.inverse @ end @ links.tool.inverse
+        self._known.clear()
+        flat = {(i, j): inner.position[i] if j == 3 else inner.rotation[i][j] for i, j in places}
+        pose = self._frame({(i, j): self._entry(f"W[{i + 1},{j + 1}]", flat[i, j]) for i, j in places})
+        r, p = pose.rotation, pose.position
+        back = [self._entry(f"u[{k + 1}]", value) for k, value in enumerate(multiply(transpose(r), p))]
+        square = self._entry("p.p", dot(p, p))
+        moment = reflection = None
+        if deep:
+            zero = links.zero
+            moment = self._matrix("m", matmul(hat(p, zero), r))
+            products = outer(p, (back[0], back[1], back[2]))
+            rows = [[square * r[i][j] - 2 * products[i][j] for j in range(3)] for i in range(3)]
+            reflection = self._matrix("k", _as_matrix(rows))
+        self.atoms = Atoms(r, p, (back[0], back[1], back[2]), square, moment, reflection)
+
+    def _matrix(self, name: str, values: Matrix[Polynomial]) -> Matrix[Polynomial]:
+        return _as_matrix([[self._entry(f"{name}[{i + 1},{j + 1}]", values[i][j]) for j in range(3)] for i in range(3)])
+
+    @staticmethod
+    def _frame(entries: Mapping[tuple[int, int], Polynomial]) -> Frame[Polynomial]:
+        rows = [[entries[i, j] for j in range(3)] for i in range(3)]
+        return Frame(_as_matrix(rows), (entries[0, 3], entries[1, 3], entries[2, 3]))
+
+    def _entry(self, name: str, value: Polynomial | None) -> Polynomial:
+        """An entry: zero, plus or minus one, plus or minus an earlier one, what it is if that is short, or its name."""
+        ring, p = self._domain.ring, self._evidence.prime
+        residues = self._evidence.number(name, self._constants)
+        for number in (0, 1, -1):
+            if np.all(residues == number % p):
+                return ring.number(number)
+        for known, polynomial in self._known:
+            if np.all(residues == known):
+                return polynomial
+            if np.all(residues == (p - np.array(known)) % p):
+                return -polynomial
+        if value is None or not _is_short(value):
+            if value is not None:
+                self.definitions[name] = value
+            value = ring.generator(name)
+        self._known.append((tuple(int(x) for x in residues), value))
+        return value
+
+
+class Derivation:
+    """Writes the nodes of one arm.
+
+    Args:
+        robot: The robot; its dynamics are not looked at.
+        task: The rows of the task, see `ROWS`.
+        given: Indices of the joints that are arguments.
+        deep: Whether the higher invariants are taken too.
+    """
+
+    def __init__(self, robot: Robot, task: Task, given: Sequence[int] = (), *, deep: bool = False) -> None:
+        allowed = frozenset(place for row in task for place in ROWS[row])
+        self.task, self.given = task, tuple(given)
+        keep_tool = not all((i, j) in allowed for i in (1, 2, 3) for j in (1, 2, 3))
+        numbers = self.numbers = _baked(robot)
+        zeros = {name: value for name, value in numbers.items() if value == ZERO}
+        self.robot, self.shifts = shifted(_with_numbers(robot, zeros))
+        specimen = _with_numbers(self.robot, numbers)
+        self.domain = InverseDomain(self.robot)
+        constants = {g.name: substitute(g.expression, numbers) for g in self.domain.generators if g.kind in _CONSTANTS}
+        pose_names = {f"{a}{entry}" for a in "TW" for entry in ENTRIES}
+        self.constants = {name: e for name, e in constants.items() if name not in pose_names and "[" not in name}
+        self.constants.pop("p.p", None)
+        sampled = self.sampled = InverseDomain(specimen, self.constants.values())
+        if (sampled.groups, sampled.directions) != (self.domain.groups, self.domain.directions):
+            self.robot, self.domain = specimen, sampled
+        self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, keep_tool)
+        cuts = list(self.links.cuts())
+        self.evidence = Evidence(sampled, cuts, allowed, keep_tool=keep_tool, deep=deep)
+        self.pose = Pose(self.domain, self.links, self.evidence, self.constants, deep=deep)
+        self.pool = Pool(self.links, self.pose.atoms)
+        self.search = Search(self.evidence, given)
+        self.polynomial = cache(self._polynomial)
+        self.nodes: list[Node] = []
+        self.homes: dict[Unknown, int] = {}
+
+    def graph(self) -> SolutionGraph | None:
+        """The graph of one-joint nodes; None where there is no such way."""
+        way = self.search.way()
+        if way is None:
+            return None
+        state = self.search.start
+        for joint in self.given:
+            self._append((self.domain.unknown(joint),), (Formula(Kind.GIVEN),))
+        for step in way:
+            formulas, unknown = self._formulas(step, state)
+            self._append((unknown,), formulas)
+            if step.group >= 0:
+                state = state.joined(step.group, *step.parts)
+            else:
+                state = State(state.groups, state.slides | {step.parts[0]})
+        for joint in range(self.robot.n):
+            self._ensure(self.domain.unknown(joint))
+        return self._finished()
+
+    def refusal(self, reason: str) -> SolutionGraph:
+        """A graph without nodes.
+
+        Args:
+            reason: Why there is no closed form.
+        """
+        reach = self._square_reach()
+        return SolutionGraph(self.robot, self.domain, self.task, self.given, (), reach, (), self.shifts, why_not=reason)
+
+    def _finished(self) -> SolutionGraph:
+        used = {name for node in self.nodes for formula in node.formulas for name in _names_of_formula(formula)}
+        definitions: list[tuple[str, Polynomial]] = []
+        for name, value in reversed(self.pose.definitions.items()):
+            if name in used:
+                used |= _names(value)
+                definitions.insert(0, (name, value))
+        return SolutionGraph(
+            self.robot,
+            self.domain,
+            self.task,
+            self.given,
+            tuple(definitions),
+            self._square_reach(),
+            tuple(self.nodes),
+            self.shifts,
+        )
+
+    def _square_reach(self) -> Polynomial:
+        """The squares of all lengths of the table and of the position."""
+        robot, domain = self.robot, self.domain
+        cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)]
+        cells += [row[3] for matrix in (robot.base, robot.tool) for row in matrix[:3]]
+        lengths = [domain.constant(cell) for cell in cells] + [domain.ring.generator(f"T[{k},4]") for k in (1, 2, 3)]
+        return sum((x * x for x in lengths), domain.ring.zero)
+
+    # -- nodes
+
+    def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[Formula, ...]) -> int:
+        """A new node, after the sums of angles that it needs."""
+        owners: dict[str, Unknown] = {}
+        needed = {name for formula in formulas for name in _names_of_formula(formula)}
+        for unknown in self._all_unknowns():
+            owners.update(dict.fromkeys(unknown.generators, unknown))
+        parts = {part for formula in formulas for part, _ in formula.parts}
+        wanted = parts | {owners[name] for name in needed if name in owners}
+        needs = tuple(sorted({self._ensure(unknown) for unknown in wanted - set(unknowns)}))
+        index = len(self.nodes)
+        self.nodes.append(Node(index, unknowns, formulas, needs, formulas[0].branches))
+        self.homes.update(dict.fromkeys(unknowns, index))
+        return index
+
+    def _ensure(self, unknown: Unknown) -> int:
+        """The node of an angle that follows from known ones, a new one if need be."""
+        if unknown not in self.homes:
+            parts = self._parts(unknown)
+            self._append((unknown,), (Formula(Kind.SUM, parts=parts),))
+        return self.homes[unknown]
+
+    def _all_unknowns(self) -> Iterator[Unknown]:
+        for group in self.domain.groups:
+            for u in range(len(group)):
+                yield from (self.domain.unknown(*group[u:v]) for v in range(u + 1, len(group) + 1))
+        yield from (self.domain.unknown(i) for i, joint in enumerate(self.robot.joints) if not joint.is_revolute)
+
+    def _ends(self, unknown: Unknown) -> tuple[int, int, int]:
+        """The group of an angle and the two links that it is between."""
+        g = next(k for k, group in enumerate(self.domain.groups) if unknown.joints[0] in group)
+        place = self.domain.groups[g].index(unknown.joints[0])
+        return g, place, place + len(unknown.joints)
+
+    def _parts(self, unknown: Unknown) -> tuple[tuple[Unknown, int], ...]:
+        """An angle as the shortest signed sum of angles that have nodes."""
+        g, start, goal = self._ends(unknown)
+        alike = [other for other in self.homes if other.is_angle and self._ends(other)[0] == g]
+        edges = [(other, *self._ends(other)[1:]) for other in alike]
+        ways: dict[int, tuple[tuple[Unknown, int], ...]] = {start: ()}
+        queue = [start]
+        while queue:
+            link = queue.pop(0)
+            for other, u, v in edges:
+                for a, b in ((u, v), (v, u)):
+                    if a == link and b not in ways:
+                        ways[b] = (*ways[link], (other, self._sign(other, a < b)))
+                        queue.append(b)
+        sign = self._sign(unknown, forwards=True)
+        return tuple((part, sign * own) for part, own in sorted(ways[goal], key=lambda pair: -pair[1] * sign))
+
+    def _sign(self, unknown: Unknown, forwards: bool) -> int:
+        """Whether phi_v - phi_u is the angle or its negative."""
+        direction = self.domain.directions[unknown.joints[0]]
+        return direction if forwards else -direction
+
+    # -- formulas
+
+    def _formulas(self, step: Step, state: State) -> tuple[tuple[Formula, ...], Unknown]:
+        """The formulas of a step, the best one first, and the unknown in which they are written."""
+        best = step.best
+        alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
+        written = [
+            (self._cost(formula) + _LONG_SUM * len(unknown.joints), len(unknown.joints), k, formula, unknown)
+            for k, (choice, unknown) in enumerate(product(alike, self._candidates(step)))
+            if (formula := self._formula(choice, step, state, unknown)) is not None
+        ]
+        if not written:
+            raise NotImplementedError("no formula")
+        _, _, _, first, unknown = min(written, key=lambda row: row[:3])
+        found = [first]
+        for choice in step.choices:
+            if not found[0].degenerate or len(found) > _ALTERNATIVES:
+                break
+            if BRANCHES[choice.kind] <= first.branches:
+                formula = self._formula(choice, step, state, unknown)
+                if formula is not None and all(_differ(formula, other) for other in found):
+                    found.append(formula)
+        return tuple(found), unknown
+
+    def _candidates(self, step: Step) -> list[Unknown]:
+        """The angles between two parts of a group."""
+        if step.group < 0:
+            return [self.domain.unknown(step.parts[0])]
+        group = self.domain.groups[step.group]
+        links = [[k for k in range(len(group) + 1) if part >> k & 1] for part in step.parts]
+        ends = (sorted(pair) for pair in product(*links))
+        return [self.domain.unknown(*group[u:v]) for u, v in sorted(ends, key=lambda e: (e[1] - e[0], e))]
+
+    def _formula(self, choice: Choice, step: Step, state: State, unknown: Unknown) -> Formula | None:
+        """A choice in exact polynomials; None where it needs what is not known after all."""
+        equations = [self._equation(k, step, state, unknown) for k in choice.equations]
+        if any(equation is None for equation in equations):
+            return None
+        return Formula(choice.kind, tuple(equation for equation in equations if equation is not None))
+
+    def _equation(self, number: int, step: Step, state: State, unknown: Unknown) -> Equation | None:
+        cut, entry = self.evidence.equations[number]
+        p = self.polynomial(number)
+        if step.group >= 0:
+            p = self._rewritten(p, step, unknown)
+        ring = self.domain.ring
+        places = [ring.index[name] for name in unknown.generators]
+        terms = {
+            exponents: coefficient
+            for exponents, coefficient in ring.coefficients(p, places).items()
+            if np.any(self.evidence.value(coefficient, self.constants))
+        }
+        used = {name for coefficient in terms.values() for name in _names(coefficient)}
+        if not any(any(exponents) for exponents in terms) or not self._is_known(used, state):
+            return None
+        return Equation(_tidy(terms), dimension(entry), Source(cut.first + 1, cut.last + 1, entry))
+
+    def _polynomial(self, number: int) -> Polynomial:
+        cut, entry = self.evidence.equations[number]
+        inside, around = self.pool.sides(cut)
+        return inside.entry(entry) - around.entry(entry)
+
+    def _is_known(self, used: Iterable[str], state: State) -> bool:
+        """Whether all unknowns among some generators are known."""
+        for name in used:
+            generator = self.domain.generators[self.domain.ring.index[name]]
+            if generator.kind is GeneratorKind.VARIABLE and generator.joint not in state.slides:
+                return False
+            if generator.kind in (GeneratorKind.SINE, GeneratorKind.COSINE):
+                g, u, v = self._angle_places[name]
+                if not any(part >> u & 1 and part >> v & 1 for part in state.groups[g]):
+                    return False
+        return True
+
+    @cached_property
+    def _angle_places(self) -> Mapping[str, tuple[int, int, int]]:
+        """The group and the links of each cosine and sine."""
+        angles = [unknown for unknown in self._all_unknowns() if unknown.is_angle]
+        return {name: self._ends(unknown) for unknown in angles for name in unknown.generators}
+
+    def _rewritten(self, p: Polynomial, step: Step, unknown: Unknown) -> Polynomial:
+        """A polynomial with the angles between two parts of a group as one unknown and angles within the parts."""
+        domain, ring = self.domain, self.domain.ring
+        g, start, goal = self._ends(unknown)
+        ends = {bool(step.parts[1] >> k & 1): k for k in (start, goal)}
+        degrees, images, changed = p.degrees(), list(ring.context.gens()), False
+        for name, (group, u, v) in self._angle_places.items():
+            sides = [bool(step.parts[1] >> k & 1) for k in (u, v)]
+            if group != g or sides[0] == sides[1] or not degrees[ring.index[name]] or name in unknown.generators:
+                continue
+            other = self.domain.unknown(*domain.groups[g][u:v])
+            turn = domain.turn(g, u, ends[sides[0]])
+            for a, b in ((ends[sides[0]], ends[sides[1]]), (ends[sides[1]], v)):
+                c, s = domain.turn(g, a, b)
+                turn = (turn[0] * c - turn[1] * s, turn[1] * c + turn[0] * s)
+            value = turn[0] if name == other.generators[0] else self._sign(other, forwards=True) * turn[1]
+            images[ring.index[name]] = value.raw
+            changed = True
+        return ring.wrap(p.raw.compose(*images)) if changed else p
+
+    def _cost(self, formula: Formula) -> int:
+        """Operations of the coefficients, and of sums of angles that have no node yet."""
+        operations = sum(_operations(horner(p)) for e in formula.equations for p in e.terms.values())
+        used = _names_of_formula(formula)
+        missing = {u for u in self._all_unknowns() if u not in self.homes and used & set(u.generators)}
+        mixed = len({(e.source.first, e.source.last, e.source.entry[0], e.dimension) for e in formula.equations}) - 1
+        return operations + 6 * len(missing) + 6 * mixed
+
+
+def _operations(plan: Plan) -> int:
+    if isinstance(plan, Fraction):
+        return 0
+    _, quotient, rest = plan
+    return (quotient not in (1, -1)) + _operations(quotient) + (rest != 0) + _operations(rest)
+
+
+def _tidy(terms: Mapping[Exponents, Polynomial]) -> dict[Exponents, Polynomial]:
+    """An equation without a common rational factor, most of its coefficients of the unknown positive."""
+    numbers = [coefficient for p in terms.values() for _, coefficient in p.terms()]
+    common = Fraction(gcd(*(x.numerator for x in numbers)), lcm(*(x.denominator for x in numbers)))
+    signs = [1 if coefficient > 0 else -1 for e, p in terms.items() if any(e) for _, coefficient in p.terms()]
+    factor = 1 / common if sum(signs) >= 0 else -1 / common
+    return {e: factor * p for e, p in terms.items()}
+
+
+def _differ(a: Formula, b: Formula) -> bool:
+    """Whether two formulas fail at different poses, as far as that is seen."""
+    return {p.normalised()[1] for p in a.degenerate} != {p.normalised()[1] for p in b.degenerate}
+
+
+def _names(p: Polynomial) -> set[str]:
+    return {name for name, degree in zip(p.ring.names, p.degrees(), strict=True) if degree}
+
+
+def _names_of_formula(formula: Formula) -> set[str]:
+    return {name for equation in formula.equations for p in equation.terms.values() for name in _names(p)}
+
+
+def _is_short(p: Polynomial) -> bool:
+    """Whether a polynomial is a number, or plus or minus one generator."""
+    if p.is_constant:
+        return True
+    (exponents, coefficient), *others = p.terms()
+    return not others and sum(exponents) == 1 and abs(coefficient) == 1
+
+
+def _as_matrix(rows: Sequence[Sequence[Polynomial]]) -> Matrix[Polynomial]:
+    a, b, c = ((row[0], row[1], row[2]) for row in rows)
+    return (a, b, c)
+
+
+def _baked(robot: Robot) -> dict[str, Expression]:
+    """The numbers of the parameters that are no arguments of generated functions."""
+    found: dict[str, Expression] = {}
+    for name, value in robot.parameters:
+        if name not in robot.runtime:
+            found[name] = substitute(value, found)
+    return {name: value for name, value in found.items() if not any(True for _ in names(value))}
+
+
+def _with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
+    """The arm alone, with numbers in place of some names."""
+
+    def _cell(e: Expression) -> Expression:
+        return substitute(e, numbers)
+
+    def _joint(joint: Joint) -> Joint:
+        return replace(joint, theta=_cell(joint.theta), d=_cell(joint.d), a=_cell(joint.a), alpha=_cell(joint.alpha))
+
+    base, tool = (tuple(tuple(map(_cell, row)) for row in matrix) for matrix in (robot.base, robot.tool))
+    joints = tuple(map(_joint, robot.joints))
+    return replace(robot, joints=joints, base=base, tool=tool, links=(), gravity=None)
+
+
+def solve(robot: Robot, task: Task = TASKS["pose"], given: Sequence[int] = ()) -> SolutionGraph:
+    """The graph of all solutions of an arm.
+
+    Args:
+        robot: The robot.
+        task: The rows of the task.
+        given: Indices of the joints that are arguments.
+
+    Returns:
+        The graph; where there is none, `SolutionGraph.why_not` says so.
+    """
+    for deep in (False, True):
+        derivation = Derivation(robot, task, given, deep=deep)
+        graph = derivation.graph()
+        if graph is not None:
+            return counted(graph, derivation.sampled, derivation.numbers)
+    return derivation.refusal("no order of the joints in which each follows by itself from the ones before it")

@@ -1,0 +1,60 @@
+"""Arms from books: the order of the joints, the number of solutions, and all of them checked by forward kinematics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from derive.mechanics.floats import value_at
+from derive.model.inverse.fields import FloatField
+from derive.model.inverse.graph import Run, SolutionGraph
+from derive.model.inverse.solve import solve
+from derive.robot.evaluate import parameter_values
+from derive.robot.expression import Number
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+
+def order(graph: SolutionGraph) -> list[str]:
+    """The unknowns of a graph by the numbers of their joints, without sums that follow from others."""
+    return ["".join(str(j + 1) for j in node.unknown.joints) for node in graph.nodes if node.kind != "sum"]
+
+
+@pytest.mark.parametrize(
+    ("name", "unknowns", "count"),
+    [
+        ("planar-3r", ["123", "2", "1"], 2),
+        ("scara-perugia", ["124", "2", "1", "3"], 2),
+        ("spherical-wrist", ["1", "2", "3"], 2),
+        ("puma560-corke", ["1", "3", "23", "4", "5", "6"], 8),
+        ("stanford-deluca", ["1", "2", "3", "4", "5", "6"], 8),
+    ],
+)
+def test_the_order_and_the_number_of_solutions_are_those_of_books(name: str, unknowns: list[str], count: int) -> None:
+    graph = solve(Robot.load(name))
+    assert order(graph) == unknowns
+    assert (graph.count, graph.leaves, graph.complete) == (count, count, True)
+
+
+@pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "puma560-usp", "anthropomorphic-wrist", "kuka-kr5"])
+def test_the_configuration_is_among_the_solutions_and_all_lead_to_its_pose(name: str) -> None:
+    robot = Robot.load(name)
+    graph, rng = solve(robot), np.random.default_rng(5)
+    values = dict(parameter_values(robot))
+    values.update({symbol: float(rng.uniform(0.2, 1)) for symbol in free_symbols(robot) if symbol not in values})
+    for _ in range(5):
+        q = rng.uniform(-3, 3, robot.n)
+        pose = _pose(robot, q, values)
+        run = Run(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
+        found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
+        assert 0 < len(found) <= graph.count
+        assert max(np.abs(_pose(robot, other, values) - pose).max() for other in found) < 1e-10
+        assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
+
+
+def _pose(robot: Robot, q: np.ndarray, values: dict[str, float]) -> np.ndarray:
+    numbers = tuple((name, Number(Fraction(value))) for name, value in values.items())
+    return np.array(value_at(replace(robot, parameters=numbers), "T", list(q)))
