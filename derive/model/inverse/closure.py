@@ -1,0 +1,422 @@
+"""Equations that hold between three joints of a closed chain, whatever the other three do.
+
+An axis through the point p with the unit vector l moves with a rigid motion. The fifteen numbers
+
+    1, l, p, p.p, p.l, p x l, (p.p) l - 2 (p.l) p
+
+of it (Raghavan and Roth, Inverse kinematics of the general 6R manipulator, J. Mech. Des. 115(3), 1993) are mapped
+linearly by every rigid motion: `axis_action` is that matrix. So are fifteen numbers that a motion along the z axis of
+a frame (x, y, z) at p leaves alone (`frame_action`),
+
+    1, x, y, z, p.x, p.y, p x z.
+
+The arm and its pose are a closed loop,
+
+    C_0 Z_1 C_1 Z_2 ... Z_n C_n T^-1 = 1,
+
+with Z_i the motion of joint i about or along z. The numbers of joint d do not feel Z_d. Carried around the loop
+from there over the two joints beside it, its numbers are linear in the nine products of (1, c, s) of these two; carried
+around the other way, they are multilinear in the (1, c, s) of the others. Combinations in which the nine products
+cancel are equations between the others alone. For a slide (1, d, d^2) take the place of (1, c, s).
+
+All of it runs over floats and over integers modulo a prime alike, so that ranks are found exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+
+ELIMINATED = 2
+"""Joints beside the dropped one whose products are eliminated."""
+
+
+def axis_action(frame: Array) -> Array:
+    """How a rigid motion maps the fifteen numbers of an axis.
+
+    With l' = R l, p' = R p + t: p'.p' = p.p + 2 t.R p + t.t, p'.l' = p.l + t.R l, p' x l' = R (p x l) + t x R l and
+    (p'.p') l' - 2 (p'.l') p' = R k - 2 t x R m + (t.t) R l - 2 t (t.R l) - 2 (p.l) t with k and m of p, l.
+
+    Args:
+        frame: (..., 4, 4) rigid motions.
+
+    Returns:
+        (..., 15, 15), of the same type of numbers.
+    """
+    rotation, shift = frame[..., :3, :3], frame[..., :3, 3]
+    result = np.zeros((*frame.shape[:-2], 15, 15), dtype=frame.dtype)
+    projected = (shift[..., None, :] @ rotation)[..., 0, :]
+    square = (shift * shift).sum(axis=-1, keepdims=True)
+    crossed = np.zeros(rotation.shape, dtype=frame.dtype)
+    for row, (y, z) in enumerate(((1, 2), (2, 0), (0, 1))):
+        crossed[..., row, :] = shift[..., y, None] * rotation[..., z, :] - shift[..., z, None] * rotation[..., y, :]
+    for start in (1, 4, 9, 12):
+        result[..., start : start + 3, start : start + 3] = rotation
+    result[..., (0, 7, 8), (0, 7, 8)] = 1
+    result[..., 4:7, 0], result[..., 7, 0] = shift, square[..., 0]
+    result[..., 7, 4:7], result[..., 8, 1:4] = 2 * projected, projected
+    result[..., 9:12, 1:4], result[..., 12:15, 9:12] = crossed, -2 * crossed
+    result[..., 12:15, 1:4] = square[..., None] * rotation - 2 * shift[..., :, None] * projected[..., None, :]
+    result[..., 12:15, 8] = -2 * shift
+    return result
+
+
+def frame_action(frame: Array) -> Array:
+    """How a rigid motion maps the fifteen numbers of a frame that may slide along its z axis.
+
+    Args:
+        frame: (..., 4, 4) rigid motions.
+
+    Returns:
+        (..., 15, 15), of the same type of numbers.
+    """
+    axis = axis_action(frame)
+    result = np.zeros_like(axis)
+    for start in (1, 4, 7):
+        result[..., start : start + 3, start : start + 3] = axis[..., 1:4, 1:4]
+    result[..., (0, 10, 11), (0, 10, 11)] = 1
+    result[..., 10, 1:4] = result[..., 11, 4:7] = axis[..., 8, 1:4]
+    result[..., 12:15, 12:15], result[..., 12:15, 7:10] = axis[..., 1:4, 1:4], axis[..., 9:12, 1:4]
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """The fifteen numbers that a joint does not change.
+
+    Attributes:
+        start: Their values in the frame of the joint.
+        action: How a rigid motion maps them.
+        heights: Those that no rotation about z changes.
+        crosswise: First places of the pairs that a rotation about z turns.
+        along: Those that no motion along z changes.
+        shifted: Those that a motion along z changes in proportion.
+    """
+
+    start: Array
+    action: Callable[[Array], Array]
+    heights: tuple[int, ...]
+    crosswise: tuple[int, ...]
+    along: tuple[int, ...]
+    shifted: tuple[int, ...]
+
+
+_AXIS = Carried(
+    start=np.array([1, 0, 0, 1, *[0] * 11]),
+    action=axis_action,
+    heights=(3, 6, 7, 8, 11, 14),
+    crosswise=(1, 4, 9, 12),
+    along=(1, 2, 3, 4, 5),
+    shifted=(6,),
+)
+
+_FRAME = Carried(
+    start=np.array([1, *np.eye(3, dtype=int).ravel(), *[0] * 5]),
+    action=frame_action,
+    heights=(3, 6, 9, 10, 11, 14),
+    crosswise=(1, 4, 7, 12),
+    along=(*range(1, 10), 14),
+    shifted=(10, 11, 12, 13),
+)
+
+
+def rigid_inverse(frame: Array) -> Array:
+    """The inverse of rigid motions.
+
+    Args:
+        frame: (..., 4, 4).
+    """
+    result = np.zeros_like(frame)
+    turned = np.swapaxes(frame[..., :3, :3], -1, -2)
+    result[..., :3, :3], result[..., 3, 3] = turned, 1
+    result[..., :3, 3] = -(turned @ frame[..., :3, 3, None])[..., 0]
+    return result
+
+
+def joint_motion(revolute: bool, first: Array, second: Array | None = None) -> Array:
+    """Z of a joint from cosine and sine of its angle, or from its displacement.
+
+    Args:
+        revolute: Whether it turns.
+        first: Cosines, or displacements.
+        second: Sines.
+
+    Returns:
+        (..., 4, 4).
+    """
+    result = np.zeros((*first.shape, 4, 4), dtype=first.dtype)
+    result[..., (0, 1, 2, 3), (0, 1, 2, 3)] = 1
+    if revolute:
+        result[..., 0, 0] = result[..., 1, 1] = first
+        result[..., 1, 0], result[..., 0, 1] = second, -second  # type: ignore[operator]
+    else:
+        result[..., 2, 3] = first
+    return result
+
+
+def motion_by(revolute: bool, value: Array) -> Array:
+    """Z of a joint from its variable.
+
+    Args:
+        revolute: Whether it turns.
+        value: Angles or displacements, floats.
+    """
+    return joint_motion(True, np.cos(value), np.sin(value)) if revolute else joint_motion(False, value)
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """An arm of numbers between its joints: T = C_0 Z_1 C_1 ... Z_n C_n.
+
+    Attributes:
+        revolute: Whether each joint turns.
+        gaps: C_0 to C_n, each (4, 4), or one for each pose.
+        prime: The numbers are integers modulo this prime; 0 for floats.
+    """
+
+    revolute: tuple[bool, ...]
+    gaps: tuple[Array, ...]
+    prime: int = 0
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.revolute)
+
+    def settle(self, values: Array) -> Array:
+        """Numbers reduced modulo the prime.
+
+        Args:
+            values: Any numbers of the loop's type.
+        """
+        return values % self.prime if self.prime else values
+
+    def product(self, *matrices: Array) -> Array:
+        """The product of matrices.
+
+        Args:
+            *matrices: From left to right.
+        """
+        return reduce(lambda a, b: self.settle(a @ b), matrices)
+
+    def inverse(self, frame: Array) -> Array:
+        """The inverse of rigid motions.
+
+        Args:
+            frame: (..., 4, 4).
+        """
+        return self.settle(rigid_inverse(frame))
+
+    def carried(self, joint: int) -> Carried:
+        """What a joint does not change.
+
+        Args:
+            joint: Its index, from 0.
+        """
+        return _AXIS if self.revolute[joint] else _FRAME
+
+    def pose(self, motions: Sequence[Array]) -> Array:
+        """T.
+
+        Args:
+            motions: Z_1 to Z_n.
+        """
+        frames = [self.gaps[0]]
+        for motion, gap in zip(motions, self.gaps[1:], strict=True):
+            frames += [motion, gap]
+        return self.product(*frames)
+
+    def locked(self, motions: Sequence[Array | None]) -> Loop:
+        """The loop of the joints that are left when some have known positions.
+
+        Args:
+            motions: Z of each known joint, None for the others.
+        """
+        gaps = [self.gaps[0]]
+        for motion, gap in zip(motions, self.gaps[1:], strict=True):
+            if motion is None:
+                gaps.append(gap)
+            else:
+                gaps[-1] = self.product(gaps[-1], motion, gap)
+        left = tuple(turns for turns, motion in zip(self.revolute, motions, strict=True) if motion is None)
+        return replace(self, revolute=left, gaps=tuple(gaps))
+
+    def rotated(self, start: int, pose: Array) -> tuple[Loop, Array]:
+        """The same loop read from another joint on, with the pose among its gaps.
+
+        Args:
+            start: Index of the joint that becomes the first.
+            pose: (poses, 4, 4) T.
+
+        Returns:
+            The loop and the constant that takes the place of the pose.
+        """
+        around = self.product(self.gaps[-1], self.inverse(pose), self.gaps[0])
+        unit = np.eye(4).astype(around.dtype)
+        gaps = (unit, *self.gaps[start + 1 : -1], around, *self.gaps[1:start], unit)
+        constant = np.broadcast_to(self.inverse(self.gaps[start]), pose.shape)
+        return replace(self, revolute=self.revolute[start:] + self.revolute[:start], gaps=gaps), constant
+
+    def joint_actions(self, carried: Carried, joint: int, sign: int) -> Array:
+        """(3, 15, 15): the action of Z_joint^sign is the sum of these times 1, c, s (or 1, d, d^2).
+
+        Args:
+            carried: Which numbers it acts on.
+            joint: Its index, from 0.
+            sign: -1 for the inverse.
+        """
+        kind = self.gaps[0].dtype
+        if self.revolute[joint]:
+            points = np.array([[1, 0], [-1, 0], [0, sign], [0, -sign]]).astype(kind)
+            actions = carried.action(joint_motion(True, points[:, 0], points[:, 1]))
+            parts = [actions[0] + actions[1], actions[0] - actions[1], actions[2] - actions[3]]
+        else:
+            actions = carried.action(joint_motion(False, np.array([0, sign, -sign]).astype(kind)))
+            parts = [2 * actions[0], actions[1] - actions[2], actions[1] + actions[2] - 2 * actions[0]]
+        half: Any = (self.prime + 1) // 2 if self.prime else 0.5
+        return self.settle(np.stack(parts) * half)
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Whose numbers are carried around the loop, and which way.
+
+    Attributes:
+        joints: Number of joints of the loop.
+        dropped: Index of the joint that does not change them.
+        direction: +1 towards the hand, -1 towards the base.
+    """
+
+    joints: int
+    dropped: int
+    direction: int
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """The joints as they are met: the dropped one, two that are eliminated, then the unknown ones."""
+        return tuple((self.dropped + self.direction * k) % self.joints for k in range(self.joints))
+
+    @property
+    def unknowns(self) -> tuple[int, ...]:
+        """The joints between which equations hold, in order."""
+        return tuple(sorted(self.order[1 + ELIMINATED :]))
+
+    @property
+    def pose_gap(self) -> int:
+        """After which place of the order the pose is met."""
+        return self.order.index(self.joints - 1 if self.direction > 0 else 0)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the pose is not met among what is eliminated."""
+        return self.pose_gap >= ELIMINATED
+
+    @property
+    def aligned(self) -> int | None:
+        """The unknown joint next to the eliminated ones, where the pose does not lie between."""
+        return self.order[1 + ELIMINATED] if self.pose_gap > ELIMINATED else None
+
+    @property
+    def alone(self) -> Closure:
+        """The same way around a loop of the dropped and the eliminated joints alone."""
+        return Closure(3, 2 if self.direction < 0 else 0, self.direction)
+
+    def gap(self, loop: Loop, place: int, pose: Array) -> Array:
+        """What stands after a place of the order.
+
+        Args:
+            loop: The arm.
+            place: From 0.
+            pose: (..., 4, 4) T.
+        """
+        joint, first, last = self.order[place], loop.gaps[0], loop.gaps[-1]
+        if place == self.pose_gap:
+            if self.direction > 0:
+                return loop.product(last, loop.inverse(pose), first)
+            return loop.product(loop.inverse(first), pose, loop.inverse(last))
+        return loop.gaps[joint + 1] if self.direction > 0 else loop.inverse(loop.gaps[joint])
+
+    def action(self, loop: Loop, frame: Array) -> Array:
+        """How rigid motions map the numbers that are carried around.
+
+        Args:
+            loop: The arm.
+            frame: (..., 4, 4).
+        """
+        return loop.settle(loop.carried(self.dropped).action(frame))
+
+    def eliminated_part(self, loop: Loop) -> Array:
+        """The fifteen numbers as linear forms of the nine products of the eliminated joints, (..., 15, 9).
+
+        Args:
+            loop: The arm; none of its gaps there holds the pose.
+        """
+        before = [self.action(loop, loop.inverse(self.gap(loop, k, loop.gaps[0]))) for k in range(ELIMINATED)]
+        carried = loop.carried(self.dropped)
+        first, second = (loop.joint_actions(carried, self.order[k], -self.direction) for k in (1, 2))
+        axis = loop.settle(before[0] @ carried.start.astype(loop.gaps[0].dtype))
+        one = loop.settle(first @ axis[..., None, :, None])[..., 0]
+        one = loop.settle(before[1][..., None, :, :] @ one[..., None])[..., 0]
+        two = loop.settle(second[:, None] @ one[..., None, :, :, None])[..., 0]
+        part: Array = np.moveaxis(two.reshape(*two.shape[:-3], 9, 15), -1, -2)
+        if self.aligned is None:
+            return part
+        return loop.product(self.action(loop, loop.inverse(self.gap(loop, ELIMINATED, loop.gaps[0]))), part)
+
+    def unknown_part(self, loop: Loop, pose: Array) -> Array:
+        """The same numbers as multilinear forms of the unknown joints, for each pose.
+
+        Args:
+            loop: The arm.
+            pose: (poses, 4, 4) T.
+
+        Returns:
+            (poses, 15, 3, 3, ...) with an axis for each unknown joint, in their order.
+        """
+        start, end = 1 + ELIMINATED, self.joints - 1
+        carried = loop.carried(self.dropped)
+        forms = self.action(loop, self.gap(loop, end, pose)) @ carried.start.astype(loop.gaps[0].dtype)
+        forms = np.broadcast_to(loop.settle(forms), (len(pose), 15))[..., None]
+        for place in range(end, start - 1, -1):
+            motion = loop.joint_actions(carried, self.order[place], self.direction)
+            turned = loop.settle(motion @ forms[:, None])
+            forms = np.moveaxis(turned, 1, 2).reshape(len(pose), 15, -1)
+            if place > start or self.aligned is None:
+                forms = loop.product(self.action(loop, self.gap(loop, place - 1, pose)), forms)
+        places = np.argsort(self.order[start:])
+        result: Array = forms.reshape(len(pose), 15, *[3] * (self.joints - start)).transpose(0, 1, *(2 + places))
+        return result
+
+
+def closures(loop: Loop) -> list[Closure]:
+    """All ways around a loop on which the pose is not met among what is eliminated.
+
+    Args:
+        loop: The arm.
+    """
+    ways = (Closure(loop.n, d, e) for d in range(loop.n) for e in (1, -1))
+    return [way for way in ways if way.is_constant]
+
+
+def middle_part(loop: Loop, way: Closure) -> tuple[Array, Array, Array]:
+    """What the last of three joints carries, seen from the first one, over (1, c, s) of the middle one.
+
+    Args:
+        loop: An arm of three joints.
+        way: From its last or first joint.
+
+    Returns:
+        (..., 3, 15), and what stands between the first two and between the last two joints of the way back.
+    """
+    near, far = (loop.inverse(way.gap(loop, k, loop.gaps[0])) for k in (1, 0))
+    carried = loop.carried(way.dropped)
+    parts = loop.joint_actions(carried, 1, -way.direction) @ (carried.action(far) @ carried.start)[..., None, :, None]
+    return (carried.action(near)[..., None, :, :] @ parts)[..., 0], near, far

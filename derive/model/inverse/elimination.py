@@ -1,0 +1,431 @@
+"""Polynomial equations between a few joints as an eigenvalue problem.
+
+Equations between some joints of the loop (`derive.model.inverse.closure`) are polynomials in the half-angle tangent t
+of one of them, the *hidden* joint, and in products of (1, c, s) of the others. Where there are fewer equations than
+products, each is multiplied by cosine and sine of half the angle of one more joint, whose (1, c, s) become the cosines
+and sines of 3/2 and 1/2 of the angle. A square system M(t) v = 0 is left, v the vector of products: t is an eigenvalue,
+v an eigenvector, and the other joints are ratios of entries of v (Raghavan and Roth 1993; Manocha and Canny, Efficient
+inverse kinematics for general 6R manipulators, IEEE T-RA 10(5), 1994).
+
+With z = exp(i theta) of the hidden joint the equations are A + z P + conj(P)/z. The coefficients P of z have a small
+rank, because a rotation moves few combinations of the fifteen numbers by z: rows w with w P = 0 are of the first degree
+after multiplication with 1 + i t, and the factors 1 + t^2 of the determinant, which are no solutions, are gone before
+the eigenvalues are computed: sixteen of them for a general arm, not twenty-four.
+
+Angles are counted from a turn of the hidden joint at which M is far from singular, so that t = infinity is no solution.
+An elimination is used only where M is regular at generic poses: then every solution is among the eigenvalues.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.model.inverse.closure import Closure, Loop, closures, middle_part
+
+Array = npt.NDArray[Any]
+
+HALF = np.zeros((2, 3, 4))
+"""(cos, sin)(x/2) times (1, c, s)(x) in terms of (cos 3x/2, sin 3x/2, cos x/2, sin x/2)."""
+HALF[0, 0, 2] = HALF[1, 0, 3] = 1.0
+HALF[0, 1, (0, 2)] = HALF[0, 2, (1, 3)] = HALF[1, 1, 1] = HALF[1, 2, 2] = 0.5
+HALF[1, 1, 3] = HALF[1, 2, 0] = -0.5
+
+POWERS = np.zeros((2, 3, 4))
+"""(1, d) times (1, d, d^2) in terms of (1, d, d^2, d^3)."""
+POWERS[(0, 0, 0, 1, 1, 1), (0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 3)] = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class EliminationPolicy:
+    """Every threshold of general nodes.
+
+    Attributes:
+        rank: Singular values, relative to the largest, that count as zero.
+        real: Imaginary part of tan(theta/2), relative to 1 + |t|^2, up to which a candidate is tried.
+        residual: Largest error of an entry of a solution's pose, lengths relative to the reach.
+        apart: Solutions closer than this are one.
+        turns: Turns of the hidden joint that are tried as the place of t = infinity.
+        steps: Most Newton steps of a candidate.
+        trials: Poses at which eliminations are compared.
+        options: Eliminations that are compared, those with the fewest eigenvalues.
+        near: Error of a pose before refinement below which a candidate should have become a solution.
+        rough: Error of most solutions before refinement above which another elimination is better.
+    """
+
+    rank: float = 1e-9
+    real: float = 1e-3
+    residual: float = 1e-10
+    apart: float = 1e-6
+    turns: int = 4
+    steps: int = 12
+    trials: int = 24
+    options: int = 24
+    near: float = 1e-4
+    rough: float = 1e-7
+
+
+POLICY = EliminationPolicy()
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """How the equations of one way around the loop split by their degree in the hidden joint.
+
+    Attributes:
+        closure: The way around the loop.
+        equations: Number of equations, after elimination.
+        constant: How many combinations do not hold the hidden joint.
+        linear: How many further complex (for a slide real) combinations are of the first degree.
+    """
+
+    closure: Closure
+    equations: int
+    constant: int = 0
+    linear: int = 0
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """One way to find all solutions of an arm.
+
+    Attributes:
+        reductions: The equations that are used.
+        hidden: Index of the joint whose tan(theta/2), or length, is the eigenvalue.
+        multiplied: Index of the joint with whose half angle the equations are multiplied; None for none.
+        rows: How many rows of M are of degree 0, 1 and 2.
+        finish: Along which way around the loop the eliminated joints follow.
+        start: The joint of the arm at which the loop begins; all other indices are counted from there.
+    """
+
+    reductions: tuple[Reduction, ...]
+    hidden: int
+    multiplied: int | None
+    rows: tuple[int, int, int]
+    finish: Closure
+    start: int = 0
+
+    @property
+    def eigenvalues(self) -> int:
+        """The size of the eigenvalue problem, a bound of the number of solutions."""
+        return self.rows[1] + 2 * self.rows[2]
+
+    @property
+    def unknowns(self) -> tuple[int, ...]:
+        """The joints between which the equations hold."""
+        return self.finish.unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equations of one way around the loop in numbers, split by degree.
+
+    Attributes:
+        reduction: Their structure.
+        combinations: (..., equations, 15) combinations of the fifteen numbers without the eliminated joints.
+        constant: (..., constant, equations) rows of degree 0.
+        linear: (..., linear, equations) complex rows of degree 1.
+        rest: (..., rest, equations) the others.
+    """
+
+    reduction: Reduction
+    combinations: Array
+    constant: Array
+    linear: Array
+    rest: Array
+
+    @classmethod
+    def of(cls, loop: Loop, reduction: Reduction, hidden: int) -> Equations:
+        """The numbers of an arm.
+
+        Args:
+            loop: The arm.
+            reduction: The structure.
+            hidden: The hidden joint.
+        """
+        m = reduction.equations
+        left = _left_null(reduction.closure.eliminated_part(loop), m)
+        none = np.zeros((*left.shape[:-2], 0, m))
+        if not reduction.constant + reduction.linear:
+            return cls(reduction, left, none, none, np.broadcast_to(np.eye(m), (*left.shape[:-2], m, m)))
+        closure = reduction.closure
+        _, first, second = loop.joint_actions(loop.carried(closure.dropped), hidden, closure.direction)
+        moved, moved_twice = left @ first, left @ second
+        turns = loop.revolute[hidden]
+        constant = _left_null(np.concatenate([moved, moved_twice], axis=-1), reduction.constant)
+        top = moved - 1j * moved_twice if turns else moved_twice
+        free = _left_null(np.concatenate([top, _adjoint(constant)], axis=-1), reduction.linear)
+        taken = np.concatenate([constant, free.real, free.imag] if turns else [constant, free], axis=-2)
+        rest = _left_null(_adjoint(taken), m - taken.shape[-2])
+        return cls(reduction, left, constant, free, rest)
+
+    def rows(self, forms: Array, turn: Array | None) -> tuple[Array, Array, Array]:
+        """Coefficients of t^0, t^1 and t^2 of the rows of degree 0, 1 and 2.
+
+        Args:
+            forms: (poses, equations, 3, products), the second last axis for the hidden joint.
+            turn: (poses,) where the angle of the hidden joint is counted from; None for a slide.
+
+        Returns:
+            (poses, rows of the degree, degree + 1, products) for each degree.
+        """
+        fixed, one, two = forms[:, :, 0], forms[:, :, 1], forms[:, :, 2]
+        if turn is None:
+            zero = self.constant @ fixed
+            first = np.stack([self.linear @ fixed, self.linear @ one], axis=2)
+            return zero[:, :, None], first, np.stack([self.rest @ part for part in (fixed, one, two)], axis=2)
+        c, s = np.cos(turn)[:, None, None], np.sin(turn)[:, None, None]
+        one, two = one * c + two * s, two * c - one * s
+        still, turned = self.linear @ fixed, self.linear @ one
+        pair = np.stack([still + turned, 1j * (still - turned)], axis=2)  # still (1 + i t) + turned (1 - i t)
+        zero, fixed, one, two = self.constant @ fixed, self.rest @ fixed, self.rest @ one, self.rest @ two
+        second = np.stack([fixed + one, 2.0 * two, fixed - one], axis=2)
+        return zero[:, :, None], np.concatenate([pair.real, pair.imag], axis=1), second
+
+
+@dataclass(frozen=True, eq=False)
+class EigenProblem:
+    """M(t) v = 0 of an arm of numbers.
+
+    Attributes:
+        loop: The arm, in a unit of length that makes its numbers alike.
+        elimination: How M is made.
+        equations: The numbers of each way around the loop that is used.
+        mixers: For each degree the fixed combinations of rows that are kept.
+    """
+
+    loop: Loop
+    elimination: Elimination
+    equations: tuple[Equations, ...]
+    mixers: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, loop: Loop, elimination: Elimination) -> EigenProblem:
+        """The eigenvalue problem of an arm.
+
+        Args:
+            loop: The arm of floats.
+            elimination: How its solutions are found.
+        """
+        equations = tuple(Equations.of(loop, each, elimination.hidden) for each in elimination.reductions)
+        factor = 1 if elimination.multiplied is None else 2
+        available = _available(loop, elimination.reductions, elimination.hidden)
+        mixers = tuple(_mixer(kept, factor * count) for kept, count in zip(elimination.rows, available, strict=True))
+        return cls(loop, elimination, equations, mixers)
+
+    def matrices(self, forms: Sequence[Array], turn: Array | None) -> tuple[Array, Array, Array]:
+        """The rows of M by degree, each as coefficients of powers of t.
+
+        Args:
+            forms: For each way around the loop the result of `forms`.
+            turn: (poses,) where the angle of the hidden joint is counted from; None for a slide.
+
+        Returns:
+            (poses, rows of the degree, degree + 1, columns) for each degree.
+        """
+        parts = [each.rows(form, turn) for each, form in zip(self.equations, forms, strict=True)]
+        joined = [np.concatenate([part[degree] for part in parts], axis=1) for degree in range(3)]
+        return tuple(
+            np.einsum("kr,nrpx->nkpx", mixer, self.multiplied(rows))
+            for mixer, rows in zip(self.mixers, joined, strict=True)
+        )
+
+    def forms(self, pose: Array) -> list[Array]:
+        """The coefficients of the equations, for each way around the loop (poses, equations, 3, products).
+
+        Args:
+            pose: (poses, 4, 4).
+        """
+        axis = 2 + self.elimination.unknowns.index(self.elimination.hidden)
+        result = []
+        for each in self.equations:
+            part = each.reduction.closure.unknown_part(self.loop, pose)
+            shape = part.shape
+            part = (each.combinations @ part.reshape(shape[0], 15, -1)).reshape(shape[0], -1, *shape[2:])
+            part = np.moveaxis(part, axis, 2)
+            result.append(part.reshape(*part.shape[:3], -1))
+        return result
+
+    @property
+    def others(self) -> tuple[int, ...]:
+        """The unknown joints but the hidden one."""
+        return tuple(joint for joint in self.elimination.unknowns if joint != self.elimination.hidden)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many entries of v belong to each of the other joints."""
+        return tuple(4 if joint == self.elimination.multiplied else 3 for joint in self.others)
+
+    def multiplied(self, rows: Array) -> Array:
+        """The rows times what the multiplied joint contributes.
+
+        Args:
+            rows: (poses, rows, powers, products).
+
+        Returns:
+            (poses, 2 * rows, powers, columns); the rows themselves where nothing is multiplied.
+        """
+        joint, (n, count, powers) = self.elimination.multiplied, rows.shape[:3]
+        if joint is None:
+            return rows
+        before = 3 ** self.others.index(joint)
+        split = rows.reshape(n, count, powers, before, 3, rows.shape[3] // (3 * before))
+        factors = HALF if self.loop.revolute[joint] else POWERS
+        product: Array = np.einsum("nrpxay,kae->nrkpxey", split, factors)
+        return product.reshape(n, 2 * count, powers, rows.shape[3] // 3 * 4)
+
+    def eigen(self, pose: Array) -> tuple[Array, Array, Array]:
+        """Eigenvalues and vectors.
+
+        Args:
+            pose: (poses, 4, 4).
+
+        Returns:
+            t (poses, k), v (poses, columns, k), both complex, and the turn that t is counted from (poses,).
+        """
+        forms, count = self.forms(pose), len(pose)
+        turns = self.loop.revolute[self.elimination.hidden]
+        best: list[Array] = []
+        for k in range(POLICY.turns if turns else 1):
+            turn = np.full(count, 0.3 + 2.0 * math.pi * k / POLICY.turns)
+            rows = self.matrices(forms, turn if turns else None)
+            rows = tuple(part / _norm(part) for part in rows)  # type: ignore[assignment]
+            leading = np.concatenate([part[:, :, -1] for part in rows], axis=1)
+            inverse = _inverse(leading)
+            size = np.abs(inverse).max(axis=(1, 2))
+            if not best:
+                best = [size, turn, inverse, *rows]
+                continue
+            better = size < best[0]
+            for old, new in zip(best, (size, turn, inverse, *rows), strict=True):
+                old[better] = new[better]
+        _, turn, inverse, _, first, second = best
+        values, vectors = np.linalg.eig(_companion(first, second, inverse))
+        n1, n2 = first.shape[1], second.shape[1]
+        shift = inverse.shape[-1] - n1 - n2
+        return values, inverse[:, :, shift:] @ vectors[:, : n1 + n2], turn
+
+
+def _companion(first: Array, second: Array, inverse: Array) -> Array:
+    """The matrix whose eigenvalues are t, x = H v with the leading rows H: (x1, x2, t x2), by degree of rows."""
+    n1, n2 = first.shape[1], second.shape[1]
+    columns = inverse[:, :, inverse.shape[-1] - n1 - n2 :]
+    low, lowest, middle = first[:, :, 0] @ columns, second[:, :, 0] @ columns, second[:, :, 1] @ columns
+    result = np.zeros((len(first), n1 + 2 * n2, n1 + 2 * n2))
+    result[:, :n1, : n1 + n2] = -low
+    result[:, n1 : n1 + n2, n1 + n2 :] = np.eye(n2)
+    result[:, n1 + n2 :, : n1 + n2] = middle[:, :, :n1] @ low - lowest
+    result[:, n1 + n2 :, n1 + n2 :] = -middle[:, :, n1:]
+    return result
+
+
+def _inverse(matrices: Array) -> Array:
+    try:
+        return np.linalg.inv(matrices)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(matrices)
+
+
+def _norm(rows: Array) -> Array:
+    size = np.sqrt((rows**2).sum(axis=(2, 3), keepdims=True))
+    return np.where(size > 0, size, 1.0)
+
+
+def _adjoint(matrix: Array) -> Array:
+    return np.swapaxes(matrix, -1, -2).conj()
+
+
+def _left_null(matrix: Array, count: int) -> Array:
+    """(..., count, rows): orthonormal rows w with w M = 0."""
+    left = np.linalg.svd(matrix, full_matrices=True)[0]
+    return _adjoint(left[..., left.shape[-1] - count :])
+
+
+def _mixer(kept: int, available: int) -> Array:
+    """Fixed combinations of rows, (kept, available); the rows themselves where all are kept."""
+    if kept == available:
+        return np.eye(kept)
+    return np.linalg.qr(np.random.default_rng(kept).normal(size=(available, available)))[0][:kept]
+
+
+def _available(loop: Loop, reductions: Sequence[Reduction], hidden: int) -> tuple[int, int, int]:
+    """How many equations are of degree 0, 1 and 2."""
+    constant = sum(each.constant for each in reductions)
+    linear = sum(each.linear for each in reductions) * (2 if loop.revolute[hidden] else 1)
+    return constant, linear, sum(each.equations for each in reductions) - constant - linear
+
+
+def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
+    """Every way to make a regular eigenvalue problem of a loop.
+
+    Args:
+        loop: The arm of floats, already read from the joint at which it begins.
+        pose: (1, 4, 4) a generic pose.
+        start: That joint.
+    """
+    ways = closures(loop)
+    groups: dict[tuple[int, ...], list[Closure]] = {}
+    for way in ways:
+        groups.setdefault(way.unknowns, []).append(way)
+    for unknowns, group in groups.items():
+        finish = max(group, key=lambda way: _determined(loop, way))
+        for hidden in unknowns:
+            reductions = [_reduction(loop, way, hidden) for way in group]
+            reductions.sort(key=lambda each: each.closure.aligned != hidden)
+            choices = [(each,) for each in reductions] + ([tuple(reductions)] if len(reductions) > 1 else [])
+            others = [joint for joint in unknowns if joint != hidden]
+            for chosen in choices:
+                for multiplied in (None, *others):
+                    rows = _rows(loop, pose, Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start))
+                    if rows is not None:
+                        yield Elimination(chosen, hidden, multiplied, rows, finish, start)
+
+
+def _determined(loop: Loop, way: Closure) -> float:
+    """How well the middle one of the eliminated joints follows from the others by linear equations."""
+    first = min(way.order[:3])
+    three = Loop(loop.revolute[first : first + 3], loop.gaps[first : first + 4])
+    inner, carried = way.alone, loop.carried(way.dropped)
+    kept = list(carried.heights if three.revolute[inner.order[2]] else carried.along)
+    return float(np.linalg.svd(middle_part(three, inner)[0][..., 1:, kept])[1].min())
+
+
+def _rank(matrix: Array) -> int:
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    return int((sizes > POLICY.rank * sizes.max(initial=1e-3)).sum())
+
+
+def _reduction(loop: Loop, way: Closure, hidden: int) -> Reduction:
+    part = way.eliminated_part(loop)
+    part = part[0] if part.ndim == 3 else part
+    products = _rank(part)
+    m = 15 - products
+    if way.aligned != hidden:
+        return Reduction(way, m)
+    _, first, second = loop.joint_actions(loop.carried(way.dropped), hidden, way.direction)
+    constant = m + products - _rank(np.concatenate([part, first, second], axis=1))
+    top = first - 1j * second if loop.revolute[hidden] else second
+    linear = m + products - _rank(np.concatenate([part, top], axis=1)) - constant
+    return Reduction(way, m, constant, linear)
+
+
+def _rows(loop: Loop, pose: Array, elimination: Elimination) -> tuple[int, int, int] | None:
+    """How many rows of each degree a square regular system takes; None where there is none."""
+    hidden, factor = elimination.hidden, 1 if elimination.multiplied is None else 2
+    zero, one, two = (factor * count for count in _available(loop, elimination.reductions, hidden))
+    trial = EigenProblem.of(loop, replace(elimination, rows=(zero, one, two)))
+    turn = np.array([0.37]) if loop.revolute[hidden] else None
+    columns = math.prod(trial.shape)
+    kept: list[int] = []
+    stacked = np.zeros((0, columns))
+    for part in trial.matrices(trial.forms(pose), turn):
+        values = (part[0] * 0.83 ** np.arange(part.shape[2])[:, None]).sum(axis=1)
+        size = np.linalg.norm(values, axis=1, keepdims=True)
+        stacked = np.concatenate([stacked, values / np.where(size > POLICY.rank, size, np.inf)])
+        kept.append(_rank(stacked) - sum(kept) if len(stacked) else 0)
+    return (kept[0], kept[1], kept[2]) if sum(kept) == columns and kept[0] < columns else None

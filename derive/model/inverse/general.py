@@ -1,0 +1,356 @@
+"""Joints that no order of one-joint equations yields: up to sixteen solutions from one eigenvalue problem.
+
+The eigenvalues and vectors of an elimination (`derive.model.inverse.elimination`) give the joints between which the
+equations hold; the three that were eliminated follow from the motion that is left between them. Every candidate is
+refined by Newton's method on the whole pose; what does not reach the pose is dropped. Double roots appear as pairs of
+nearly real eigenvalues and are refined like the others.
+
+Which of the many possible eliminations serves an arm best is found by trying them at random poses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.model.inverse.closure import ELIMINATED, Closure, Loop, middle_part, motion_by, rigid_inverse
+from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination, eliminations
+from derive.model.inverse.numeric import NumericChain, Problem
+
+Array = npt.NDArray[Any]
+
+FULL = 6
+"""Joints of an arm that reaches poses in six ways: its number of real solutions is even at regular poses."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Values of the unknown joints that may belong to solutions.
+
+    Attributes:
+        place: (candidates,) the pose that each belongs to.
+        joints: (candidates, joints of the loop), NaN for the joints that are not known yet.
+    """
+
+    place: Array
+    joints: Array
+
+
+def candidates(problem: EigenProblem, pose: Array) -> Candidates:
+    """Values of the unknown joints from eigenvalues that are nearly real.
+
+    Args:
+        problem: The eigenvalue problem of the arm.
+        pose: (poses, 4, 4).
+    """
+    values, vectors, turn = problem.eigen(pose)
+    loop, hidden = problem.loop, problem.elimination.hidden
+    near = np.abs(values.imag) <= POLICY.real * (1.0 + np.abs(values) ** 2)
+    place, which = np.nonzero(near & np.isfinite(values))
+    joints = np.full((len(place), loop.n), np.nan)
+    t, v = values[place, which].real, vectors[place, :, which]
+    joints[:, hidden] = turn[place] + 2.0 * np.arctan(t) if loop.revolute[hidden] else t
+    largest = np.take_along_axis(v, np.abs(v).argmax(axis=1)[:, None], axis=1)
+    v = (v / np.where(largest == 0, 1.0, largest)).real.reshape(len(v), *problem.shape)
+    for axis, joint in enumerate(problem.others):
+        size = problem.shape[axis]
+        lines = np.moveaxis(v, 1 + axis, -1).reshape(len(v), math.prod(problem.shape) // size, size)
+        line = np.take_along_axis(lines, (lines**2).sum(axis=-1).argmax(axis=1)[:, None, None], axis=1)[:, 0]
+        joints[:, joint] = _position(line, loop.revolute[joint])
+    return Candidates(place, joints)
+
+
+def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
+    """The same with the eliminated joints, which the motion between them determines.
+
+    Args:
+        problem: The eigenvalue problem of the arm.
+        found: Values of the unknown joints.
+        pose: (poses, 4, 4).
+
+    Returns:
+        One or two candidates for each.
+    """
+    way, loop = problem.elimination.finish, problem.loop
+    motions = [
+        None if joint in way.order[:3] else motion_by(loop.revolute[joint], found.joints[:, joint])
+        for joint in range(loop.n)
+    ]
+    gaps = tuple(gap if gap.ndim == 2 else np.broadcast_to(gap, (len(pose), 4, 4))[found.place] for gap in loop.gaps)
+    left = Loop(loop.revolute, gaps).locked(motions)
+    values = _three_joints(left, way.alone, pose[found.place])
+    joints = np.repeat(found.joints[None], len(values), axis=0)
+    joints[:, :, np.sort(way.order[:3])] = values
+    return Candidates(np.tile(found.place, len(values)), joints.reshape(-1, loop.n))
+
+
+def _three_joints(loop: Loop, way: Closure, pose: Array) -> Array:
+    """The positions of three joints that reach poses, (1 or 2, poses, 3).
+
+    What the last one, c, does not change, seen from the first one, a: what a does not change either is linear in
+    (1, cos, sin) of the middle one, b; the rest then gives a.
+    """
+    c, b, a = way.order
+    sign, carried = -way.direction, loop.carried(c)
+    motion = loop.product(loop.inverse(loop.gaps[0]), pose, loop.inverse(loop.gaps[-1]))
+    motion = motion if sign > 0 else loop.inverse(motion)
+    parts, near, far = middle_part(loop, way)
+    seen = carried.action(motion) @ carried.start
+    kept = list(carried.heights if loop.revolute[a] else carried.along)
+    forms = np.broadcast_to(np.swapaxes(parts[..., 1:, kept], -1, -2), (len(pose), len(kept), 2))
+    middle = _middle_joint(loop.revolute[b], forms, seen[:, kept] - parts[..., 0, kept])
+    result = np.empty((len(middle), len(pose), 3))
+    for value, row in zip(middle, result, strict=True):
+        before = near @ motion_by(loop.revolute[b], sign * value) @ far
+        reference = carried.action(before) @ carried.start
+        x, y = list(carried.crosswise), [k + 1 for k in carried.crosswise]
+        if loop.revolute[a]:
+            crosswise = reference[:, x] * seen[:, y] - reference[:, y] * seen[:, x]
+            along = reference[:, x] * seen[:, x] + reference[:, y] * seen[:, y]
+            first = np.arctan2(crosswise.sum(axis=1), along.sum(axis=1))
+        else:
+            moved = list(carried.shifted)
+            rate = (loop.joint_actions(carried, a, 1)[1] @ reference[..., None])[:, moved, 0]
+            difference = (seen - reference)[:, moved]
+            first = (rate * difference).sum(axis=1) / np.maximum((rate * rate).sum(axis=1), 1e-300)
+        last = rigid_inverse(motion_by(loop.revolute[a], first) @ before) @ motion
+        turned = np.arctan2(last[:, 1, 0] - last[:, 0, 1], last[:, 0, 0] + last[:, 1, 1])
+        final = turned if loop.revolute[c] else last[:, 2, 3]
+        row[:, a], row[:, b], row[:, c] = sign * first, value, sign * final
+    return result
+
+
+def _middle_joint(turns: bool, forms: Array, wanted: Array) -> list[Array]:
+    """The joint from equations X c + Y s = Z or X d + Y d^2 = Z; two values where all are multiples of one."""
+    left, sizes, right = np.linalg.svd(forms, full_matrices=False)
+    known = (np.swapaxes(left, -1, -2) @ wanted[..., None])[..., 0] / np.maximum(sizes, 1e-100)
+    if not len(sizes) or sizes[:, 1].max() > 1e-7 * max(1.0, sizes[:, 0].max()):
+        first, second = np.moveaxis((np.swapaxes(right, -1, -2) @ known[..., None])[..., 0], -1, 0)
+        return [np.arctan2(second, first) if turns else first]
+    x, y, z = right[:, 0, 0], right[:, 0, 1], known[:, 0]
+    if turns:
+        middle, off = np.arctan2(y, x), np.arccos(np.clip(z, -1.0, 1.0))
+        return [middle + off, middle - off]
+    root = np.sqrt(np.maximum(x * x + 4.0 * y * z, 0.0))
+    # r^2 y + r x = z by the stable form; the second root is infinite where y = 0
+    large = x + np.where(x < 0, -root, root)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return [2.0 * z / large, np.where(np.abs(y) > 1e-12, -large / (2.0 * y), 2.0 * z / large)]
+
+
+def _position(line: Array, turns: bool) -> Array:
+    """The joint from a multiple of (1, c, s), of (1, d, ...), or of cosines and sines of 3/2 and 1/2 of its angle."""
+    if turns and line.shape[1] == 4:
+        position: Array = 2.0 * np.arctan2(line[:, 3], line[:, 2])
+    elif turns:
+        sign = np.where(line[:, 0] < 0, -1.0, 1.0)
+        position = np.arctan2(line[:, 2] * sign, line[:, 1] * sign)
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            position = np.nan_to_num(line[:, 1] / line[:, 0])
+    return position
+
+
+@dataclass(frozen=True, eq=False)
+class GeneralSolution:
+    """All solutions of an arm by elimination.
+
+    Attributes:
+        given: Indices of the joints that are arguments.
+        eliminations: The best first; the next is asked where the first leaves a doubt.
+        count: Number of complex solutions of a generic pose; 0 where it is not known.
+    """
+
+    given: tuple[int, ...]
+    eliminations: tuple[Elimination, ...]
+    count: int = 0
+
+    @property
+    def branches(self) -> int:
+        """The largest number of solutions that a regular pose can have."""
+        return self.count or self.eliminations[0].eigenvalues
+
+    def solve(self, chain: NumericChain, poses: Array, given: Array | None = None) -> Array:
+        """Every real solution for each pose.
+
+        Args:
+            chain: The arm's numbers.
+            poses: (poses, 4, 4).
+            given: (poses, given joints) their variables.
+
+        Returns:
+            (poses, k, n), those that exist first and NaN after them; k is the largest number of solutions met.
+        """
+        found = self._attempt(0, chain, poses, given)
+        doubtful = np.flatnonzero(found.doubtful) if len(self.eliminations) > 1 else np.zeros(0, dtype=int)
+        if not doubtful.size:
+            return found.q
+        chosen = None if given is None else given[doubtful]
+        again = self._attempt(1, chain, poses[doubtful], chosen).q
+        both = np.concatenate([found.q[doubtful], again], axis=1)
+        merged = _distinct(both, chain)
+        width = max(found.q.shape[1], merged.shape[1])
+        result = np.full((len(poses), width, chain.n), np.nan)
+        result[:, : found.q.shape[1]] = found.q
+        result[doubtful], result[doubtful, : merged.shape[1]] = np.nan, merged
+        return result
+
+    def _attempt(self, index: int, chain: NumericChain, poses: Array, given: Array | None) -> _Attempt:
+        elimination, unit = self.eliminations[index], chain.reach
+        loop, free = free_loop(chain, self.given, given)
+        pose = scaled(poses, unit)
+        if elimination.start:
+            loop, pose = loop.rotated(elimination.start, pose)
+        problem = EigenProblem.of(loop, elimination)
+        found = finished(problem, candidates(problem, pose), pose)
+        q = np.empty((len(found.place), chain.n))
+        own = np.roll(found.joints, elimination.start, axis=1)
+        q[:, free] = own * chain.sign[free] * np.where(chain.revolute[free], 1.0, unit)
+        if given is not None:
+            q[:, list(self.given)] = given[found.place]
+        known = (np.abs(q) < 1e3 * max(1.0, unit)).all(axis=1)
+        place, q = found.place[known], q[known]
+        goal = Problem(chain, poses[place], free=np.isin(np.arange(chain.n), free))
+        first = goal.residual(q)
+        q, residual = _refined(goal, q)
+        good = residual <= POLICY.residual
+        distinct = _distinct(_table(place[good], q[good], len(poses)), chain)
+        numbers = np.isfinite(distinct[..., 0]).sum(axis=1)
+        doubtful = numbers == 0
+        doubtful[place[~good & (first < POLICY.near)]] = True
+        if loop.n == FULL:
+            doubtful |= numbers % 2 == 1
+        return _Attempt(distinct, doubtful, float(np.quantile(first[good], 0.9)) if good.any() else math.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """Solutions by one elimination, at which poses some may be missing, and the error of most before refinement."""
+
+    q: Array
+    doubtful: Array
+    error: float
+
+
+def scaled(poses: Array, unit: float) -> Array:
+    """Poses in another unit of length.
+
+    Args:
+        poses: (..., 4, 4).
+        unit: The unit.
+    """
+    result = poses.copy()
+    result[..., :3, 3] /= unit
+    return result
+
+
+def free_loop(chain: NumericChain, given: Sequence[int], values: Array | None) -> tuple[Loop, Array]:
+    """The loop of the joints that are solved for, in units of the reach, and their indices.
+
+    Args:
+        chain: The arm's numbers.
+        given: Indices of the other joints.
+        values: (poses, given joints) their variables; None where there are none.
+    """
+    gaps = tuple(scaled(gap, chain.reach) for gap in (*chain.fixed, chain.tool))
+    loop = Loop(tuple(bool(turns) for turns in chain.revolute), gaps)
+    if not given:
+        return loop, np.arange(chain.n)
+    motions: list[Array | None] = [None] * chain.n
+    for place, joint in enumerate(given):
+        value = chain.sign[joint] * (np.zeros(1) if values is None else values[:, place])
+        motions[joint] = motion_by(loop.revolute[joint], value if loop.revolute[joint] else value / chain.reach)
+    return loop.locked(motions), np.array([i for i in range(chain.n) if i not in given])
+
+
+def _refined(problem: Problem, q: Array) -> tuple[Array, Array]:
+    """Newton steps on the whole pose: two for all, more for those that have not arrived."""
+    q, residual = _newton(problem, q, 2)
+    late = np.flatnonzero((residual > 1e-13) & (residual < 0.3))
+    if late.size:
+        part = replace(problem, poses=problem.poses[late])
+        q[late], residual[late] = _newton(part, q[late], POLICY.steps)
+    return q, residual
+
+
+def _newton(problem: Problem, q: Array, steps: int) -> tuple[Array, Array]:
+    """Damped steps, each kept where the error shrinks."""
+    error, slope = problem.errors(q)
+    cost = (error**2).sum(axis=-1)
+    damping = np.zeros(len(q))
+    unit = np.eye(slope.shape[-1])
+    for _ in range(steps):
+        at = np.swapaxes(slope, -1, -2)
+        weight = np.maximum(damping, 1e-15 + 1e-2 * np.minimum(cost, 1.0))
+        step = -np.linalg.solve(at @ slope + weight[:, None, None] * unit, at @ error[..., None])[..., 0]
+        tried = problem.moved(q, step)
+        new_error, new_slope = problem.errors(tried)
+        new_cost = (new_error**2).sum(axis=-1)
+        better = new_cost < cost
+        damping = np.where(better, 0.1 * damping, np.maximum(10.0 * weight, 1e-9))
+        q = np.where(better[:, None], tried, q)
+        error, slope = np.where(better[:, None], new_error, error), np.where(better[:, None, None], new_slope, slope)
+        cost = np.where(better, new_cost, cost)
+        if not better.any():
+            break
+    return q, np.abs(error).max(axis=-1, initial=0.0)
+
+
+def _table(place: Array, q: Array, count: int) -> Array:
+    """Candidates in rows of their poses, (poses, k, n), NaN where there are fewer."""
+    order = np.argsort(place, kind="stable")
+    place, q = place[order], q[order]
+    rank = np.arange(len(place)) - np.searchsorted(place, place)
+    result = np.full((count, int(rank.max(initial=-1)) + 1, q.shape[1]), np.nan)
+    result[place, rank] = q
+    return result
+
+
+def _distinct(table: Array, chain: NumericChain) -> Array:
+    """Angles in (-pi, pi], each solution once, NaN after them."""
+    turned = np.where(chain.revolute, table - 2.0 * math.pi * np.ceil((table - math.pi) / (2.0 * math.pi)), table)
+    apart = np.abs(turned[:, :, None] - turned[:, None])
+    apart = np.where(chain.revolute, np.minimum(apart, 2.0 * math.pi - apart), apart / chain.reach)
+    same = np.tril((apart < POLICY.apart).all(axis=-1), -1).any(axis=2)
+    exists = np.isfinite(table[..., 0]) & ~same
+    width = int(exists.sum(axis=1).max(initial=0))
+    order = np.argsort(~exists, axis=1, kind="stable")[:, :width]
+    kept = np.where(np.take_along_axis(exists, order, axis=1)[..., None], 1.0, np.nan)
+    return np.take_along_axis(turned, order[..., None], axis=1) * kept
+
+
+def find_general(chain: NumericChain, given: Sequence[int] = ()) -> GeneralSolution | None:
+    """The eliminations that find all solutions of an arm, compared at random poses.
+
+    Args:
+        chain: The arm's numbers.
+        given: Joints that are arguments.
+
+    Returns:
+        The best two eliminations; None where there is none.
+    """
+    random = np.random.default_rng(7)
+    span = np.where(chain.revolute, math.pi, chain.reach)
+    q = random.uniform(-span, span, (POLICY.trials, chain.n))
+    poses, values = chain.pose_and_jacobian(q)[0], q[:, list(given)] if given else None
+    loop, _ = free_loop(chain, given, None if values is None else values[:1])
+    pose, results = scaled(poses[:1], chain.reach), []
+    if not 1 + ELIMINATED < loop.n <= FULL:
+        return None
+    for start in range(0, loop.n, 3):
+        turned, goal = loop.rotated(start, pose) if start else (loop, pose)
+        options = sorted(eliminations(turned, goal, start), key=lambda each: each.eigenvalues)
+        for option in options[: POLICY.options]:
+            found = GeneralSolution(tuple(given), (option,))._attempt(0, chain, poses, values)
+            number = int(np.isfinite(found.q[..., 0]).sum())
+            rough = found.error > POLICY.rough
+            results.append(((-number, int(found.doubtful.sum()) > 2, rough, option.eigenvalues, found.error), option))
+        if results and not min(results, key=lambda each: each[0])[0][1]:
+            break
+    results.sort(key=lambda each: each[0])
+    return GeneralSolution(tuple(given), tuple(option for _, option in results[:2])) if results else None

@@ -1,0 +1,130 @@
+"""Numbers carried around the loop, and the equations from which joints are eliminated."""
+
+import numpy as np
+import pytest
+
+from derive.model.inverse.closure import (
+    Loop,
+    axis_action,
+    closures,
+    frame_action,
+    joint_motion,
+    middle_part,
+    motion_by,
+    rigid_inverse,
+)
+
+PRIME = 2147483647
+
+
+def random_frames(random, count):
+    """Rigid motions, (count, 4, 4)."""
+    frames = np.tile(np.eye(4), (count, 1, 1))
+    for k in range(count):
+        rotation = np.linalg.qr(random.normal(size=(3, 3)))[0]
+        frames[k, :3, :3] = rotation * np.linalg.det(rotation)
+        frames[k, :3, 3] = random.normal(size=3)
+    return frames
+
+
+def random_loop(types, seed=0):
+    """An arm of floats with general gaps."""
+    return Loop(tuple(t == "R" for t in types), tuple(random_frames(np.random.default_rng(seed), len(types) + 1)))
+
+
+def products(loop, joints, q):
+    """The multilinear products of (1, c, s) or (1, d, d^2)."""
+    result = np.ones(1)
+    for joint in joints:
+        x = q[joint]
+        line = (1, np.cos(x), np.sin(x)) if loop.revolute[joint] else (1, x, x * x)
+        result = np.multiply.outer(result, line).reshape(-1)
+    return result
+
+
+def axis_numbers(u, p):
+    """The fifteen numbers by their definition."""
+    return np.concatenate([[1], u, p, [p @ p, p @ u], np.cross(p, u), (p @ p) * u - 2 * (p @ u) * p])
+
+
+def test_axis_action_maps_the_numbers_of_an_axis_to_those_of_the_moved_axis():
+    random = np.random.default_rng(1)
+    for frame in random_frames(random, 5):
+        u, p = random.normal(size=3), random.normal(size=3)
+        moved = axis_numbers(frame[:3, :3] @ u, frame[:3, :3] @ p + frame[:3, 3])
+        np.testing.assert_allclose(axis_action(frame) @ axis_numbers(u, p), moved, atol=1e-12)
+
+
+@pytest.mark.parametrize("action", [axis_action, frame_action])
+def test_actions_of_motions_one_after_the_other_are_multiplied(action):
+    first, second = random_frames(np.random.default_rng(2), 2)
+    np.testing.assert_allclose(action(first @ second), action(first) @ action(second), atol=1e-12)
+    np.testing.assert_allclose(action(rigid_inverse(first)) @ action(first), np.eye(15), atol=1e-12)
+
+
+@pytest.mark.parametrize("types", ["RRRRRR", "RPRRRR", "PRRPRR", "RRRRR", "RRPR"])
+def test_around_the_loop_both_ways_give_the_same_numbers(types):
+    loop = random_loop(types)
+    q = np.random.default_rng(3).uniform(-2, 2, loop.n)
+    pose = loop.pose([motion_by(turns, x) for turns, x in zip(loop.revolute, q, strict=True)])[None]
+    ways = closures(loop)
+    assert len(ways) >= loop.n
+    for way in ways:
+        left = way.eliminated_part(loop) @ products(loop, way.order[2:0:-1], q)
+        right = way.unknown_part(loop, pose).reshape(15, -1) @ products(loop, way.unknowns, q)
+        if way.aligned is None:
+            left = left.reshape(15)
+        np.testing.assert_allclose(left, right, atol=1e-10)
+
+
+def test_residues_follow_the_same_path_as_floats():
+    floats = random_loop("RRPRRR")
+    # rotations of rational numbers: quarter turns after rational lengths
+    turn = np.array([[0, 0, 1, 2], [1, 0, 0, 3], [0, 1, 0, 5], [0, 0, 0, 1]], dtype=object)
+    loop = Loop(floats.revolute, (turn,) * 7, PRIME)
+    t = [3, 5, 7, 11, 13, 17]
+    inverse = [pow(1 + x * x, -1, PRIME) for x in t]
+    circle = [((1 - x * x) * w % PRIME, 2 * x * w % PRIME) for x, w in zip(t, inverse, strict=True)]
+    motions = [
+        joint_motion(True, *(np.array(y, dtype=object) for y in circle[i]))
+        if loop.revolute[i]
+        else joint_motion(False, np.array(t[i], dtype=object))
+        for i in range(6)
+    ]
+    pose = loop.pose(motions)[None]
+    lines = [(1, *circle[i]) if loop.revolute[i] else (1, t[i], t[i] ** 2) for i in range(6)]
+    for way in closures(loop):
+        left = np.array([[a * b for b in lines[way.order[1]]] for a in lines[way.order[2]]], dtype=object).reshape(9)
+        right = np.ones(1, dtype=object)
+        for joint in way.unknowns:
+            right = np.array([a * b for a in right for b in lines[joint]], dtype=object)
+        carried = loop.settle(way.eliminated_part(loop).reshape(15, 9) @ left)
+        assert (carried == loop.settle(way.unknown_part(loop, pose).reshape(15, 27) @ right)).all()
+
+
+def test_a_loop_read_from_another_joint_has_the_same_configurations():
+    loop = random_loop("RRRPRR")
+    q = np.random.default_rng(4).uniform(-2, 2, 6)
+    motions = [motion_by(turns, x) for turns, x in zip(loop.revolute, q, strict=True)]
+    turned, constant = loop.rotated(2, loop.pose(motions)[None])
+    np.testing.assert_allclose(turned.pose(motions[2:] + motions[:2]), constant, atol=1e-12)
+
+
+def test_locked_joints_become_part_of_the_gaps():
+    loop = random_loop("RRRRRRR")
+    q = np.random.default_rng(5).uniform(-2, 2, 7)
+    motions = [motion_by(True, x) for x in q]
+    left = loop.locked([None, None, motions[2], None, None, None, motions[6]])
+    assert left.n == 5
+    np.testing.assert_allclose(left.pose([motions[k] for k in (0, 1, 3, 4, 5)]), loop.pose(motions), atol=1e-12)
+
+
+def test_the_middle_of_three_joints_moves_what_the_last_one_carries():
+    loop = random_loop("RRR")
+    q = np.random.default_rng(6).uniform(-2, 2, 3)
+    way = closures(random_loop("RRRRRR"))[-1].alone
+    parts, near, far = middle_part(loop, way)
+    carried = loop.carried(way.dropped)
+    moved = near @ motion_by(True, -way.direction * q[1]) @ far
+    seen = np.einsum("k,kj->j", (1, np.cos(q[1]), np.sin(q[1])), parts)
+    np.testing.assert_allclose(seen, carried.action(moved) @ carried.start, atol=1e-12)

@@ -1,0 +1,47 @@
+"""Polynomial equations between joints as eigenvalue problems."""
+
+import numpy as np
+import pytest
+
+from derive.model.inverse.closure import motion_by
+from derive.model.inverse.elimination import EigenProblem, eliminations
+from tests.model.inverse.test_closure import random_loop
+
+
+def pose_of(loop, q):
+    """T at a configuration, (1, 4, 4)."""
+    return loop.pose([motion_by(turns, x) for turns, x in zip(loop.revolute, q, strict=True)])[None]
+
+
+@pytest.mark.parametrize("types", ["RRRRRR", "RRPRRR"])
+def test_a_general_arm_has_sixteen_eigenvalues(types):
+    loop = random_loop(types)
+    pose = pose_of(loop, np.random.default_rng(1).uniform(-2, 2, 6))
+    assert min(each.eigenvalues for each in eliminations(loop, pose)) == 16
+
+
+@pytest.mark.parametrize("types", ["RRRRRR", "PRRPRR", "RRRRR"])
+def test_the_hidden_joint_is_among_the_eigenvalues_and_the_others_in_the_eigenvector(types):
+    loop = random_loop(types)
+    q = np.random.default_rng(2).uniform(-2, 2, loop.n)
+    pose = pose_of(loop, q)
+    tried = sorted(eliminations(loop, pose), key=lambda each: each.eigenvalues)[:6]
+    assert tried
+    for elimination in tried:
+        problem = EigenProblem.of(loop, elimination)
+        values, vectors, turn = problem.eigen(pose)
+        assert values.shape == (1, elimination.eigenvalues)
+        hidden = q[elimination.hidden]
+        wanted = np.tan((hidden - turn[0]) / 2) if loop.revolute[elimination.hidden] else hidden
+        which = np.abs(values[0] - wanted).argmin()
+        assert abs(values[0, which] - wanted) < 1e-6 * (1 + wanted**2)
+        product = np.ones(1)
+        for joint, size in zip(problem.others, problem.shape, strict=True):
+            x = q[joint]
+            line = (1, np.cos(x), np.sin(x)) if loop.revolute[joint] else (1, x, x * x, x**3)[:size]
+            if size == 4 and loop.revolute[joint]:
+                line = (np.cos(1.5 * x), np.sin(1.5 * x), np.cos(0.5 * x), np.sin(0.5 * x))
+            product = np.multiply.outer(product, line).reshape(-1)
+        vector = vectors[0, :, which]
+        parallel = abs(np.vdot(vector, product)) / np.linalg.norm(vector) / np.linalg.norm(product)
+        assert parallel > 1 - 1e-6

@@ -1,0 +1,132 @@
+"""Arms that no order of one-joint equations solves."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+from derive.model.inverse.general import GeneralSolution, find_general, free_loop, scaled
+from derive.model.inverse.numeric import NumericChain
+from tests.inverse.arms import PUBLISHED, random_arm
+from tests.inverse.truth import AllSolutions, Chain
+
+CASES = {case.name: case for case in PUBLISHED}
+
+
+@cache
+def solution_of(name) -> tuple[NumericChain, GeneralSolution]:
+    """An arm's numbers and its eliminations."""
+    case = CASES[name] if name in CASES else random_arm(name.split()[0], int(name.split()[1]))
+    chain = NumericChain.of(case.robot(choice=False), case.values)
+    found = find_general(chain, case.given)
+    assert found is not None
+    return chain, found
+
+
+def configurations(chain, count, seed=0):
+    """Random configurations, slides within the reach."""
+    span = np.where(chain.revolute, math.pi, 0.5 * chain.reach)
+    return np.random.default_rng(seed).uniform(-span, span, (count, chain.n))
+
+
+def distance(chain, a, b):
+    """Of configurations, full turns aside."""
+    apart = np.abs(a - b)
+    return np.where(chain.revolute, np.minimum(apart, 2 * math.pi - apart), apart).max(axis=-1)
+
+
+ARMS = [
+    "manseur-doty",
+    "jaco",
+    pytest.param("crx-10ia", marks=pytest.mark.sweep),
+    pytest.param("5R1P-general 0", marks=pytest.mark.sweep),
+    pytest.param("4R2P-general 1", marks=pytest.mark.sweep),
+    pytest.param("6R-wrist-middle 0", marks=pytest.mark.sweep),
+    pytest.param("panda", marks=pytest.mark.sweep),
+]
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_every_configuration_is_among_the_solutions_of_its_pose(name):
+    chain, general = solution_of(name)
+    q = configurations(chain, 60)
+    poses = chain.pose_and_jacobian(q)[0]
+    found = general.solve(chain, poses, q[:, list(general.given)] if general.given else None)
+    exists = np.isfinite(found[..., 0])
+    assert (np.where(exists, distance(chain, found, q[:, None]), 9.0).min(axis=1) < 1e-6).all()
+    error = np.abs(chain.pose_and_jacobian(np.nan_to_num(found))[0] - poses[:, None]).max(axis=(2, 3))
+    assert error[exists].max() < 1e-10 * max(1.0, chain.reach)
+    assert not np.isnan(found[exists]).any()
+
+
+def test_sixteen_real_solutions_are_found_at_the_pose_of_manseur_and_doty():
+    chain, general = solution_of("manseur-doty")
+    q = configurations(chain, 400, seed=1)
+    numbers = np.isfinite(general.solve(chain, chain.pose_and_jacobian(q)[0])[..., 0]).sum(axis=1)
+    assert (numbers % 2 == 0).all()
+    assert numbers.max() >= 12
+
+
+@pytest.mark.sweep
+def test_all_real_solutions_agree_with_those_found_by_continuation():
+    case = CASES["jaco"]
+    chain, general = solution_of("jaco")
+    q = configurations(chain, 4, seed=2)
+    found = general.solve(chain, chain.pose_and_jacobian(q)[0])
+    truth = AllSolutions(Chain(case.arm))
+    for mine, true in zip(found, truth.real(q)[0], strict=True):
+        mine = mine[np.isfinite(mine[:, 0])]
+        assert len(mine) == len(true)
+        assert all(distance(chain, mine, one).min() < 1e-6 for one in true)
+
+
+def test_an_unreachable_pose_has_no_solution():
+    chain, general = solution_of("jaco")
+    pose = chain.pose_and_jacobian(configurations(chain, 2))[0]
+    pose[:, :3, 3] += 3 * chain.reach
+    assert not np.isfinite(general.solve(chain, pose)).any()
+
+
+def test_double_roots_are_kept():
+    chain, general = solution_of("jaco")
+    q = configurations(chain, 40, seed=3)
+    # on the way to a singular configuration two solutions merge; the last one of the way is within 1e-7 of it
+    unit = np.where(chain.revolute, 1.0, chain.reach)
+
+    def determinant(x):
+        slope = chain.pose_and_jacobian(x)[1].reshape(*x.shape[:-1], chain.n, 12) * unit[:, None]
+        return np.linalg.svd(slope)[1][..., -1]
+
+    ends = []
+    for one in q:
+        steps = one + np.linspace(-1, 1, 201)[:, None] * np.eye(6)[2]
+        place = determinant(steps).argmin()
+        if 0 < place < 200:
+            ends.append(steps[place])
+    ends = np.array(ends)
+    assert len(ends) >= 10
+    found = general.solve(chain, chain.pose_and_jacobian(ends)[0])
+    exists = np.isfinite(found[..., 0])
+    assert (np.where(exists, distance(chain, found, ends[:, None]), 9.0).min(axis=1) < 1e-4).all()
+
+
+def test_units_of_length_make_no_difference():
+    chain, general = solution_of("jaco")
+    poses = chain.pose_and_jacobian(configurations(chain, 5))[0]
+    millimetres = NumericChain(
+        chain.revolute, chain.sign, scaled(chain.fixed, 1e-3), scaled(chain.tool, 1e-3), chain.limits
+    )
+    for one, other in zip(general.solve(millimetres, scaled(poses, 1e-3)), general.solve(chain, poses), strict=True):
+        one, other = one[np.isfinite(one[:, 0])], other[np.isfinite(other[:, 0])]
+        assert len(one) == len(other)
+        assert all(distance(chain, other, each).min() < 1e-7 for each in one)
+
+
+def test_the_free_loop_has_the_given_joints_in_its_gaps():
+    case = CASES["panda"]
+    chain = NumericChain.of(case.robot(choice=False))
+    q = configurations(chain, 3)
+    loop, free = free_loop(chain, case.given, q[:, list(case.given)])
+    assert loop.n == 6
+    assert list(free) == [i for i in range(7) if i not in case.given]
