@@ -11,6 +11,7 @@ from enum import StrEnum
 from derive.errors import Location
 from derive.robot.expression import ONE, ZERO, Expression, to_text
 from derive.robot.handout_options import FigureOptions, HandoutOptions
+from derive.robot.inverse_options import InverseOptions
 from derive.robot.style import Style
 
 Vector = tuple[Expression, Expression, Expression]
@@ -217,6 +218,7 @@ class Description:
         style: How expressions are grouped in print.
         handout: What the handout shows and how.
         figure: Which configuration is drawn.
+        inverse: What inverse kinematics is asked for.
         units: Units of plain numbers in the file; needed only for numbers that a user types beside it.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages only; never written to an output.
@@ -236,6 +238,7 @@ class Description:
     style: Style = field(default_factory=Style)
     handout: HandoutOptions = field(default_factory=HandoutOptions)
     figure: FigureOptions = field(default_factory=FigureOptions)
+    inverse: InverseOptions = field(default_factory=InverseOptions)
     units: FileUnits = FileUnits()
     digest: str = ""
     source: str = ""

@@ -18,7 +18,7 @@ from derive.robot.cells import Cells, check_symbol
 from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.expression import Expression
-from derive.robot.presentation import read_figure, read_handout, read_style
+from derive.robot.presentation import read_figure, read_handout, read_inverse, read_style
 from derive.robot.remarks import remarks_on
 from derive.robot.schema import check_structure
 from derive.robot.size_limits import FILE_LIMITS
@@ -177,6 +177,7 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         style=read_style(document),
         handout=read_handout(document),
         figure=read_figure(document, cells, joints, parameters),
+        inverse=read_inverse(document, joints),
         units=units,
         digest=document.digest,
         source=document.source,

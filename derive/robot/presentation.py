@@ -1,4 +1,4 @@
-"""Reads ``style:``, ``handout:`` and ``figure:`` of a robot file: how formulas are written, what is shown and drawn."""
+"""Reads the blocks of a robot file that say what is wanted of it: style, handout, figure and inverse kinematics."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from derive.robot.handout_options import (
     SliderLetter,
     chosen_pages,
 )
+from derive.robot.inverse_options import POSE, InverseOptions, chosen_given, chosen_task
 from derive.robot.style import DEFAULT_STYLE, Style
 
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
@@ -165,6 +166,35 @@ def read_figure(
             known = cells.first_use.keys() - variables - numbered
             raise document.error(path, "no cell uses this symbol", allowed, near_miss(name, known))
     return FigureOptions(q, tuple((name, _number(own, ("figure", "values", name), own.plain)) for name in values))
+
+
+def read_inverse(document: Document, joints: tuple[Joint, ...]) -> InverseOptions:
+    """What inverse kinematics is asked for.
+
+    Args:
+        document: The file, of checked structure.
+        joints: Rows of the table.
+
+    Returns:
+        The options.
+
+    Raises:
+        RobotFileError: A task or a joint that the robot has not.
+    """
+
+    def _chosen(path: KeyPath, choose: Callable[[list[str]], tuple[str, ...]]) -> tuple[str, ...] | None:
+        """The words of one key, whether it is a list or not."""
+        if document.find(path) is None:
+            return None
+        words = [document.text(*path, index) for index in range(document.length(path))]
+        try:
+            return choose(words or [word for word in [document.text(*path)] if word])
+        except QuantityError as error:
+            raise document.error(path, error.found, error.allowed, error.remedy) from None
+
+    variables = [joint.variable for joint in joints]
+    task = _chosen(("inverse", "task"), lambda words: chosen_task(words, len(joints)))
+    return InverseOptions(task or POSE, _chosen(("inverse", "given"), lambda words: chosen_given(words, variables)))
 
 
 def _number(cells: Cells, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:

@@ -32,6 +32,7 @@ class Robot(Description):
         style: How printed expressions are grouped.
         handout: What the handout shows and how.
         figure: Which configuration is drawn.
+        inverse: What inverse kinematics is asked for.
         units: Units of plain numbers in the file.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages.

@@ -23,6 +23,7 @@ from derive.robot.handout_options import (
     SliderLetter,
 )
 from derive.robot.hints import choice_hint, key_hint, shape_hint
+from derive.robot.inverse_options import ROWS
 from derive.robot.size_limits import FILE_LIMITS
 from derive.robot.style import (
     DEFAULT_STYLE,
@@ -47,6 +48,8 @@ Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTER
 Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
 Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
 Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": MOST_PAGES})]
+TaskName = Literal["pose", "position"]
+TaskRow = Annotated[str, WithJsonSchema({"type": "string", "enum": list(ROWS)})]
 StyleName = Literal["compact", "by-geometry", "expanded"]
 Vector3 = tuple[Cell, Cell, Cell]
 Row4 = tuple[Cell, Cell, Cell, Cell]
@@ -182,6 +185,21 @@ class FigureRow(Strict):
     )
 
 
+def _form_of_task(value: Any) -> str:
+    return _BLOCK if isinstance(value, list) else _NAME
+
+
+class InverseRow(Strict):
+    """What inverse kinematics is asked for."""
+
+    task: Annotated[
+        Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], Discriminator(_form_of_task)
+    ] = Field(default="pose", description="The whole pose, the position, or some rows of the pose.")
+    given: list[Symbol] | None = Field(
+        default=None, description="Joint variables that are arguments; default: the joints that are too many."
+    )
+
+
 class RobotFile(Strict):
     """A serial arm: its Denavit-Hartenberg table and, if given, frames around it and its dynamics."""
 
@@ -217,6 +235,7 @@ class RobotFile(Strict):
     )
     handout: HandoutRow = Field(default=HandoutRow(), description="Parts, language and notation of the handout.")
     figure: FigureRow = Field(default=FigureRow(), description="The configuration that is drawn and computed.")
+    inverse: InverseRow = Field(default=InverseRow(), description="Task and given joints of the inverse kinematics.")
 
 
 def json_schema() -> dict[str, Any]:
@@ -273,6 +292,7 @@ _NESTED: dict[str, type[BaseModel]] = {
     "handout": HandoutRow,
     "notation": NotationRow,
     "figure": FigureRow,
+    "inverse": InverseRow,
 }
 """The model of the mapping under a key."""
 

@@ -24,6 +24,9 @@ from derive.model.inverse.nodes import Kind
 from derive.model.inverse.unknowns import InverseDomain
 from derive.robot.expression import Expression
 
+_COUNTED = 3
+"""Poses at which leaves are counted."""
+
 _SAMPLES = 512
 """Poses modulo a prime: with seven independent square roots four of them have them all."""
 
@@ -69,7 +72,7 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
             ours = again.position[row] if column == 3 else again.rotation[row][column]
             closes &= (ours - pose[row][column]).values == 0
         closing.append(closes)
-    counts = [_distinct(leaves, closing, int(k)) for k in good]
+    counts = [_distinct(leaves, closing, int(k)) for k in good[:_COUNTED]]
     return max(counts)
 
 

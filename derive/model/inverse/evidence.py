@@ -19,7 +19,7 @@ import numpy as np
 from derive.algebra.residues import Array, Residue, ResidueDomain, echelon, fraction_residue
 from derive.algebra.ring import Polynomial
 from derive.mechanics.vectors import Frame
-from derive.model.inverse.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, identity_atoms
+from derive.model.inverse.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, identity_atoms
 from derive.model.inverse.unknowns import InverseDomain
 from derive.robot.expression import Expression
 
@@ -236,7 +236,23 @@ class Evidence:
         """Which equations do not change with the entries of T that are not given."""
         if len(given) == 12:
             return np.ones(len(self.equations), dtype=bool)
-        raise NotImplementedError
+        entries = {(i, j): self.end.rotation[i][j] for i in range(3) for j in range(3)}
+        entries |= {(i, 3): self.end.position[i] for i in range(3)}
+        keys = {place: tuple(map(int, self._plain(value))) for place, value in entries.items()}
+        fixed = {key for (i, j), key in keys.items() if (i + 1, j + 1) in given}
+        fixed |= {tuple((self.prime - x) % self.prime for x in key) for key in fixed}
+        fixed |= {(number,) * POSES for number in (0, 1, self.prime - 1)}
+        for place, key in keys.items():
+            if key not in fixed:
+                entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(POSES)]])
+        rotation = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
+        end = Frame((rotation[0], rotation[1], rotation[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
+        inner = links.base.inverse @ end @ links.tool.inverse
+        deep = self.pose.moment is not None
+        other = self._table(links, cuts, frame_atoms(inner, links.zero, deep=deep))
+        same = self._table(links, cuts, self.pose) == other
+        unchanged: Array = np.all(same.reshape(len(same), POSES, self._width)[:, :, 0], axis=1)
+        return unchanged
 
     def value(self, p: Polynomial, constants: Mapping[str, Expression]) -> Array:
         """A polynomial of the arm's ring at the poses.

@@ -26,24 +26,8 @@ from derive.model.inverse.nodes import Branch, Equation, Field, Formula, Kind, M
 from derive.model.inverse.unknowns import InverseDomain
 from derive.robot.description import Joint
 from derive.robot.expression import Expression
+from derive.robot.inverse_options import ROWS, Task
 from derive.robot.robot import Robot
-
-Task = tuple[str, ...]
-"""Rows of a task, in the words of `ROWS`."""
-
-ROWS: Mapping[str, tuple[tuple[int, int], ...]] = {
-    "x": ((1, 4),),
-    "y": ((2, 4),),
-    "z": ((3, 4),),
-    "phi": ((1, 1), (2, 1)),
-    "approach": ((1, 3), (2, 3), (3, 3)),
-    "orientation": tuple((i, j) for j in (1, 2, 3) for i in (1, 2, 3)),
-}
-"""What may be asked of an end effector, and the entries of T that say it: its position, the angle of its x axis about
-the world's z axis, the direction of its z axis, and its whole orientation."""
-
-TASKS: Mapping[str, Task] = {"pose": ("x", "y", "z", "orientation"), "position": ("x", "y", "z")}
-"""Tasks with a name."""
 
 
 @dataclass(frozen=True)

@@ -419,10 +419,11 @@ class Solver(Generic[N, M]):
         f = self.field
         (has_a, has_b, has_c), (a, b, c) = map(bool, equation.linear), map(self.evaluate, equation.linear)
         if not has_c:
-            root = f.sqrt(a * a + b * b)
+            square = a * a + b * b
+            root = f.sqrt(square)
             cosine, sine = f.divide(-b, root), f.divide(a, root)
             both = [(cosine, sine), (-cosine, -sine)]
-            return [Branch(pair, f.truth(True), f.truth(False)) for pair in both]
+            return [Branch(pair, f.has_root(square, square), f.truth(False)) for pair in both]
         if not has_a or not has_b:
             known = f.divide(c, b if has_b else a)
             radicand = f.number(1) - known * known

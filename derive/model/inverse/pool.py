@@ -373,6 +373,22 @@ def identity_atoms(links: Links[S], *, deep: bool) -> Atoms[S]:
     return Atoms(identity(zero, links.one), null, null, zero, higher, higher)
 
 
+def frame_atoms(frame: Frame[S], zero: S, *, deep: bool) -> Atoms[S]:
+    """The atoms of a frame, by their definitions.
+
+    Args:
+        frame: The frame.
+        zero: The number 0.
+        deep: Whether with m and k.
+    """
+    r, p = frame.rotation, frame.position
+    back, square = multiply(transpose(r), p), dot(p, p)
+    if not deep:
+        return Atoms(r, p, back, square)
+    reflection = add_matrices(_scaled(square, r), _scaled(-2, outer(p, back)))
+    return Atoms(r, p, back, square, matmul(hat(p, zero), r), reflection)
+
+
 def _scaled(factor: S | int, m: Matrix[S]) -> Matrix[S]:
     return (scale(factor, m[0]), scale(factor, m[1]), scale(factor, m[2]))
 

@@ -10,23 +10,28 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, cached_property
-from itertools import product
+from itertools import combinations, product
 from math import gcd, lcm
 
 import numpy as np
 
 from derive.algebra.generators import Kind as GeneratorKind
+from derive.algebra.residues import Residue, ResidueDomain, echelon
 from derive.algebra.ring import Polynomial
-from derive.mechanics.vectors import Frame, Matrix, dot, hat, matmul, multiply, outer, transpose
+from derive.errors import QuantityError, listed
+from derive.mechanics.chain import ChainJoint, build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
+from derive.mechanics.vectors import Frame, Matrix, column, cross, dot, hat, matmul, multiply, outer, transpose
 from derive.model.inverse.completeness import counted
 from derive.model.inverse.evidence import Evidence
-from derive.model.inverse.graph import ROWS, TASKS, Node, Plan, SolutionGraph, Task, horner
+from derive.model.inverse.graph import Node, Plan, SolutionGraph, horner, turned
 from derive.model.inverse.nodes import BRANCHES, Equation, Exponents, Formula, Kind, Source, Unknown
-from derive.model.inverse.pool import Atoms, Links, Pool, dimension
+from derive.model.inverse.pool import Atoms, Links, Pool, dimension, identity_atoms
 from derive.model.inverse.search import Choice, Search, State, Step
 from derive.model.inverse.unknowns import ENTRIES, InverseDomain, shifted
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression, names, substitute
+from derive.robot.inverse_options import ROWS, Task
 from derive.robot.robot import Robot
 
 _CONSTANTS = (
@@ -41,6 +46,12 @@ _CONSTANTS = (
 
 _ALTERNATIVES = 2
 """Formulas besides the chosen one that a node has for poses at which that one fails."""
+
+MAX_JOINTS = 10
+"""Longer arms are solved by numbers alone."""
+
+_TRIED = 4
+"""Choices of given joints that are tried where the file makes none."""
 
 _LONG_SUM = 2
 """Operations that a sum of angles as unknown must save for each joint more that it spans."""
@@ -57,6 +68,7 @@ class Pose:
         links: The arm in it.
         evidence: Says what is equal wherever the arm reaches.
         constants: See `Evidence.value`.
+        allowed: The entries of T that are given, by which others are written where they are equal.
         deep: Whether the higher invariants are taken too.
 
     Attributes:
@@ -70,6 +82,7 @@ class Pose:
         links: Links[Polynomial],
         evidence: Evidence,
         constants: Mapping[str, Expression],
+        allowed: frozenset[tuple[int, int]] = frozenset(),
         *,
         deep: bool = False,
     ) -> None:
@@ -77,7 +90,8 @@ class Pose:
         self._known: list[tuple[tuple[int, ...], Polynomial]] = []
         self.definitions: dict[str, Polynomial] = {}
         places = [(i, j) for j in range(4) for i in range(3)]
-        end = self._frame({(i, j): self._entry(f"T[{i + 1},{j + 1}]", None) for i, j in places})
+        first = sorted(places, key=lambda place: (place[0] + 1, place[1] + 1) not in allowed)
+        end = self._frame({(i, j): self._entry(f"T[{i + 1},{j + 1}]", None) for i, j in first})
         inner = links.base.inverse @ end @ links.tool.inverse
         self._known.clear()
         flat = {(i, j): inner.position[i] if j == 3 else inner.rotation[i][j] for i, j in places}
@@ -151,7 +165,7 @@ class Derivation:
         self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, keep_tool)
         cuts = list(self.links.cuts())
         self.evidence = Evidence(sampled, cuts, allowed, keep_tool=keep_tool, deep=deep)
-        self.pose = Pose(self.domain, self.links, self.evidence, self.constants, deep=deep)
+        self.pose = Pose(self.domain, self.links, self.evidence, self.constants, allowed, deep=deep)
         self.pool = Pool(self.links, self.pose.atoms)
         self.search = Search(self.evidence, given)
         self.polynomial = cache(self._polynomial)
@@ -177,15 +191,6 @@ class Derivation:
             self._ensure(self.domain.unknown(joint))
         return self._finished()
 
-    def refusal(self, reason: str) -> SolutionGraph:
-        """A graph without nodes.
-
-        Args:
-            reason: Why there is no closed form.
-        """
-        reach = self._square_reach()
-        return SolutionGraph(self.robot, self.domain, self.task, self.given, (), reach, (), self.shifts, why_not=reason)
-
     def _finished(self) -> SolutionGraph:
         used = {name for node in self.nodes for formula in node.formulas for name in _names_of_formula(formula)}
         definitions: list[tuple[str, Polynomial]] = []
@@ -199,18 +204,10 @@ class Derivation:
             self.task,
             self.given,
             tuple(definitions),
-            self._square_reach(),
+            square_reach(self.robot, self.domain),
             tuple(self.nodes),
             self.shifts,
         )
-
-    def _square_reach(self) -> Polynomial:
-        """The squares of all lengths of the table and of the position."""
-        robot, domain = self.robot, self.domain
-        cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)]
-        cells += [row[3] for matrix in (robot.base, robot.tool) for row in matrix[:3]]
-        lengths = [domain.constant(cell) for cell in cells] + [domain.ring.generator(f"T[{k},4]") for k in (1, 2, 3)]
-        return sum((x * x for x in lengths), domain.ring.zero)
 
     # -- nodes
 
@@ -278,17 +275,15 @@ class Derivation:
         written = [
             (self._cost(formula) + _LONG_SUM * len(unknown.joints), len(unknown.joints), k, formula, unknown)
             for k, (choice, unknown) in enumerate(product(alike, self._candidates(step)))
-            if (formula := self._formula(choice, step, state, unknown)) is not None
+            if (formula := self._formula(choice, state, unknown)) is not None
         ]
-        if not written:
-            raise NotImplementedError("no formula")
         _, _, _, first, unknown = min(written, key=lambda row: row[:3])
         found = [first]
         for choice in step.choices:
             if not found[0].degenerate or len(found) > _ALTERNATIVES:
                 break
             if BRANCHES[choice.kind] <= first.branches:
-                formula = self._formula(choice, step, state, unknown)
+                formula = self._formula(choice, state, unknown)
                 if formula is not None and all(_differ(formula, other) for other in found):
                     found.append(formula)
         return tuple(found), unknown
@@ -302,18 +297,16 @@ class Derivation:
         ends = (sorted(pair) for pair in product(*links))
         return [self.domain.unknown(*group[u:v]) for u, v in sorted(ends, key=lambda e: (e[1] - e[0], e))]
 
-    def _formula(self, choice: Choice, step: Step, state: State, unknown: Unknown) -> Formula | None:
+    def _formula(self, choice: Choice, state: State, unknown: Unknown) -> Formula | None:
         """A choice in exact polynomials; None where it needs what is not known after all."""
-        equations = [self._equation(k, step, state, unknown) for k in choice.equations]
+        equations = [self._equation(k, state, unknown) for k in choice.equations]
         if any(equation is None for equation in equations):
             return None
         return Formula(choice.kind, tuple(equation for equation in equations if equation is not None))
 
-    def _equation(self, number: int, step: Step, state: State, unknown: Unknown) -> Equation | None:
+    def _equation(self, number: int, state: State, unknown: Unknown) -> Equation | None:
         cut, entry = self.evidence.equations[number]
-        p = self.polynomial(number)
-        if step.group >= 0:
-            p = self._rewritten(p, step, unknown)
+        p = self._rewritten(self.polynomial(number), state, unknown)
         ring = self.domain.ring
         places = [ring.index[name] for name in unknown.generators]
         terms = {
@@ -349,24 +342,29 @@ class Derivation:
         angles = [unknown for unknown in self._all_unknowns() if unknown.is_angle]
         return {name: self._ends(unknown) for unknown in angles for name in unknown.generators}
 
-    def _rewritten(self, p: Polynomial, step: Step, unknown: Unknown) -> Polynomial:
-        """A polynomial with the angles between two parts of a group as one unknown and angles within the parts."""
+    def _rewritten(self, p: Polynomial, state: State, unknown: Unknown) -> Polynomial:
+        """A polynomial with all angles of a group between parts that are known, counted from one of the unknown's.
+
+        What does not occur after all drops out then, for the angles between the parts are independent.
+        """
         domain, ring = self.domain, self.domain.ring
-        g, start, goal = self._ends(unknown)
-        ends = {bool(step.parts[1] >> k & 1): k for k in (start, goal)}
+        g, *ends = self._ends(unknown) if unknown.is_angle else (-1,)
         degrees, images, changed = p.degrees(), list(ring.context.gens()), False
         for name, (group, u, v) in self._angle_places.items():
-            sides = [bool(step.parts[1] >> k & 1) for k in (u, v)]
-            if group != g or sides[0] == sides[1] or not degrees[ring.index[name]] or name in unknown.generators:
+            if not degrees[ring.index[name]] or name in unknown.generators:
                 continue
-            other = self.domain.unknown(*domain.groups[g][u:v])
-            turn = domain.turn(g, u, ends[sides[0]])
-            for a, b in ((ends[sides[0]], ends[sides[1]]), (ends[sides[1]], v)):
-                c, s = domain.turn(g, a, b)
-                turn = (turn[0] * c - turn[1] * s, turn[1] * c + turn[0] * s)
+            homes = [next(part for part in state.groups[group] if part >> k & 1) for k in (u, v)]
+            if homes[0] == homes[1]:
+                continue
+            kept = ends if group == g else []
+            first, last = (next((k for k in kept if home >> k & 1), _lowest(home)) for home in homes)
+            root = ends[0] if group == g else _lowest(state.groups[group][0])
+            turn = domain.turn(group, u, first)
+            for a, b in ((first, root), (root, last), (last, v)):
+                turn = turned(turn, domain.turn(group, a, b))
+            other = domain.unknown(*domain.groups[group][u:v])
             value = turn[0] if name == other.generators[0] else self._sign(other, forwards=True) * turn[1]
-            images[ring.index[name]] = value.raw
-            changed = True
+            images[ring.index[name]], changed = value.raw, True
         return ring.wrap(p.raw.compose(*images)) if changed else p
 
     def _cost(self, formula: Formula) -> int:
@@ -376,6 +374,11 @@ class Derivation:
         missing = {u for u in self._all_unknowns() if u not in self.homes and used & set(u.generators)}
         mixed = len({(e.source.first, e.source.last, e.source.entry[0], e.dimension) for e in formula.equations}) - 1
         return operations + 6 * len(missing) + 6 * mixed
+
+
+def _lowest(part: int) -> int:
+    """The first link of a set."""
+    return (part & -part).bit_length() - 1
 
 
 def _operations(plan: Plan) -> int:
@@ -443,20 +446,136 @@ def _with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     return replace(robot, joints=joints, base=base, tool=tool, links=(), gravity=None)
 
 
-def solve(robot: Robot, task: Task = TASKS["pose"], given: Sequence[int] = ()) -> SolutionGraph:
+def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = None) -> SolutionGraph:
     """The graph of all solutions of an arm.
+
+    Args:
+        robot: The robot.
+        task: The rows of the task; default as the file says.
+        given: Indices of the joints that are arguments; default as the file says, else as many as there are too many.
+
+    Returns:
+        The graph; where there is none, `SolutionGraph.why_not` says so.
+
+    Raises:
+        QuantityError: Joints that are given leave others that move the arm without moving its end.
+    """
+    task = robot.inverse.task if task is None else task
+    if given is None and robot.inverse.given is not None:
+        given = [k for k, joint in enumerate(robot.joints) if joint.variable in robot.inverse.given]
+    if robot.n > MAX_JOINTS:
+        return refusal(robot, task, tuple(given or ()), f"an arm of more than {MAX_JOINTS} joints")
+    freedom = Freedom(robot, task)
+    if given is not None:
+        freedom.check(given)
+    choices = [tuple(given)] if given is not None else list(freedom.choices())[:_TRIED]
+    for deep in (False, True):
+        for choice in choices:
+            derivation = Derivation(robot, task, choice, deep=deep)
+            graph = derivation.graph()
+            if graph is not None:
+                return counted(graph, derivation.sampled, derivation.numbers)
+    reason = "no order of the joints in which each follows by itself from the pose and the joints before it"
+    return refusal(robot, task, choices[0], reason)
+
+
+def refusal(robot: Robot, task: Task, given: Sequence[int], reason: str) -> SolutionGraph:
+    """A graph without nodes.
 
     Args:
         robot: The robot.
         task: The rows of the task.
         given: Indices of the joints that are arguments.
-
-    Returns:
-        The graph; where there is none, `SolutionGraph.why_not` says so.
+        reason: Why there is no closed form.
     """
-    for deep in (False, True):
-        derivation = Derivation(robot, task, given, deep=deep)
-        graph = derivation.graph()
-        if graph is not None:
-            return counted(graph, derivation.sampled, derivation.numbers)
-    return derivation.refusal("no order of the joints in which each follows by itself from the ones before it")
+    plain, shifts = shifted(_with_numbers(robot, {}))
+    domain = InverseDomain(plain)
+    reach = square_reach(plain, domain)
+    return SolutionGraph(plain, domain, task, tuple(given), (), reach, (), shifts, why_not=reason)
+
+
+def square_reach(robot: Robot, domain: InverseDomain) -> Polynomial:
+    """The squares of all lengths of the table and of the position.
+
+    Args:
+        robot: The robot.
+        domain: Its ring.
+    """
+    cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)]
+    cells += [row[3] for matrix in (robot.base, robot.tool) for row in matrix[:3]]
+    lengths = [domain.constant(cell) for cell in cells] + [domain.ring.generator(f"T[{k},4]") for k in (1, 2, 3)]
+    return sum((x * x for x in lengths), domain.ring.zero)
+
+
+class Freedom:
+    """Which joints move the end effector in the sense of a task, by ranks modulo a prime at a random configuration.
+
+    Args:
+        robot: The robot.
+        task: The rows of the task.
+    """
+
+    def __init__(self, robot: Robot, task: Task) -> None:
+        numbers = _baked(robot)
+        self.robot = _with_numbers(shifted(_with_numbers(robot, numbers))[0], numbers)
+        domain = InverseDomain(self.robot)
+        residues = ResidueDomain(domain, 1, seed=3)
+        chain = build_chain(self.robot, residues)
+        rotation = forward_kinematics(chain).rotation
+        columns = list(zip(*jacobian(chain), strict=True))
+        rows = []
+        for i, j in (place for row in task for place in ROWS[row]):
+            moved = [v[i - 1] if j == 4 else cross(v[3:], column(rotation, j - 1))[i - 1] for v in columns]
+            rows.append([int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in moved])
+        self._table, self._prime = np.array(rows, dtype=np.int64), residues.prime
+        self.rank = self._rank(range(robot.n))
+        links = Links(self.robot, residues, lambda k, _: self._motion(chain.joints[k]))
+        self._pool = Pool(links, identity_atoms(links, deep=False))
+
+    def _motion(self, joint: ChainJoint[Residue]) -> tuple[Residue, ...]:
+        return (joint.cosine, joint.sine) if joint.revolute else (joint.offset,)
+
+    def _rank(self, joints: Iterable[int]) -> int:
+        return len(echelon(self._table[:, list(joints)], self._prime)[0])
+
+    def check(self, given: Sequence[int]) -> None:
+        """Refuse given joints that leave others free.
+
+        Args:
+            given: Their indices.
+
+        Raises:
+            QuantityError: The others move the arm without moving its end.
+        """
+        rest = [k for k in range(self.robot.n) if k not in given]
+        if self._rank(rest) == len(rest):
+            return
+        variables = [joint.variable for joint in self.robot.joints]
+        more = [variables[k] for k in rest if self._rank([j for j in rest if j != k]) == self._rank(rest)]
+        count = len(rest) - self._rank(rest)
+        raise QuantityError(
+            f"with {listed([variables[k] for k in given]) or 'no joint'} given the others are not determined",
+            allowed=f"{count} joint{'s' if count > 1 else ''} more to be given of {listed(more)}",
+        )
+
+    def choices(self) -> Iterator[tuple[int, ...]]:
+        """Which joints may be given so that the task determines the others, the usual choice first.
+
+        With a shoulder and a wrist of three axes through one point each, seven joints have their elbow's swivel as
+        third joint; else the last joints are given.
+        """
+        n, extra = self.robot.n, self.robot.n - self.rank
+        sets = sorted(combinations(range(n), extra), key=lambda joints: tuple(-k for k in reversed(joints)))
+        if extra == 1 and n == 7 and self._meet(0) and self._meet(4):
+            sets.sort(key=lambda joints: joints != (2,))
+        for joints in sets:
+            rest = [k for k in range(n) if k not in joints]
+            if self._rank(rest) == len(rest):
+                yield joints
+
+    def _meet(self, first: int) -> bool:
+        """Whether the axes of three joints meet in one point."""
+        if not all(joint.is_revolute for joint in self.robot.joints[first : first + 3]):
+            return False
+        position = self._pool.inside(first, first + 2).position
+        return not any(np.any(x.values) for x in position)

@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from derive.errors import QuantityError
 from derive.mechanics.floats import value_at
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import Run, SolutionGraph
@@ -58,3 +59,23 @@ def test_the_configuration_is_among_the_solutions_and_all_lead_to_its_pose(name:
 def _pose(robot: Robot, q: np.ndarray, values: dict[str, float]) -> np.ndarray:
     numbers = tuple((name, Number(Fraction(value))) for name, value in values.items())
     return np.array(value_at(replace(robot, parameters=numbers), "T", list(q)))
+
+
+def test_of_a_redundant_arm_the_swivel_of_the_elbow_is_given_or_the_last_joint() -> None:
+    assert solve(Robot.load("kuka-lwr4")).given == (2,)
+    planar = Robot.load("planar-3r")
+    graph = solve(planar, ("x", "y"))
+    assert graph.given == (2,)
+    assert graph.count == 2
+    assert solve(planar, ("x", "y", "phi")).count == 2
+
+
+def test_given_joints_that_leave_others_free_are_refused() -> None:
+    with pytest.raises(QuantityError, match=r"1 joint more to be given of q1, q2, q3"):
+        solve(Robot.load("planar-3r"), ("x", "y"), ())
+
+
+def test_an_arm_of_many_joints_has_no_closed_form_and_says_why() -> None:
+    graph = solve(Robot.load("human-body"))
+    assert not graph.is_closed
+    assert "joints" in graph.why_not
