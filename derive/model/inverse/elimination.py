@@ -55,7 +55,7 @@ class EliminationPolicy:
         trials: Poses at which eliminations are compared.
         options: Eliminations that are compared, those with the fewest eigenvalues.
         near: Error of a pose before refinement below which a candidate should have become a solution.
-        rough: Error of most solutions before refinement above which another elimination is better.
+        rough: Error before refinement above which a candidate that became a solution was a lucky start.
     """
 
     rank: float = 1e-9
@@ -67,7 +67,7 @@ class EliminationPolicy:
     trials: int = 24
     options: int = 24
     near: float = 1e-4
-    rough: float = 1e-7
+    rough: float = 1e-6
 
 
 POLICY = EliminationPolicy()

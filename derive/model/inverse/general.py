@@ -11,7 +11,8 @@ Which of the many possible eliminations serves an arm best is found by trying th
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import random
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,9 +21,15 @@ import numpy.typing as npt
 
 from derive.model.inverse.closure import ELIMINATED, Closure, Loop, middle_part, motion_by, rigid_inverse
 from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination, eliminations
+from derive.model.inverse.general_count import count_solutions
 from derive.model.inverse.numeric import NumericChain, Problem
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
+
+PAIR = 2
+"""Numbers of an angle: cosine and sine."""
 
 FULL = 6
 """Joints of an arm that reaches poses in six ways: its number of real solutions is even at regular poses."""
@@ -186,12 +193,12 @@ class GeneralSolution:
         Returns:
             (poses, k, n), those that exist first and NaN after them; k is the largest number of solutions met.
         """
-        found = self._attempt(0, chain, poses, given)
+        found = self.attempt(0, chain, poses, given)
         doubtful = np.flatnonzero(found.doubtful) if len(self.eliminations) > 1 else np.zeros(0, dtype=int)
         if not doubtful.size:
             return found.q
         chosen = None if given is None else given[doubtful]
-        again = self._attempt(1, chain, poses[doubtful], chosen).q
+        again = self.attempt(1, chain, poses[doubtful], chosen).q
         both = np.concatenate([found.q[doubtful], again], axis=1)
         merged = _distinct(both, chain)
         width = max(found.q.shape[1], merged.shape[1])
@@ -200,7 +207,15 @@ class GeneralSolution:
         result[doubtful], result[doubtful, : merged.shape[1]] = np.nan, merged
         return result
 
-    def _attempt(self, index: int, chain: NumericChain, poses: Array, given: Array | None) -> _Attempt:
+    def attempt(self, index: int, chain: NumericChain, poses: Array, given: Array | None) -> Attempt:
+        """The solutions that one elimination finds.
+
+        Args:
+            index: Which one.
+            chain: The arm's numbers.
+            poses: (poses, 4, 4).
+            given: (poses, given joints) their variables.
+        """
         elimination, unit = self.eliminations[index], chain.reach
         loop, free = free_loop(chain, self.given, given)
         pose = scaled(poses, unit)
@@ -219,21 +234,31 @@ class GeneralSolution:
         first = goal.residual(q)
         q, residual = _refined(goal, q)
         good = residual <= POLICY.residual
+        sure = good & (first < POLICY.rough)
+        certain = int(np.isfinite(_distinct(_table(place[sure], q[sure], len(poses)), chain)[..., 0]).sum())
         distinct = _distinct(_table(place[good], q[good], len(poses)), chain)
         numbers = np.isfinite(distinct[..., 0]).sum(axis=1)
         doubtful = numbers == 0
         doubtful[place[~good & (first < POLICY.near)]] = True
         if loop.n == FULL:
             doubtful |= numbers % 2 == 1
-        return _Attempt(distinct, doubtful, float(np.quantile(first[good], 0.9)) if good.any() else math.inf)
+        return Attempt(distinct, doubtful, certain, float(np.quantile(first[good], 0.9)) if good.any() else math.inf)
 
 
 @dataclass(frozen=True, eq=False)
-class _Attempt:
-    """Solutions by one elimination, at which poses some may be missing, and the error of most before refinement."""
+class Attempt:
+    """Solutions by one elimination.
+
+    Attributes:
+        q: (poses, k, n).
+        doubtful: (poses,) where some may be missing.
+        certain: How many of all were close before refinement: Newton's method had no luck with them.
+        error: Of most of them, before refinement.
+    """
 
     q: Array
     doubtful: Array
+    certain: int
     error: float
 
 
@@ -324,7 +349,7 @@ def _distinct(table: Array, chain: NumericChain) -> Array:
     return np.take_along_axis(turned, order[..., None], axis=1) * kept
 
 
-def find_general(chain: NumericChain, given: Sequence[int] = ()) -> GeneralSolution | None:
+def find_general(chain: NumericChain, given: Sequence[int] = ()) -> tuple[Elimination, ...]:
     """The eliminations that find all solutions of an arm, compared at random poses.
 
     Args:
@@ -332,25 +357,101 @@ def find_general(chain: NumericChain, given: Sequence[int] = ()) -> GeneralSolut
         given: Joints that are arguments.
 
     Returns:
-        The best two eliminations; None where there is none.
+        The best first; none where there is none.
     """
-    random = np.random.default_rng(7)
+    draw = np.random.default_rng(7)
     span = np.where(chain.revolute, math.pi, chain.reach)
-    q = random.uniform(-span, span, (POLICY.trials, chain.n))
+    q = draw.uniform(-span, span, (POLICY.trials, chain.n))
     poses, values = chain.pose_and_jacobian(q)[0], q[:, list(given)] if given else None
     loop, _ = free_loop(chain, given, None if values is None else values[:1])
     pose, results = scaled(poses[:1], chain.reach), []
     if not 1 + ELIMINATED < loop.n <= FULL:
-        return None
+        return ()
     for start in range(0, loop.n, 3):
         turned, goal = loop.rotated(start, pose) if start else (loop, pose)
         options = sorted(eliminations(turned, goal, start), key=lambda each: each.eigenvalues)
         for option in options[: POLICY.options]:
-            found = GeneralSolution(tuple(given), (option,))._attempt(0, chain, poses, values)
-            number = int(np.isfinite(found.q[..., 0]).sum())
-            rough = found.error > POLICY.rough
-            results.append(((-number, int(found.doubtful.sum()) > 2, rough, option.eigenvalues, found.error), option))
+            found = GeneralSolution(tuple(given), (option,)).attempt(0, chain, poses, values)
+            doubts = int(found.doubtful.sum()) > POLICY.trials // 10
+            results.append(((-found.certain, doubts, option.eigenvalues, found.error), option))
         if results and not min(results, key=lambda each: each[0])[0][1]:
             break
-    results.sort(key=lambda each: each[0])
-    return GeneralSolution(tuple(given), tuple(option for _, option in results[:2])) if results else None
+    return tuple(option for _, option in sorted(results, key=lambda each: each[0]))
+
+
+@dataclass(frozen=True, eq=False)
+class GeneralFormula:
+    """What a general node solves (`derive.model.inverse.nodes.Formula.payload`): all joints that are not given.
+
+    Attributes:
+        robot: The arm, its joint variables the unknowns of the graph.
+        solution: Its eliminations.
+        given: For each given joint the generators of its unknown.
+    """
+
+    robot: Robot
+    solution: GeneralSolution
+    given: tuple[tuple[str, ...], ...]
+
+    @property
+    def branches(self) -> int:
+        """The number of values of the node."""
+        return self.solution.branches
+
+    def solve(self, field: Any, values: Mapping[str, Any]) -> list[tuple[tuple[tuple[Any, ...], ...], Any]]:
+        """The branches of the node over floats.
+
+        Args:
+            field: A `FloatField`: the numbers of the parameters.
+            values: Entries of the pose, cosines and sines or lengths of given joints, each one number or one per pose.
+
+        Returns:
+            For each branch the numbers of the unknowns, joint by joint, and where it exists.
+        """
+        chain = NumericChain.of(self.robot, field.values)
+        entries = [values[f"T[{i},{j}]"] for i in (1, 2, 3) for j in (1, 2, 3, 4)]
+        known = [values[name] for names in self.given for name in names]
+        *flat, last = np.broadcast_arrays(*entries, *known, np.float64(0.0))
+        poses = np.tile(np.eye(4), (last.size, 1, 1))
+        poses[:, :3] = np.stack([part.ravel() for part in flat[:12]], axis=-1).reshape(-1, 3, 4)
+        numbers, given = iter(part.ravel() for part in flat[12:]), []
+        for names in self.given:
+            first = next(numbers)
+            given.append(np.arctan2(next(numbers), first) if len(names) == PAIR else first)
+        found = self.solution.solve(chain, poses, np.stack(given, axis=-1) if given else None)
+        return [self._branch(chain, found, k, last.shape) for k in range(self.branches)]
+
+    def _branch(self, chain: NumericChain, found: Array, k: int, shape: tuple[int, ...]) -> tuple[Any, Any]:
+        exists = np.isfinite(found[:, k, 0]) if k < found.shape[1] else np.zeros(len(found), dtype=bool)
+        q = np.nan_to_num(found[:, k] if k < found.shape[1] else np.zeros((len(found), chain.n)))
+        numbers: list[tuple[Any, ...]] = []
+        for joint in (i for i in range(chain.n) if i not in self.solution.given):
+            value = q[:, joint].reshape(shape)
+            numbers.append((np.cos(value), np.sin(value)) if chain.revolute[joint] else (value,))
+        return tuple(numbers), exists.reshape(shape)
+
+
+def general_formula(
+    robot: Robot, specimen: Robot, given: Sequence[int], generators: Sequence[tuple[str, ...]]
+) -> GeneralFormula | None:
+    """The general node of an arm, for the whole pose.
+
+    Args:
+        robot: The arm, its joint variables the unknowns of the graph.
+        specimen: The same with numbers in place of the parameters that have numbers: its solutions are counted.
+        given: Joints that are arguments.
+        generators: The generators of their unknowns.
+
+    Returns:
+        The node; None where there is no elimination.
+    """
+    missing = sorted(set(free_symbols(specimen)))
+    draw = random.Random(5)
+    chain = NumericChain.of(robot, {name: draw.uniform(0.3, 1.1) for name in missing})
+    found = find_general(chain, given)
+    if not found:
+        return None
+    decided = {(each.start, each.unknowns, each.hidden): each for each in reversed(found)}
+    counts = (count_solutions(specimen, each, given) for each in reversed(decided.values()))
+    count = next((number for number in counts if number), 0)
+    return GeneralFormula(robot, GeneralSolution(tuple(given), found[:2], count), tuple(generators))

@@ -24,6 +24,7 @@ from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.vectors import Frame, Matrix, column, cross, dot, hat, matmul, multiply, outer, transpose
 from derive.model.inverse.completeness import counted
 from derive.model.inverse.evidence import Evidence
+from derive.model.inverse.general import general_formula
 from derive.model.inverse.graph import Node, Plan, SolutionGraph, horner, turned
 from derive.model.inverse.nodes import BRANCHES, Equation, Exponents, Formula, Kind, Source, Unknown
 from derive.model.inverse.pool import Atoms, Links, Pool, dimension, identity_atoms
@@ -190,6 +191,25 @@ class Derivation:
         for joint in range(self.robot.n):
             self._ensure(self.domain.unknown(joint))
         return self._finished()
+
+    def general_graph(self) -> SolutionGraph | None:
+        """The graph of one general node for all joints that are not given; None where there is none."""
+        if {place for row in self.task for place in ROWS[row]} < {(i, j) for i in (1, 2, 3) for j in (1, 2, 3, 4)}:
+            return None
+        specimen = _with_numbers(self.robot, self.numbers)
+        given = [self.domain.unknown(joint) for joint in self.given]
+        formula = general_formula(self.robot, specimen, self.given, [unknown.generators for unknown in given])
+        if formula is None:
+            return None
+        self.nodes.clear()
+        self.homes.clear()
+        for unknown in given:
+            self._append((unknown,), (Formula(Kind.GIVEN),))
+        free = tuple(self.domain.unknown(i) for i in range(self.robot.n) if i not in self.given)
+        node = Node(len(given), free, (Formula(Kind.GENERAL, payload=formula),), tuple(range(len(given))))
+        self.nodes.append(replace(node, branches=formula.branches))
+        count = formula.solution.count
+        return replace(self._finished(), count=count, complete=count > 0)
 
     def _finished(self) -> SolutionGraph:
         used = {name for node in self.nodes for formula in node.formulas for name in _names_of_formula(formula)}
@@ -475,6 +495,9 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
             graph = derivation.graph()
             if graph is not None:
                 return counted(graph, derivation.sampled, derivation.numbers)
+    general = Derivation(robot, task, choices[0]).general_graph()
+    if general is not None:
+        return general
     reason = "no order of the joints in which each follows by itself from the pose and the joints before it"
     return refusal(robot, task, choices[0], reason)
 

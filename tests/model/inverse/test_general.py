@@ -6,8 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
+from derive.model.inverse.fields import FloatField
 from derive.model.inverse.general import GeneralSolution, find_general, free_loop, scaled
+from derive.model.inverse.graph import Run
+from derive.model.inverse.nodes import Kind
 from derive.model.inverse.numeric import NumericChain
+from derive.model.inverse.solve import solve
 from tests.inverse.arms import PUBLISHED, random_arm
 from tests.inverse.truth import AllSolutions, Chain
 
@@ -20,8 +24,8 @@ def solution_of(name) -> tuple[NumericChain, GeneralSolution]:
     case = CASES[name] if name in CASES else random_arm(name.split()[0], int(name.split()[1]))
     chain = NumericChain.of(case.robot(choice=False), case.values)
     found = find_general(chain, case.given)
-    assert found is not None
-    return chain, found
+    assert found
+    return chain, GeneralSolution(case.given, found[:2])
 
 
 def configurations(chain, count, seed=0):
@@ -37,8 +41,8 @@ def distance(chain, a, b):
 
 
 ARMS = [
-    "manseur-doty",
     "jaco",
+    pytest.param("manseur-doty", marks=pytest.mark.sweep),
     pytest.param("crx-10ia", marks=pytest.mark.sweep),
     pytest.param("5R1P-general 0", marks=pytest.mark.sweep),
     pytest.param("4R2P-general 1", marks=pytest.mark.sweep),
@@ -60,6 +64,7 @@ def test_every_configuration_is_among_the_solutions_of_its_pose(name):
     assert not np.isnan(found[exists]).any()
 
 
+@pytest.mark.sweep
 def test_sixteen_real_solutions_are_found_at_the_pose_of_manseur_and_doty():
     chain, general = solution_of("manseur-doty")
     q = configurations(chain, 400, seed=1)
@@ -130,3 +135,19 @@ def test_the_free_loop_has_the_given_joints_in_its_gaps():
     loop, free = free_loop(chain, case.given, q[:, list(case.given)])
     assert loop.n == 6
     assert list(free) == [i for i in range(7) if i not in case.given]
+
+
+def test_a_general_node_runs_in_the_graph_of_its_arm():
+    case = CASES["manseur-doty"]
+    robot = case.robot(choice=False)
+    graph = solve(robot)
+    assert [node.kind for node in graph.nodes] == [Kind.GENERAL]
+    assert (graph.count, graph.complete) == (16, True)
+    chain = NumericChain.of(robot)
+    q = configurations(chain, 10)
+    poses = chain.pose_and_jacobian(q)[0]
+    run = Run(graph, FloatField({}), [[poses[:, i, j] for j in range(4)] for i in range(3)])
+    found = [(np.stack(run.angles(leaf), axis=-1), leaf.exists) for leaf in run.leaves()]
+    assert len(found) == 16
+    apart = [np.where(exists, distance(chain, own, q), 9.0) for own, exists in found]
+    assert (np.min(apart, axis=0) < 1e-6).all()
