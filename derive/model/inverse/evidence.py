@@ -26,6 +26,9 @@ from derive.robot.expression import Expression
 POSES = 3
 """Random poses; what vanishes at all of them vanishes everywhere, but for a chance of 1 in 10^18."""
 
+_SPECIAL_POSES = 32
+"""Poses at which formulas may fail: most joints are at zero or at right angles."""
+
 _ANGLE_NODES, _LENGTH_NODES = 6, 4
 """Values of a change: five (three) determine a polynomial of degree 2, one more checks it."""
 
@@ -67,6 +70,7 @@ class Evidence:
         allowed: The entries of T that are given, (row, column) from 1.
         keep_tool: See `Links`.
         deep: Whether the higher invariants are taken too.
+        special: Whether the joints of the poses are at zero and at right angles more often than not.
         seed: Of the random numbers.
 
     Attributes:
@@ -84,8 +88,10 @@ class Evidence:
         *,
         keep_tool: bool = False,
         deep: bool = False,
+        special: bool = False,
         seed: int = 1,
     ) -> None:
+        self.poses, self._special = (_SPECIAL_POSES if special else POSES), special
         self.domain, self.robot = domain, domain.robot
         self.residues = ResidueDomain(domain, 1, seed)
         self.prime = self.residues.prime
@@ -98,7 +104,8 @@ class Evidence:
         whole = Pool(links, identity_atoms(links, deep=deep)).sides(Cut(0, self.robot.n - 1))[0]
         self.pose = whole.mapped(self._at_poses)
         self.end = links.base @ Frame(self.pose.rotation, self.pose.position) @ links.tool
-        reached, anywhere = (self._table(links, cuts, pose) for pose in (self.pose, self._elsewhere()))
+        reached = self._table(links, cuts, self.pose)
+        anywhere = reached if special else self._table(links, cuts, self._elsewhere())
         self.effects = {change: self._effect(reached, anywhere, k) for k, change in enumerate(self.changes)}
         self.allowed = self._allowed(links, cuts, allowed)
         self._numbers: dict[str, Array] = {}
@@ -113,18 +120,19 @@ class Evidence:
         sizes = [len(self._nodes) if change.group >= 0 else len(self._steps) for change in self.changes]
         self._starts = np.cumsum([1, *sizes])
         self._width = int(self._starts[-1])
-        self._samples = POSES * self._width
+        self._samples = self.poses * self._width
         self.turns: list[list[tuple[Array, Array]]] = []
         for g, group in enumerate(groups):
-            links = []
-            for k in range(len(group) + 1):
-                base = [self._circle_point() if k else (1, 0) for _ in range(POSES)]
+            base = [(1, 0)] * self.poses
+            links = [self._turned(g, 0, base)]
+            for k in range(1, len(group) + 1):
+                base = [self._added(pair, self._angle()) for pair in base]
                 links.append(self._turned(g, k, base))
             self.turns.append(links)
         self.slides: dict[int, Array] = {}
         for i, joint in enumerate(robot.joints):
             if not joint.is_revolute:
-                drawn = [[self._random.randrange(self.prime)] for _ in range(POSES)]
+                drawn = [[self._length()] for _ in range(self.poses)]
                 values = np.repeat(np.array(drawn, dtype=np.int64), self._width, axis=1)
                 place = self.changes.index(Change(-1, i))
                 values[:, self._starts[place] : self._starts[place + 1]] += np.array(self._steps)
@@ -150,6 +158,19 @@ class Evidence:
         scale = pow(1 + t * t, -1, p)
         return (1 - t * t) * scale % p, 2 * t * scale % p
 
+    def _angle(self) -> tuple[int, int]:
+        """Cosine and sine of the variable of a joint."""
+        if self._special and self._random.random() < 0.6:
+            return self._random.choice([(1, 0), (0, 1), (-1, 0), (0, -1)])
+        return self._circle_point()
+
+    def _length(self) -> int:
+        """The variable of a slide."""
+        return 0 if self._special and self._random.random() < 0.4 else self._random.randrange(self.prime)
+
+    def _added(self, a: tuple[int, int], b: tuple[int, int]) -> tuple[int, int]:
+        return (a[0] * b[0] - a[1] * b[1]) % self.prime, (a[1] * b[0] + a[0] * b[1]) % self.prime
+
     def _motion(self, joint: int, start: int) -> tuple[Residue, ...]:
         """The motion of a joint in every sample."""
         row, sign = self.robot.joints[joint], self.robot.joints[joint].sign
@@ -172,7 +193,7 @@ class Evidence:
 
     def _at_poses(self, value: Residue) -> Residue:
         """The value at the poses themselves, nothing changed."""
-        full = np.broadcast_to(value.values, (1, self._samples)).reshape(POSES, self._width)
+        full = np.broadcast_to(value.values, (1, self._samples)).reshape(self.poses, self._width)
         return Residue(self.prime, full[None, :, 0])
 
     def _spread(self, value: Residue) -> Residue:
@@ -205,7 +226,7 @@ class Evidence:
             if len(set(key)) == 1 and key[0] in (0, 1, self.prime - 1):
                 return value
             if key not in known:
-                known[key] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(POSES)]])
+                known[key] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
                 known[tuple((self.prime - x) % self.prime for x in key)] = -known[key]
             return known[key]
 
@@ -214,7 +235,7 @@ class Evidence:
     def _effect(self, reached: Array, anywhere: Array, place: int) -> Effect:
         """Coefficients of the equations in one change."""
         change, p = self.changes[place], self.prime
-        rows, others = (table.reshape(len(table), POSES, self._width) for table in (reached, anywhere))
+        rows, others = (table.reshape(len(table), self.poses, self._width) for table in (reached, anywhere))
         span = slice(self._starts[place], self._starts[place + 1])
         values = np.concatenate([rows[:, :, :1], rows[:, :, span]], axis=2)
         if change.group >= 0:
@@ -241,17 +262,17 @@ class Evidence:
         keys = {place: tuple(map(int, self._plain(value))) for place, value in entries.items()}
         fixed = {key for (i, j), key in keys.items() if (i + 1, j + 1) in given}
         fixed |= {tuple((self.prime - x) % self.prime for x in key) for key in fixed}
-        fixed |= {(number,) * POSES for number in (0, 1, self.prime - 1)}
+        fixed |= {(number,) * self.poses for number in (0, 1, self.prime - 1)}
         for place, key in keys.items():
             if key not in fixed:
-                entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(POSES)]])
+                entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
         rotation = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
         end = Frame((rotation[0], rotation[1], rotation[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
         inner = links.base.inverse @ end @ links.tool.inverse
         deep = self.pose.moment is not None
         other = self._table(links, cuts, frame_atoms(inner, links.zero, deep=deep))
         same = self._table(links, cuts, self.pose) == other
-        unchanged: Array = np.all(same.reshape(len(same), POSES, self._width)[:, :, 0], axis=1)
+        unchanged: Array = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
         return unchanged
 
     def value(self, p: Polynomial, constants: Mapping[str, Expression]) -> Array:
@@ -264,9 +285,9 @@ class Evidence:
         Returns:
             Residues, one per pose.
         """
-        total = np.zeros(POSES, dtype=np.int64)
+        total = np.zeros(self.poses, dtype=np.int64)
         for exponents, coefficient in p.terms():
-            term = np.full(POSES, fraction_residue(coefficient, self.prime), dtype=np.int64)
+            term = np.full(self.poses, fraction_residue(coefficient, self.prime), dtype=np.int64)
             for i, exponent in enumerate(exponents):
                 for _ in range(exponent):
                     term = term * self.number(p.ring.names[i], constants) % self.prime
@@ -295,10 +316,10 @@ class Evidence:
             return self._plain(frame.position[i] if j == 3 else frame.rotation[i][j])
         if name in constants:
             value = self.residues.constant(constants[name]).values
-            return np.broadcast_to(value.reshape(-1)[0], (POSES,)).copy()
+            return np.broadcast_to(value.reshape(-1)[0], (self.poses,)).copy()
         for joint, row in enumerate(self.robot.joints):
             if name == row.variable:
-                return self.slides[joint].reshape(POSES, self._width)[:, 0]
+                return self.slides[joint].reshape(self.poses, self._width)[:, 0]
         return self._turn_number(name)
 
     def _turn_number(self, name: str) -> Array:
@@ -309,7 +330,9 @@ class Evidence:
                 unknown = self.domain.unknown(*group[u:v])
                 if name in unknown.generators:
                     first, second = self.turns[g][u], self.turns[g][v]
-                    (c, s), (d, e) = ([x.reshape(POSES, self._width)[:, 0] for x in pair] for pair in (first, second))
+                    (c, s), (d, e) = (
+                        [x.reshape(self.poses, self._width)[:, 0] for x in pair] for pair in (first, second)
+                    )
                     if name == unknown.generators[0]:
                         return (c * d % p + s * e % p) % p
                     sine: Array = self.domain.directions[group[u]] * ((c * e % p - s * d % p) % p)
@@ -317,7 +340,7 @@ class Evidence:
         raise KeyError(name)
 
     def _plain(self, value: Residue) -> Array:
-        plain: Array = np.broadcast_to(value.values, (1, POSES))[0]
+        plain: Array = np.broadcast_to(value.values, (1, self.poses))[0]
         return plain
 
 

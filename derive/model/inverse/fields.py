@@ -26,7 +26,7 @@ ZERO = 1e-12
 BEYOND = 1e-11
 """A radicand may be below zero by this part of its size: the pose is on the boundary of what is reached."""
 
-MERGED = 1e-15
+MERGED = 1e-14
 """Below this part of its size the two roots of a radicand are one."""
 
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import product
+from math import prod
 from typing import Generic
 
 from derive.algebra.ring import Polynomial
@@ -39,7 +40,7 @@ class Node:
         unknowns: What it solves for; more than one for general nodes alone.
         formulas: The chosen one first, then others of equal meaning for poses where its leading coefficients vanish.
         needs: Indices of the nodes whose unknowns occur in its formulas.
-        branches: How many values it has for one combination of values of what it needs.
+        branches: How many values it has at most for one combination of values of what it needs.
     """
 
     index: int
@@ -113,11 +114,13 @@ class SolutionGraph:
 
     @property
     def leaves(self) -> int:
-        """The product of the numbers of branches."""
-        total = 1
-        for node in self.nodes:
-            total *= node.branches
-        return total
+        """The product of the numbers of branches at poses where the chosen formulas serve."""
+        return prod(node.formulas[0].branches for node in self.nodes)
+
+    @property
+    def slots(self) -> int:
+        """The product of the numbers of branches, those included that only formulas for special poses have."""
+        return prod(node.branches for node in self.nodes)
 
     @property
     def places(self) -> tuple[tuple[int, int], ...]:
@@ -297,7 +300,8 @@ class Run(Generic[N, M]):
         """The values where a mask holds replaced by others; branches that these lack do not exist there."""
         f, no = self.field, self.field.truth(False)
         if not values:
-            return [Value((b.numbers,), b.exists & mask, no, b.boundary) for b in found]
+            values = [Value((b.numbers,), b.exists & mask, no, b.boundary) for b in found]
+            return [*values, *[Value(values[0].numbers, no, no, no)] * (node.branches - len(values))]
         merged = []
         for k, old in enumerate(values):
             new = found[min(k, len(found) - 1)]

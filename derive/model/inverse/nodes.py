@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from fractions import Fraction
 from functools import cached_property
 from typing import Any, Generic, Protocol, Self, TypeVar
 
@@ -119,11 +120,14 @@ class Equation:
         terms: Exponents of the unknown -> coefficient, none of them the zero polynomial.
         dimension: The power of length that it has: 0 for entries of rotations, 1 for positions, 2 for squares.
         source: Where it comes from.
+        size: What it is multiplied by, against the entries that it comes from: the size of its coefficients, with
+            lengths counted by the reach of the arm.
     """
 
     terms: Mapping[Exponents, Polynomial]
     dimension: int
     source: Source
+    size: Fraction = Fraction(1)
 
     def coefficient(self, *exponents: int) -> Polynomial:
         """The coefficient of a power of the unknown, zero where it does not occur.
@@ -346,14 +350,14 @@ class Solver(Generic[N, M]):
         Args:
             formula: Of one of the elementary types.
         """
-        dimension = sum(equation.dimension for equation in formula.equations)
+        first = formula.equations[0]
+        second = formula.equations[-1]
         if formula.kind is Kind.TYPE_3 and len(formula.degenerate) == 2:
-            first, second = formula.equations
-            zeros = [self._is_zero(p, e.dimension) for p, e in zip(formula.degenerate, (first, second), strict=True)]
+            zeros = [self._is_zero(p, own) for p, own in zip(formula.degenerate, (first, second), strict=True)]
             return zeros[0] | zeros[1]
         mask = self.field.truth(bool(formula.degenerate))
         for p in formula.degenerate:
-            mask = mask & self._is_zero(p, dimension)
+            mask = mask & (self._is_zero(p, first, second) if second is not first else self._is_zero(p, first))
         return mask
 
     def solve(self, formula: Formula) -> list[Branch[N, M]]:
@@ -374,18 +378,22 @@ class Solver(Generic[N, M]):
             case Kind.CONIC:
                 equation = formula.equations[0]
                 coefficients = [self.evaluate(equation.coefficient(*exponents)) for exponents in CONIC_TERMS]
-                found = self.field.conic(coefficients, self._scale(equation.dimension))
+                found = self.field.conic(coefficients, self._scale(equation))
                 return [Branch((c, s), exists, self.field.truth(False)) for c, s, exists in found]
         raise ValueError(f"no elementary type: {formula.kind}")
 
-    def _is_zero(self, p: Polynomial, dimension: int) -> M:
+    def _is_zero(self, p: Polynomial, *equations: Equation) -> M:
         if p.is_constant:
             return self.field.truth(not p)
-        return self.field.is_zero(self.evaluate(p), self._scale(dimension))
+        return self.field.is_zero(self.evaluate(p), self._scale(*equations))
 
-    def _scale(self, dimension: int) -> N:
-        scale = self.field.number(1)
-        for _ in range(dimension):
+    def _scale(self, *equations: Equation) -> N:
+        """The size of the coefficients of an equation, or of the products of those of two."""
+        total = Fraction(1)
+        for equation in equations:
+            total *= equation.size
+        scale = self.field.number(total)
+        for _ in range(sum(equation.dimension for equation in equations)):
             scale = scale * self.reach
         return scale
 
@@ -398,22 +406,19 @@ class Solver(Generic[N, M]):
         """r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none."""
         f = self.field
         a, b, c = (self.evaluate(equation.coefficient(k)) for k in (2, 1, 0))
-        scale = self._scale(equation.dimension)
+        size = self.reach * self.reach
         if not equation.coefficient(1):
-            square = f.divide(-c, a)
-            root = f.sqrt(square)
-            values = [root, -root]
-            radicand, size = square, f.divide(scale, a)
-        else:
-            radicand, size = b * b - 4 * (a * c), scale * scale
-            root = f.sqrt(radicand)
-            values = [f.divide(e * root - b, 2 * a) for e in (1, -1)]
-        return self._both([(value,) for value in values], radicand, size)
+            return self._both(f.divide(-c, a), size, lambda e, root: (e * root,))
+        radicand = b * b - 4 * (a * c)
+        return self._both(radicand, a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
 
-    def _both(self, pairs: Sequence[tuple[N, ...]], radicand: N, size: N) -> list[Branch[N, M]]:
+    def _both(self, radicand: N, size: N, value: Callable[[int, N], tuple[N, ...]]) -> list[Branch[N, M]]:
         """The branches of a square root, the second one only where it can be told from the first."""
-        exists, double = self.field.has_root(radicand, size), self.field.merges(radicand, size)
-        return [Branch(pairs[0], exists, exists & double), Branch(pairs[1], exists & ~double, exists & double)]
+        f = self.field
+        exists, double = f.has_root(radicand, size), f.merges(radicand, size)
+        root = f.select(double, f.number(0), f.sqrt(radicand))
+        boundary = exists & double
+        return [Branch(value(1, root), exists, boundary), Branch(value(-1, root), exists & ~double, boundary)]
 
     def _angles(self, equation: Equation) -> list[Branch[N, M]]:
         f = self.field
@@ -424,19 +429,18 @@ class Solver(Generic[N, M]):
             cosine, sine = f.divide(-b, root), f.divide(a, root)
             both = [(cosine, sine), (-cosine, -sine)]
             return [Branch(pair, f.has_root(square, square), f.truth(False)) for pair in both]
+        one = f.number(1)
         if not has_a or not has_b:
             known = f.divide(c, b if has_b else a)
-            radicand = f.number(1) - known * known
-            size, root = f.number(1), f.sqrt(radicand)
-            both = [(e * root, known) if has_b else (known, e * root) for e in (1, -1)]
-        else:
-            square = a * a + b * b
-            radicand, size = square - c * c, square
-            root = f.sqrt(radicand)
-            along = f.divide(c, square)
-            across = f.divide(root, square)
-            both = [(a * along - e * (b * across), b * along + e * (a * across)) for e in (1, -1)]
-        return self._both(both, radicand, size)
+            return self._both(one - known * known, one, lambda e, r: (e * r, known) if has_b else (known, e * r))
+        square = a * a + b * b
+        along = f.divide(c, square)
+
+        def _turned(e: int, root: N) -> tuple[N, ...]:
+            across = f.divide(e * root, square)
+            return a * along - b * across, b * along + a * across
+
+        return self._both(square - c * c, square, _turned)
 
     def _one_angle(self, first: Equation, second: Equation) -> list[Branch[N, M]]:
         f = self.field

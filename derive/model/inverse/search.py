@@ -233,6 +233,55 @@ class Search:
         own = np.array([evidence.complexity(k) for k in range(len(evidence.equations))], dtype=np.int64)
         return 8 * touched + own
 
+    def others(self, step: Step, first: Choice, special: Evidence) -> Iterator[Choice]:
+        """Choices for poses at which the first one fails, the one that helps at most of them first.
+
+        Where two equations are not enough any more one may be: there the joint has two values.
+
+        Args:
+            step: The step.
+            first: The choice of its formula.
+            special: The same equations at poses where formulas fail.
+        """
+        change, p = self.change(step.group, step.parts[1]), self.evidence.prime
+        table = special.effects[change].coefficients
+        degrees = self.evidence.effects[change].degrees
+        linear = np.array([k for k in step.equations if degrees[k] == 1], dtype=np.int64)
+        open_ = np.flatnonzero(self._fails(table, first))
+        single = first.kind is Kind.TYPE_2
+        while open_.size and linear.size:
+            own = table[linear][:, open_]
+            if step.group < 0:
+                helps, kind = own[:, :, 1] != 0, Kind.TYPE_1
+            elif single:
+                helps, kind = np.any(own[:, :, 1:3] != 0, axis=2), Kind.TYPE_2
+            else:
+                products = own[:, None, :, 1] * own[None, :, :, 2] % p
+                helps, kind = products != products.transpose(1, 0, 2), Kind.TYPE_3
+            count = helps.sum(axis=-1)
+            if not count.max():
+                if single or step.group < 0:
+                    return
+                single = True
+                continue
+            lengths = self.lengths[linear]
+            if kind is Kind.TYPE_3:
+                lengths = lengths[:, None] + lengths[None]
+            best = np.unravel_index(np.lexsort((lengths.ravel(), -count.ravel()))[0], count.shape)
+            yield Choice(kind, tuple(int(linear[k]) for k in sorted(best)), (1, int(lengths[best])))
+            open_ = open_[~helps[best]]
+
+    def _fails(self, table: Array, choice: Choice) -> Array:
+        """At which poses a choice does not determine its unknown."""
+        own = [table[k] for k in choice.equations]
+        if choice.kind is Kind.TYPE_3:
+            (a, b), p = own, self.evidence.prime
+            parallel: Array = a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p
+            return parallel
+        places = {Kind.TYPE_1: (1,), Kind.QUADRATIC: (2,), Kind.TYPE_2: (1, 2), Kind.CONIC: (1, 2, 3, 4)}[choice.kind]
+        fails: Array = np.all(own[0][:, list(places)] == 0, axis=1)
+        return fails
+
     # -- one step
 
     def _step(self, group: int, parts: tuple[int, int], found: Array) -> Step | None:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache, cached_property
-from itertools import combinations, product
+from functools import cache, cached_property, partial
+from itertools import combinations, islice, product
 from math import gcd, lcm
 
 import numpy as np
@@ -26,7 +26,7 @@ from derive.model.inverse.completeness import counted
 from derive.model.inverse.evidence import Evidence
 from derive.model.inverse.general import general_formula
 from derive.model.inverse.graph import Node, Plan, SolutionGraph, horner, turned
-from derive.model.inverse.nodes import BRANCHES, Equation, Exponents, Formula, Kind, Source, Unknown
+from derive.model.inverse.nodes import Equation, Exponents, Formula, Kind, Source, Unknown
 from derive.model.inverse.pool import Atoms, Links, Pool, dimension, identity_atoms
 from derive.model.inverse.search import Choice, Search, State, Step
 from derive.model.inverse.unknowns import ENTRIES, InverseDomain, shifted
@@ -45,7 +45,7 @@ _CONSTANTS = (
     GeneratorKind.PI,
 )
 
-_ALTERNATIVES = 2
+_ALTERNATIVES = 3
 """Formulas besides the chosen one that a node has for poses at which that one fails."""
 
 MAX_JOINTS = 10
@@ -166,12 +166,18 @@ class Derivation:
         self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, keep_tool)
         cuts = list(self.links.cuts())
         self.evidence = Evidence(sampled, cuts, allowed, keep_tool=keep_tool, deep=deep)
+        self._special = partial(Evidence, sampled, cuts, allowed, keep_tool=keep_tool, deep=deep, special=True)
         self.pose = Pose(self.domain, self.links, self.evidence, self.constants, allowed, deep=deep)
         self.pool = Pool(self.links, self.pose.atoms)
         self.search = Search(self.evidence, given)
         self.polynomial = cache(self._polynomial)
         self.nodes: list[Node] = []
         self.homes: dict[Unknown, int] = {}
+
+    @cached_property
+    def special(self) -> Evidence:
+        """The equations at poses where formulas fail."""
+        return self._special()
 
     def graph(self) -> SolutionGraph | None:
         """The graph of one-joint nodes; None where there is no such way."""
@@ -241,7 +247,7 @@ class Derivation:
         wanted = parts | {owners[name] for name in needed if name in owners}
         needs = tuple(sorted({self._ensure(unknown) for unknown in wanted - set(unknowns)}))
         index = len(self.nodes)
-        self.nodes.append(Node(index, unknowns, formulas, needs, formulas[0].branches))
+        self.nodes.append(Node(index, unknowns, formulas, needs, max(formula.branches for formula in formulas)))
         self.homes.update(dict.fromkeys(unknowns, index))
         return index
 
@@ -293,18 +299,16 @@ class Derivation:
         best = step.best
         alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
         written = [
-            (self._cost(formula) + _LONG_SUM * len(unknown.joints), len(unknown.joints), k, formula, unknown)
+            (self._cost(formula) + _LONG_SUM * len(unknown.joints), len(unknown.joints), k, formula, unknown, choice)
             for k, (choice, unknown) in enumerate(product(alike, self._candidates(step)))
             if (formula := self._formula(choice, state, unknown)) is not None
         ]
-        _, _, _, first, unknown = min(written, key=lambda row: row[:3])
+        *_, first, unknown, choice = min(written, key=lambda row: row[:3])
         found = [first]
-        for choice in step.choices:
-            if not found[0].degenerate or len(found) > _ALTERNATIVES:
-                break
-            if BRANCHES[choice.kind] <= first.branches:
-                formula = self._formula(choice, state, unknown)
-                if formula is not None and all(_differ(formula, other) for other in found):
+        if first.degenerate:
+            for other in islice(self.search.others(step, choice, self.special), _ALTERNATIVES):
+                formula = self._formula(other, state, unknown)
+                if formula is not None:
                     found.append(formula)
         return tuple(found), unknown
 
@@ -337,7 +341,9 @@ class Derivation:
         used = {name for coefficient in terms.values() for name in _names(coefficient)}
         if not any(any(exponents) for exponents in terms) or not self._is_known(used, state):
             return None
-        return Equation(_tidy(terms), dimension(entry), Source(cut.first + 1, cut.last + 1, entry))
+        factor = _tidy_factor(terms)
+        tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
+        return Equation(tidy, dimension(entry), Source(cut.first + 1, cut.last + 1, entry), abs(factor))
 
     def _polynomial(self, number: int) -> Polynomial:
         cut, entry = self.evidence.equations[number]
@@ -408,18 +414,12 @@ def _operations(plan: Plan) -> int:
     return (quotient not in (1, -1)) + _operations(quotient) + (rest != 0) + _operations(rest)
 
 
-def _tidy(terms: Mapping[Exponents, Polynomial]) -> dict[Exponents, Polynomial]:
-    """An equation without a common rational factor, most of its coefficients of the unknown positive."""
+def _tidy_factor(terms: Mapping[Exponents, Polynomial]) -> Fraction:
+    """What makes the numbers of an equation whole and most coefficients of its unknown positive."""
     numbers = [coefficient for p in terms.values() for _, coefficient in p.terms()]
     common = Fraction(gcd(*(x.numerator for x in numbers)), lcm(*(x.denominator for x in numbers)))
     signs = [1 if coefficient > 0 else -1 for e, p in terms.items() if any(e) for _, coefficient in p.terms()]
-    factor = 1 / common if sum(signs) >= 0 else -1 / common
-    return {e: factor * p for e, p in terms.items()}
-
-
-def _differ(a: Formula, b: Formula) -> bool:
-    """Whether two formulas fail at different poses, as far as that is seen."""
-    return {p.normalised()[1] for p in a.degenerate} != {p.normalised()[1] for p in b.degenerate}
+    return 1 / common if sum(signs) >= 0 else -1 / common
 
 
 def _names(p: Polynomial) -> set[str]:

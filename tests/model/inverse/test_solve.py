@@ -79,3 +79,32 @@ def test_an_arm_of_many_joints_has_no_closed_form_and_says_why() -> None:
     graph = solve(Robot.load("human-body"))
     assert not graph.is_closed
     assert "joints" in graph.why_not
+
+
+PARALLEL_WHEN_STRAIGHT = """
+name: parallel-when-straight
+convention: standard
+joints:
+  - {type: revolute, d: 0.36, a: 0.6, alpha: pi/2}
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, a: 0.26}
+  - {type: revolute, d: 0.7, a: 0.7}
+"""
+
+
+@pytest.mark.parametrize("name", ["puma560-corke", "stanford-deluca", "parallel-when-straight", "planar-3r"])
+def test_at_singular_poses_there_is_a_solution_and_joints_that_are_free_are_said_to_be(name: str) -> None:
+    robot = Robot.from_text(PARALLEL_WHEN_STRAIGHT) if name == "parallel-when-straight" else Robot.load(name)
+    graph, rng = solve(robot), np.random.default_rng(8)
+    values = dict(parameter_values(robot))
+    values.update({symbol: float(rng.uniform(0.2, 1)) for symbol in free_symbols(robot) if symbol not in values})
+    free = 0
+    for _ in range(12):
+        q = rng.choice([0, np.pi / 2, -np.pi / 2, np.pi, 0.7], robot.n)
+        pose = _pose(robot, q, values)
+        run = Run(graph, FloatField(values), [[np.float64(x) for x in row] for row in pose])
+        found = [leaf for leaf in run.leaves() if leaf.exists]
+        rests = [np.abs(_pose(robot, np.array(run.angles(leaf)), values) - pose).max() for leaf in found]
+        assert min(rests) < 1e-7
+        free += any(any(leaf.free) for leaf in found)
+    assert (free > 0) == (name in ("puma560-corke", "stanford-deluca"))
