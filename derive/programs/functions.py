@@ -13,7 +13,8 @@ from typing import Protocol, TypeVar
 from derive.errors import QuantityError
 from derive.programs.formulation_choice import Formulation
 from derive.programs.formulations import dynamics, identification, kinematics
-from derive.programs.program import Column, Function, Interface, Magnitude, Program
+from derive.programs.inverse import solved
+from derive.programs.program import Column, Function, Interface, Inverse, Magnitude, Program
 from derive.programs.search_policy import POLICY, Effort
 from derive.programs.tape.cost import program_cost
 from derive.programs.trace import Trace
@@ -366,6 +367,7 @@ def build_program(
     effort: Effort = Effort.FULL,
     *,
     names: Container[str] = frozenset(INTERFACES),
+    inverse: bool = False,
     spread: Spread | None = None,
 ) -> Program:
     """The functions of a robot: kinematics, and dynamics where the file has links.
@@ -376,6 +378,7 @@ def build_program(
         robot: The robot.
         effort: How long the cheapest programs are looked for.
         names: Only the functions of these names.
+        inverse: Whether inverse kinematics is wanted, too, which takes a derivation of its own.
         spread: How the choices are spread over processes, None for this one; the program does not depend on it.
 
     Returns:
@@ -386,10 +389,31 @@ def build_program(
     """
     trace = Trace(robot, effort)
     rows = [row for row in ROWS if row.interface.name in names and row.exists(robot)]
-    traced = [_Traced.of(row, trace) for row in rows]
-    sizes = [function.size for function in traced]
-    functions = spread(_Traced.function, traced, sizes) if spread else map(_Traced.function, traced)
-    return Program(tuple(function for function in functions if function is not None), free_symbols(robot))
+    work: list[_Traced | _Inverse] = [_Traced.of(row, trace) for row in rows]
+    if inverse:
+        work.append(_Inverse(trace))
+    sizes = [piece.size for piece in work]
+    results = list(spread(_result, work, sizes) if spread else map(_result, work))
+    functions = tuple(result for result in results if isinstance(result, Function))
+    found, reason = next((result for result in results if isinstance(result, tuple)), (None, ""))
+    return Program(functions, free_symbols(robot), found, reason)
+
+
+def _result(piece: _Traced | _Inverse) -> Function | tuple[Inverse | None, str] | None:
+    return piece.function() if isinstance(piece, _Traced) else piece.solved()
+
+
+@dataclass(frozen=True, slots=True)
+class _Inverse:
+    """Inverse kinematics, which is derived in a place of its own."""
+
+    trace: Trace
+    size = 40_000
+    """As long as a search among so many operations."""
+
+    def solved(self) -> tuple[Inverse | None, str]:
+        """The program, or why there is none."""
+        return solved(self.trace)
 
 
 @dataclass(frozen=True, slots=True)

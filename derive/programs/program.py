@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from enum import Enum, auto
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum, auto
 from math import prod
 
 from derive.programs.tape.tape import Operations, Output, Tape
@@ -17,6 +17,25 @@ ARGUMENTS: Mapping[str, str] = {
     "tau": "joint torques and forces [N m, N]",
 }
 """The arguments that a function may take, in words; each has one entry per joint."""
+
+POSE, GIVEN = "T", "given"
+"""The arguments of inverse kinematics: the pose of the end effector, and the variables of joints that are given."""
+
+POSE_ENTRIES = 16
+"""Of a pose, a 4x4 matrix row by row."""
+
+
+class Status(IntEnum):
+    """What a branch of inverse kinematics is at a pose."""
+
+    NONE = 0
+    """It does not exist."""
+    EXACT = 1
+    """A solution like any other."""
+    BOUNDARY = 2
+    """Two branches coincide: the pose is on the boundary of what the arm reaches, and only one is listed."""
+    SINGULAR = 3
+    """A solution in which some joints are free: they are zero, and others follow from them."""
 
 
 class Magnitude(Enum):
@@ -85,6 +104,7 @@ class Function:
         tape: The program; outputs in row-major order of ``shape``.
         formulation: What the tape was traced through, in words.
         columns: What the entries along the last axis of the result belong to, where that has names.
+        widths: Lengths of the arguments that have not one entry per joint.
     """
 
     interface: Interface
@@ -92,6 +112,7 @@ class Function:
     tape: Tape
     formulation: str
     columns: tuple[Column, ...] = ()
+    widths: Mapping[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check that the tape fills the shape."""
@@ -104,7 +125,7 @@ class Function:
 
     @property
     def arguments(self) -> tuple[str, ...]:
-        """Its arguments, each with one entry per joint, in order."""
+        """Its arguments, in order."""
         return self.interface.arguments
 
     @property
@@ -132,16 +153,40 @@ class Function:
 
 
 @dataclass(frozen=True, slots=True)
+class Inverse:
+    """Inverse kinematics of one robot.
+
+    Attributes:
+        function: Its tape takes a pose and the given joints; its outputs are the joint variables, branch by branch, and
+            then the `Status` of each branch.
+        branches: How many there are.
+        joints: Number of joints.
+        given: Indices of the joints that are arguments.
+        summary: How many solutions there are, in words.
+    """
+
+    function: Function
+    branches: int
+    joints: int
+    given: tuple[int, ...]
+    summary: str
+
+
+@dataclass(frozen=True, slots=True)
 class Program:
     """All functions of a robot.
 
     Attributes:
         functions: In the order in which they are printed.
         parameters: Names of the run-time parameters, in the order of the parameter vector.
+        inverse: Inverse kinematics, of a robot for which there is a closed form.
+        without_inverse: Why there is none; empty where there is one, or where nobody asked for it.
     """
 
     functions: tuple[Function, ...]
     parameters: tuple[str, ...]
+    inverse: Inverse | None = None
+    without_inverse: str = ""
 
     def __getitem__(self, name: str) -> Function:
         """The function of that name."""
@@ -161,12 +206,17 @@ class Program:
     @property
     def operations(self) -> dict[str, dict[str, int]]:
         """Counts for the manifest, by function."""
-        return {function.name: function.operations.as_dict() for function in self.functions}
+        return {function.name: function.operations.as_dict() for function in self.all_functions}
+
+    @property
+    def all_functions(self) -> tuple[Function, ...]:
+        """The functions and inverse kinematics."""
+        return (*self.functions, self.inverse.function) if self.inverse else self.functions
 
     @property
     def hoisted_operations(self) -> dict[str, dict[str, int]]:
         """Counts of the work on run-time parameters alone, by function."""
-        return {function.name: function.hoisted_operations.as_dict() for function in self.functions}
+        return {function.name: function.hoisted_operations.as_dict() for function in self.all_functions}
 
 
 def cost_text(operations: Operations) -> str:

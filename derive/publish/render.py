@@ -89,7 +89,9 @@ def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.F
         The robot with its program.
     """
     names = (PACKAGE, *(name for target in targets for name in target.files), MANIFEST)
-    return Source(robot, build_program(robot, effort, spread=in_two_processes), __version__, tuple(sorted(names)))
+    return Source(
+        robot, build_program(robot, effort, inverse=True, spread=in_two_processes), __version__, tuple(sorted(names))
+    )
 
 
 def library_names(targets: Iterable[Target]) -> tuple[str, ...]:

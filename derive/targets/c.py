@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import prod
+from math import inf, isfinite, prod
 
-from derive.programs.program import ARGUMENTS, Function, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Inverse, joint_lines
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
+from derive.robot.robot import Robot
 from derive.targets.escape import c_comment, c_prefix
 from derive.targets.kernel import TRIGONOMETRIC, C, Piece, case_context, input_name, temporary_names, write_statements
-from derive.targets.target import Source, Target, shape_text
+from derive.targets.target import Source, Target, joint_limits, shape_text
 from derive.targets.templating import render
 
 HEADER, CODE = "model.h", "model.c"
 
-_ARRAYS = ("q", "qd", "qdd", "tau", "sines", "cosines", "k", "params")
+_ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, "sines", "cosines", "k", "params")
 """In the order in which they are read and declared; ``k`` holds the constants from the parameters."""
 
 _LANES = ((128, 32), (256, 16))
@@ -32,7 +33,7 @@ class Read:
 
     Attributes:
         name: Its name in the part.
-        array: One of ``q``, ``qd``, ``qdd``, ``tau``, ``sines``, ``cosines``, ``k`` and ``params``.
+        array: One of ``q``, ``qd``, ``qdd``, ``tau``, ``T``, ``given``, ``sines``, ``cosines``, ``k`` and ``params``.
         index: Its place, from 0.
     """
 
@@ -164,16 +165,19 @@ def c_context(source: Source) -> dict[str, object]:
     """
     program, prefix = source.program, c_prefix(source.robot.name)
     functions = [c_function(function, program.parameters) for function in program]
+    inverse = c_inverse(program.inverse, source) if program.inverse else None
+    texts = [*functions, inverse.function] if inverse else functions
     return c_heading(source) | {
         "parameters": [{"name": name, "place": str(i)} for i, name in enumerate(program.parameters)],
         "parameter_count": len(program.parameters),
         "prefix": prefix,
         "guard": f"DERIVE_{prefix.upper()}MODEL_H",
         "functions": functions,
-        "has_angles": any(function.angle_count for function in functions),
-        **case_context(function.tape for function in program),
-        "has_sign": any(node.op is Op.SIGN for function in program for node in function.tape.nodes),
-        "has_batches": any(function.arguments for function in functions),
+        "inverse": inverse,
+        "has_angles": any(function.angle_count for function in texts),
+        **case_context(function.tape for function in program.all_functions),
+        "has_sign": any(node.op is Op.SIGN for function in program.all_functions for node in function.tape.nodes),
+        "has_batches": any(function.arguments for function in texts),
     }
 
 
@@ -238,6 +242,130 @@ def c_function(function: Function, parameters: Sequence[str]) -> CFunction:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Load:
+    """An argument that a batch loads into lanes.
+
+    Attributes:
+        name: Its name.
+        width: Number of its entries.
+    """
+
+    name: str
+    width: int
+
+
+@dataclass(frozen=True, slots=True)
+class CInverse:
+    """Inverse kinematics.
+
+    Attributes:
+        function: The texts of its program.
+        branches: Number of branches.
+        size: Joint variables of all branches.
+        loads: The arguments that are read.
+        declaration: Parameters of the public function.
+        batch_declaration: Of that of a batch.
+        nearest_declaration: Of that of the nearest solution.
+        prototype: Parameters of the first in the header.
+        batch_prototype: Of the second.
+        nearest_prototype: Of the third.
+        lower: Lower limits of the joints, as the inside of an array.
+        upper: Upper limits.
+        revolute: Which joints turn, 1 or 0.
+        given: Numbers of the given joints, from 1, and their places.
+        given_array: Declares the variables of the given joints, if there are any.
+        given_lines: Statements that take them from a configuration.
+        nearest_call: Arguments of the call of the first function in the third.
+        documentation: Lines of the comment of the first.
+    """
+
+    function: CFunction
+    branches: int
+    size: int
+    loads: tuple[Load, ...]
+    declaration: str
+    batch_declaration: str
+    nearest_declaration: str
+    prototype: str
+    batch_prototype: str
+    nearest_prototype: str
+    lower: str
+    upper: str
+    revolute: str
+    given: tuple[dict[str, str], ...]
+    given_array: str
+    given_lines: tuple[str, ...]
+    nearest_call: str
+    documentation: tuple[str, ...]
+
+
+def c_inverse(inverse: Inverse, source: Source) -> CInverse:
+    """Inverse kinematics in C.
+
+    Args:
+        inverse: The program.
+        source: The robot.
+
+    Returns:
+        Its texts.
+    """
+    function, robot = c_function(inverse.function, source.program.parameters), source.robot
+    hoisted = ["k"] if function.constant_count else []
+    inputs = [*function.arguments, *hoisted]
+    limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
+    nearest = [POSE, "near", *hoisted]
+
+    def _declared(names: Iterable[str], qualifier: str, *, status: bool = True) -> str:
+        return _pointers(names, "q", qualifier) + (f", int *{qualifier}status" if status else "")
+
+    return CInverse(
+        function=function,
+        branches=inverse.branches,
+        size=inverse.branches * inverse.joints,
+        loads=tuple(Load(name, inverse.function.widths[name]) for name in function.used),
+        declaration=_declared(inputs, "restrict "),
+        batch_declaration=f"size_t count, {_declared(inputs, 'restrict ')}",
+        nearest_declaration=_declared(nearest, "restrict ", status=False),
+        prototype=_declared(inputs, ""),
+        batch_prototype=f"size_t count, {_declared(inputs, '')}",
+        nearest_prototype=_declared(nearest, "", status=False),
+        lower=", ".join(_bound(pair[0]) for pair in limits),
+        upper=", ".join(_bound(pair[1]) for pair in limits),
+        revolute=", ".join(str(int(joint.is_revolute)) for joint in robot.joints),
+        given=tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
+        given_array=f", given[{len(inverse.given)}]" if inverse.given else "",
+        given_lines=tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
+        nearest_call=", ".join([*inputs, "solutions", "status"]),
+        documentation=_inverse_documentation(inverse, robot, function.constant_count),
+    )
+
+
+def _bound(value: float) -> str:
+    return repr(value) if isfinite(value) else "-INFINITY" if value < 0 else "INFINITY"
+
+
+def _inverse_documentation(inverse: Inverse, robot: Robot, constant_count: int) -> tuple[str, ...]:
+    """The lines of the comment in the header."""
+    interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
+    constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."
+    return (
+        interface.summary,
+        "",
+        inverse.summary,
+        "T must be a pose: its rotation is not checked.",
+        "",
+        "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
+        *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),
+        *([constants] if constant_count else []),
+        f"@param[out] q       joint variables, {inverse.branches} x {inverse.joints}: {interface.result}.",
+        f"@param[out] status  what each branch is, {inverse.branches}; may be NULL.",
+        "@return the number of solutions.",
+        "",
+        *inverse.function.notes,
+    )
+
+
 def _pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
     """Parameters of a function that reads some arrays and fills another."""
     return ", ".join([*(f"const double *{qualifier}{name}" for name in inputs), f"double *{qualifier}{output}"])
@@ -279,7 +407,11 @@ def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
     return (
         wording.summary,
         "",
-        *(f"@param[in]  {name}       {ARGUMENTS[name]}, one entry per joint." for name in function.arguments),
+        *(
+            f"@param[in]  {name}       {ARGUMENTS[name]}, one entry per joint."
+            for name in function.arguments
+            if name in ARGUMENTS
+        ),
         *([constants] if constant_count else []),
         f"@param[out] result  {wording.symbol}, {shape_text(function.shape)}{layout}: {wording.result}.",
         "",

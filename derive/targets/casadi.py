@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.algebra.constants import to_float
-from derive.programs.program import Function
+from derive.programs.program import Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.targets.c import c_heading
 from derive.targets.numpy import python_context
@@ -56,10 +56,15 @@ def render_casadi_c(source: Source) -> dict[str, str]:
     generator = casadi.CodeGenerator(CODE, {"with_header": True})
     for function in source.program:
         generator.add(casadi_function(function, source.robot.n, len(parameters)))
+    inverse = source.program.inverse
+    for branch in casadi_inverse(inverse, len(parameters)) if inverse else ():
+        generator.add(branch)
     heading = render(
         "casadi-c/heading.c.jinja",
         **c_heading(source),
         parameters=parameters,
+        has_inverse=inverse is not None,
+        given=", ".join(source.robot.joints[i].variable for i in inverse.given) if inverse else "",
         casadi_version=casadi.CasadiMeta.version(),
     )
     with tempfile.TemporaryDirectory(prefix="derive-") as folder:
@@ -89,8 +94,46 @@ def casadi_function(function: Function, joints: int, parameters: int) -> Any:
     """
     import casadi
 
+    names, inputs, results = _evaluated(function, joints, parameters)
+    output = casadi.densify(casadi.vertcat(*results))  # an entry that is zero is an entry
+    if len(function.shape) > 1:  # a matrix, or matrices side by side; CasADi's run down the columns
+        rows, columns = function.shape[-2:]
+        blocks = casadi.vertsplit(output, rows * columns)
+        output = casadi.horzcat(*[casadi.reshape(block, columns, rows).T for block in blocks])
+    return casadi.Function(function.name, inputs, [output], names, [function.interface.symbol])
+
+
+def casadi_inverse(inverse: Inverse, parameters: int) -> list[Any]:
+    """Inverse kinematics as ``casadi.Function`` objects on SX.
+
+    Args:
+        inverse: The program.
+        parameters: Number of run-time parameters.
+
+    Returns:
+        A function for each branch, ``inverse_kinematics_1`` and so on: of a pose, a column of its entries row by row,
+        the given joints and ``params``, where there are any; its outputs are ``q`` and ``status``.
+    """
+    import casadi
+
+    names, inputs, values = _evaluated(inverse.function, inverse.joints, parameters)
+    functions = []
+    for branch in range(inverse.branches):
+        start, code = branch * inverse.joints, values[inverse.branches * inverse.joints + branch]
+        q = casadi.vertcat(*values[start : start + inverse.joints])
+        outputs = [casadi.if_else(code > 0, q, casadi.DM.nan(inverse.joints, 1)), casadi.SX(code)]
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, outputs, names, ["q", "status"]))
+    return functions
+
+
+def _evaluated(function: Function, joints: int, parameters: int) -> tuple[list[str], list[Any], list[Any]]:
+    """Names and symbols of a function's inputs, and its results."""
+    import casadi
+
     names = [*function.arguments, *(["params"] if parameters else [])]
-    inputs = [casadi.SX.sym(name, parameters if name == "params" else joints) for name in names]
+    widths = {"params": parameters, **function.widths}
+    inputs = [casadi.SX.sym(name, widths.get(name, joints)) for name in names]
     entries = {
         PARAMETER if name == "params" else name: casadi.vertsplit(column)
         for name, column in zip(names, inputs, strict=True)
@@ -108,10 +151,4 @@ def casadi_function(function: Function, joints: int, parameters: int) -> Any:
         "minimum": casadi.fmin,
         "absolute": casadi.fabs,
     }
-    results = evaluate(function.tape, entries, arithmetic)
-    output = casadi.densify(casadi.vertcat(*results))  # an entry that is zero is an entry
-    if len(function.shape) > 1:  # a matrix, or matrices side by side; CasADi's run down the columns
-        rows, columns = function.shape[-2:]
-        blocks = casadi.vertsplit(output, rows * columns)
-        output = casadi.horzcat(*[casadi.reshape(block, columns, rows).T for block in blocks])
-    return casadi.Function(function.name, inputs, [output], names, [function.interface.symbol])
+    return names, inputs, evaluate(function.tape, entries, arithmetic)

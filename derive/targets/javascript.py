@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.programs.program import ARGUMENTS, Function, Program, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Program, joint_lines
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
-from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, rows_of, wrapped, write_kernel
+from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, joint_limits, shape_text
 from derive.targets.templating import render
 
@@ -50,6 +50,31 @@ class JavaScriptFunction:
     body: tuple[str, ...]
     results: tuple[str, ...]
     scalar: str
+
+
+@dataclass(frozen=True, slots=True)
+class JavaScriptInverse:
+    """Inverse kinematics, ready for a template.
+
+    Attributes:
+        kernel: The texts of its program.
+        documentation: Lines of its comment.
+        entries: Lines of the names of the entries of a pose.
+        size: Joint variables of all branches.
+        given_count: Number of given joints.
+        unpack_given: Statements that check their variables and name them.
+        given_of_q: Their variables in a configuration.
+        nearest_given: What `q` says besides.
+    """
+
+    kernel: JavaScriptFunction
+    documentation: tuple[str, ...]
+    entries: tuple[str, ...]
+    size: int
+    given_count: int
+    unpack_given: tuple[str, ...]
+    given_of_q: str
+    nearest_given: str
 
 
 def render_javascript(source: Source) -> dict[str, str]:
@@ -117,7 +142,8 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
         "limits": wrapped(limits),
         "parameters": wrapped([javascript_string(name) for name in program.parameters]),
         "has_parameters": bool(program.parameters),
-        **case_context(function.tape for function in program),
+        **case_context(function.tape for function in program.all_functions),
+        "inverse": _inverse(program, robot) if program.inverse else None,
         "functions": tuple(_function(function, program.parameters, robot.n) for function in program),
     }
 
@@ -135,11 +161,44 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> Jav
         unpack_parameters=wrapped([javascript_name(name) for name in needed]),
         hoisted=kernel.hoisted,
         hoisted_results=wrapped(kernel.constant_values),
-        checks=_checks(function, kernel, joints),
+        checks=_checks(function, kernel, joints) if not function.widths else (),
         constants=wrapped(kernel.constants),
         body=kernel.body,
         results=_nested(kernel.results, function.shape) if function.shape else (),
         scalar="" if function.shape else kernel.results[0],
+    )
+
+
+def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
+    inverse = program.inverse
+    assert inverse is not None
+    function = inverse.function
+    names = [javascript_comment(robot.joints[i].variable) for i in inverse.given]
+    interface, words = function.interface, ", ".join(names)
+    documentation = (
+        interface.summary,
+        "",
+        inverse.summary,
+        "",
+        "@param {number[][]} T Pose of the end effector in the world frame, 4 x 4.",
+        *([f"@param {{number[]}} given Variables of {words}."] if names else []),
+        "@param {Object|number[]} [params] Numbers of the free parameters.",
+        f"@returns {{Object}} `q`, for each of {inverse.branches} branches the joint variables [rad, m], or null where",
+        "it does not exist, and `status`: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
+        "",
+        *function.notes,
+    )
+    count, unpacked = len(inverse.given), ", ".join(entry_names(function, GIVEN, 0))
+    given = f'const [{unpacked}] = vector("inverseKinematics", "given", given, {count});'
+    return JavaScriptInverse(
+        kernel=_function(function, program.parameters, robot.n),
+        documentation=tuple(f" * {line}".rstrip() for line in documentation),
+        entries=wrapped(entry_names(function, POSE, 0)),
+        size=inverse.branches * inverse.joints,
+        given_count=count,
+        unpack_given=(given,) if count else (),
+        given_of_q=", ".join(f"q[{i}]" for i in inverse.given),
+        nearest_given=f"; {words} stay there" if names else "",
     )
 
 
@@ -176,7 +235,7 @@ def _documentation(function: Function) -> tuple[str, ...]:
     lines = (
         wording.summary,
         "",
-        *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments),
+        *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments if name in ARGUMENTS),
         "@param {Object|number[]} [params] Numbers of the free parameters.",
         f"@returns {{{kind}}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
         "",

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from derive.algebra.constants import Constant, to_float
+from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function
 from derive.programs.tape.tape import (
     ALL_NAMES,
     BRANCHING_NAMES,
@@ -109,8 +110,9 @@ class Language:
             case Op.LESS if self.has_choice:
                 return Piece(f"{a.inside(SUM)} < {b.inside(SUM)}", CASE)
             case Op.SELECT if self.has_choice:
-                case, chosen, other = (operand.inside(SUM) for operand in operands)
-                return Piece(f"{case} ? {chosen} : {other}", CASE)
+                case, chosen, other = operands
+                test = case.inside(SUM) if case.binding == CASE else f"{case.inside(SUM)} > 0.0"
+                return Piece(f"{test} ? {chosen.inside(SUM)} : {other.inside(SUM)}", CASE)
             case _:
                 return Piece(f"{self.names[op]}({', '.join(operand.text for operand in operands)})")
 
@@ -167,9 +169,25 @@ def input_name(source: Source, parameters: Sequence[str]) -> str:
         parameters: Names of the run-time parameters.
 
     Returns:
-        ``q1``, ``qd1``, ..., or ``p_name``: users' names have a namespace of their own.
+        ``q1``, ``qd1``, ..., ``T11``, ..., or ``p_name``: users' names have a namespace of their own.
     """
+    if source.kind == POSE:
+        return f"T{source.index // 4 + 1}{source.index % 4 + 1}"
     return f"p_{parameters[source.index]}" if source.kind == PARAMETER else f"{source.kind}{source.index + 1}"
+
+
+def entry_names(function: Function, argument: str, joints: int) -> list[str]:
+    """The variables that hold the entries of an argument.
+
+    Args:
+        function: The function.
+        argument: One of its arguments.
+        joints: Number of joints.
+
+    Returns:
+        Their names in order.
+    """
+    return [input_name(Source(argument, i), ()) for i in range(function.widths.get(argument, joints))]
 
 
 def temporary_names() -> Iterator[str]:
@@ -268,7 +286,7 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
         hoisted=hoisted,
         constants=tuple(pieces[i].text for i in crossing),
         constant_values=values,
-        arguments=tuple(kind for kind in ("q", "qd", "qdd", "tau") if kind in kinds),
+        arguments=tuple(kind for kind in (*ARGUMENTS, POSE, GIVEN) if kind in kinds),
         body=body,
         results=tuple(language.output(tape, output, pieces) for output in tape.outputs),
         hoisted_calls=any(tape.nodes[i].op in ALL_NAMES for i in layers[Layer.HOISTED]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
-from derive.programs.program import Function
+from derive.programs.program import Function, Inverse
 from derive.targets.c import CFunction, c_context, c_function
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
@@ -73,9 +73,13 @@ def render_native(source: Source) -> dict[str, str]:
     """
     texts = [c_function(function, source.program.parameters) for function in source.program]
     loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
-    counts = {text.name: text.constant_count for text in texts}
+    inverse = source.program.inverse
+    all_texts = [*texts, c_function(inverse.function, source.program.parameters)] if inverse else texts
+    counts = {text.name: text.constant_count for text in all_texts}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}
     code = c_context(source) | {"loops": list(zip(texts, loops, strict=True))}
+    if inverse:
+        code["inverse_loop"] = _inverse_loop(inverse, all_texts[-1])
     return {
         MODULE: render("native/model_native.py.jinja", **module),
         CODE: render("native/model_native.c.jinja", **code),
@@ -91,6 +95,56 @@ TARGET = Target(
     requires=("c",),
     compiled={LIBRARY: (CODE, "model.c", "model.h")},
 )
+
+
+@dataclass(frozen=True, slots=True)
+class InverseLoop:
+    """NumPy's inner loop of inverse kinematics, whose results are joint variables and what the branches are.
+
+    Attributes:
+        loads: The inputs that are read.
+        cores: Place of the bytes between the entries of the results, among all steps.
+        constants_place: Place of the constants.
+        constants_core: Place of the bytes between them.
+        result_place: Place of the joint variables.
+        status_place: Place of what the branches are.
+        lengths: Bytes of the inputs and of the results, as the inside of an array.
+        buffer_count: Inputs and results.
+        starts: Inputs of the call for one pose.
+    """
+
+    loads: tuple[Input, ...]
+    cores: int
+    constants_place: int
+    constants_core: int
+    result_place: int
+    status_place: int
+    lengths: str
+    buffer_count: int
+    starts: str
+
+
+def _inverse_loop(inverse: Inverse, text: CFunction) -> InverseLoop:
+    function = inverse.function
+    widths = [function.widths[name] for name in function.arguments]
+    widths += [text.constant_count] if text.constant_count else []
+    count, size = len(widths), inverse.branches * inverse.joints
+    loads = (
+        Input(name, function.widths[name], i, count + 2 + i)
+        for i, name in enumerate(function.arguments)
+        if name in text.used
+    )
+    return InverseLoop(
+        loads=tuple(loads),
+        cores=2 * count + 2,
+        constants_place=count - 1,
+        constants_core=2 * count + 1,
+        result_place=count,
+        status_place=count + 1,
+        lengths=", ".join(str(length) for length in [*(8 * width for width in widths), 8 * size, inverse.branches]),
+        buffer_count=count + 2,
+        starts=", ".join(f"inputs[{i}]" for i in range(count)),
+    )
 
 
 def _loop(function: Function, text: CFunction, joints: int) -> Loop:

@@ -9,9 +9,10 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.programs.program import ARGUMENTS, Function, joint_lines
+from derive.programs.program import ARGUMENTS, Function, Program, joint_lines
+from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
-from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, rows_of, wrapped, write_kernel
+from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
 from derive.targets.target import Source, Target, joint_limits
 from derive.targets.templating import render
 
@@ -72,6 +73,37 @@ class PythonFunction:
     summary: str
     documentation: tuple[str, ...]
     operations: str
+
+
+@dataclass(frozen=True, slots=True)
+class PythonInverse:
+    """Inverse kinematics, ready for a template.
+
+    Attributes:
+        kernel: The texts of its program.
+        summary: First line of the docstring.
+        count: How many solutions there are.
+        branches: Number of branches.
+        given_names: Names of the given joints, quoted, as the inside of a tuple.
+        given_joints: Their indices, as the inside of a tuple.
+        given_argument: What stands behind ``T`` in a list of arguments.
+        given_words: What ``given`` is.
+        nearest_given: What `q` says besides.
+        result: What the entries of the result are.
+        notes: Formulation and cost.
+    """
+
+    kernel: PythonFunction
+    summary: str
+    count: str
+    branches: int
+    given_names: str
+    given_joints: str
+    given_argument: str
+    given_words: str
+    nearest_given: str
+    result: str
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +191,8 @@ def python_context(source: Source) -> dict[str, object]:
         "tables": tuple(tables),
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
-        **case_context(function.tape for function in program),
+        **case_context(function.tape for function in program.all_functions),
+        "inverse": _inverse(program, robot) if program.inverse else None,
         "functions": [_python_function(function, program.parameters, robot.n) for function in program],
     }
 
@@ -168,7 +201,7 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
     """The texts of one function of a robot with so many joints."""
     kernel = write_kernel(function.tape, PYTHON, parameters)
     length = function.shape[-1] if function.shape else 1
-    unpack = [_unpacking([f"{kind}{i + 1}" for i in range(joints)], kind) for kind in kernel.arguments]
+    unpack = [_unpacking(entry_names(function, kind, joints), kind) for kind in kernel.arguments]
     if kernel.constants:
         unpack.append(_unpacking(kernel.constants, "k"))
     return PythonFunction(
@@ -197,6 +230,28 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
     )
 
 
+def _inverse(program: Program, robot: Robot) -> PythonInverse:
+    inverse = program.inverse
+    assert inverse is not None
+    names = [robot.joints[i].variable for i in inverse.given]
+    interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
+    return PythonInverse(
+        kernel=_python_function(inverse.function, program.parameters, robot.n),
+        summary=interface.summary,
+        count=inverse.summary,
+        branches=inverse.branches,
+        given_names=_tuple([python_string(name) for name in names]) if names else "",
+        given_joints=_tuple([str(i) for i in inverse.given]) if names else "",
+        given_argument=", given" if names else "",
+        given_words=f"Variables of {words}, (..., {len(names)})"
+        if names
+        else "Nothing, since all joints are solved for",
+        nearest_given=f"; {words} stay there" if names else "",
+        result=interface.result,
+        notes=inverse.function.notes,
+    )
+
+
 def _unpacking(names: Sequence[str], source: str) -> str:
     """A statement that names the entries of a tuple or array, broken as a formatter would."""
     lines = textwrap.wrap(", ".join(names) + ",", LINE_WIDTH)
@@ -211,7 +266,7 @@ def _documentation(function: Function) -> tuple[str, ...]:
     shape = ", ".join(("...", *map(str, function.shape)))
     lines = (
         "Args:",
-        *(f"    {name}: {ARGUMENTS[name]}, (..., n)." for name in function.arguments),
+        *(f"    {name}: {ARGUMENTS[name]}, (..., n)." for name in function.arguments if name in ARGUMENTS),
         "    params: Numbers of the free parameters; see the module's docstring.",
         "    out: Where to write the result, if not to a new array.",
         "",

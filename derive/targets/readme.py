@@ -59,6 +59,16 @@ def render(source: Source) -> dict[str, str]:
         }
         for function in program
     ]
+    inverse = program.inverse
+    if inverse is not None:
+        functions.append(
+            {
+                "call": f"inverse_kinematics({', '.join(inverse.function.arguments)})",
+                "shape": shape_text((inverse.branches, inverse.joints)),
+                "summary": inverse.function.interface.summary,
+                "cost": cost_text(inverse.function.operations),
+            }
+        )
     context = {
         "title": markdown_text(robot.title),
         "name": robot.name,
@@ -73,6 +83,10 @@ def render(source: Source) -> dict[str, str]:
         "has_casadi": "model_casadi.py" in source.files,
         "has_dynamics": robot.has_dynamics,
         "functions": functions,
+        "inverse": inverse.summary if inverse is not None else "",
+        "branches": inverse.branches if inverse is not None else 0,
+        "given": ", ".join(robot.joints[i].variable for i in inverse.given) if inverse is not None else "",
+        "without_inverse": program.without_inverse,
         "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
         # symbols whose number is part of the code
         "numbers": [

@@ -21,6 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from derive.errors import TargetError, VerificationError
+from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compile_shared
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
@@ -68,6 +69,25 @@ class GeneratedModel(Protocol):
             (..., *shape).
         """
 
+    def given_names(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the joints whose variables inverse kinematics is given.
+
+        Args:
+            robot: The robot.
+        """
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        """Inverse kinematics, of one pose where there is one, else of a batch.
+
+        Args:
+            poses: (poses, 4, 4).
+            given: Variables of the given joints, (poses, k).
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
+        """
+
 
 @dataclass(frozen=True, slots=True)
 class NumpyModel:
@@ -97,6 +117,31 @@ class NumpyModel:
         options = {"params": dict(parameters)} if parameters else {}
         value: Array = getattr(self.module, function)(*arguments, **options)
         return value
+
+    def given_names(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the joints whose variables inverse kinematics is given.
+
+        Args:
+            robot: The robot.
+        """
+        return tuple(self.module.GIVEN)
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        """Inverse kinematics, of one pose where there is one, else of a batch.
+
+        Args:
+            poses: (poses, 4, 4).
+            given: Variables of the given joints, (poses, k).
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
+        """
+        options: dict[str, Any] = {"params": dict(parameters)} if parameters else {}
+        if given.shape[-1]:
+            options["given"] = given if len(poses) > 1 else given[0]
+        q, status = self.module.inverse_kinematics(poses if len(poses) > 1 else poses[0], status=True, **options)
+        return (q, status) if len(poses) > 1 else (q[None], status[None])
 
 
 class NativeModel(NumpyModel):
@@ -155,6 +200,39 @@ class CasadiModel:
             blocks = blocks[:, :, 0] if axes else blocks[:, 0, 0]
         return blocks if arguments and arguments[0].ndim > 1 else blocks[0]
 
+    def given_names(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the joints whose variables inverse kinematics is given.
+
+        Args:
+            robot: The robot.
+        """
+        return tuple(self.constants["GIVEN"])
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        """Inverse kinematics, branch by branch.
+
+        Args:
+            poses: (poses, 4, 4).
+            given: Variables of the given joints, (poses, k).
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
+        """
+        numbers = [[float(parameters[name]) for name in self.constants["PARAMETERS"]]] if parameters else []
+        rows: list[tuple[list[Array], list[float]]] = []
+        for pose, values in zip(poses, given, strict=True):
+            inputs = [*([values] if len(values) else []), *numbers]
+            found = [branch(pose.reshape(branch.size_in(0)), *inputs) for branch in self.branches]
+            rows.append(([np.asarray(q)[:, 0] for q, _ in found], [float(status) for _, status in found]))
+        return np.array([q for q, _ in rows]), np.array([status for _, status in rows]).astype(int)
+
+    @property
+    def branches(self) -> tuple[Any, ...]:
+        """A function for each branch of inverse kinematics."""
+        listed = self.constants["inverse_kinematics"]
+        return tuple(self.function(name) if isinstance(name, str) else name for name in listed)
+
 
 @dataclass(frozen=True)
 class CModel:
@@ -177,6 +255,8 @@ class CModel:
         start = f"{self._prefix}index_of_"
         names = [name.removeprefix(start) for name in self._numbers if name.startswith(start)]
         functions = {name.removeprefix(self._prefix): shape for name, shape in self._shapes.items()}
+        if f"{self._prefix}branches" in self._numbers:
+            functions["inverse_kinematics"] = ()
         return {**functions, "DOF": self._numbers[f"{self._prefix}dof"], "PARAMETERS": tuple(names)}
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
@@ -205,6 +285,45 @@ class CModel:
         else:
             getattr(self.shared, name)(*pointers)
         return result
+
+    def given_names(self, robot: Robot) -> tuple[str, ...]:
+        """Names of the joints whose variables inverse kinematics is given.
+
+        Args:
+            robot: The robot.
+        """
+        start = f"{self._prefix}given_joint_"
+        places = [number for name, number in self._numbers.items() if name.startswith(start)]
+        return tuple(robot.joints[place].variable for place in places)
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        """Inverse kinematics, of one pose where there is one, else of a batch.
+
+        Args:
+            poses: (poses, 4, 4).
+            given: Variables of the given joints, (poses, k).
+            parameters: Numbers of the free symbols.
+
+        Returns:
+            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
+        """
+        name, count = f"{self._prefix}inverse_kinematics", len(poses)
+        branches = self._numbers[f"{self._prefix}branches"]
+        q = np.zeros((count, branches, self._numbers[f"{self._prefix}dof"]))
+        status = np.full((count, branches), -1, dtype=np.intc)
+        arrays = [np.ascontiguousarray(poses, dtype=float)]
+        arrays += [np.ascontiguousarray(given, dtype=float)] if given.shape[-1] else []
+        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
+        if constants.size:
+            params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
+            getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
+            arrays.append(constants)
+        pointers = [_pointer(array) for array in (*arrays, q, status)]
+        if count > 1:
+            getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(count), *pointers)
+        elif getattr(self.shared, name)(*pointers) != (status > 0).sum():
+            raise VerificationError(f"{name} of {self.file} returns another number of solutions than it marks")
+        return q, status
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
@@ -344,7 +463,11 @@ def load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
     listed = re.search(r"^ \* Order of the entries of params.*:\n((?: \*     \w+\n)*)", heading, re.MULTILINE)
     joints = re.search(r"columns of ([0-9]+):", heading)
     names = tuple(line.removeprefix(" *").strip() for line in listed[1].splitlines()) if listed else ()
-    constants = {"DOF": int(joints[1]) if joints else 0, "PARAMETERS": names}
+    constants: dict[str, Any] = {"DOF": int(joints[1]) if joints else 0, "PARAMETERS": names}
+    branches = sorted(set(re.findall(r"\binverse_kinematics_[0-9]+\b", heading)), key=lambda name: int(name[19:]))
+    if branches:
+        given = re.search(r"^ \* Given joints: (.*)$", heading, re.MULTILINE)
+        constants |= {"inverse_kinematics": branches, "GIVEN": tuple(given[1].split(", ")) if given else ()}
     external = cache(lambda name: casadi.external(name, str(library)))
     return CasadiModel(constants, external, "casadi-c", path.name, kept=temporary)
 

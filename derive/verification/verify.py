@@ -13,6 +13,7 @@ from derive.errors import VerificationError
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compiling_meanwhile, find_compiler
+from derive.verification import inverse
 from derive.verification.expectation import Expectation, PartialExpectation, expectation
 from derive.verification.generated import COMPILED, MODULES, TARGETS, GeneratedModel, compile_models, load_models
 from derive.verification.oracle.frames import Array
@@ -121,6 +122,10 @@ def verify(
         for function in FUNCTIONS:
             if function in wanted or function in rare:
                 rows.append(_row(model, function, trials(model, function, sets), answers))
+        if inverse.FUNCTION in model.constants:
+            counted = list(inverse.inverse_errors(robot, model, sets, REMEDY))
+            poses, worst = sum(count for count, _ in counted), max(error for _, error in counted)
+            rows.append(Row(model.target, inverse.FUNCTION, poses, worst))
     _check_coverage(folder, models, rows, wanted, left_out)
     rows.sort(key=lambda row: TARGETS.index(row.target))
     return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))

@@ -143,6 +143,16 @@ class FloatField:
         """
         return np.arctan2(sine, cosine)
 
+    def unit(self, cosine: Floats, sine: Floats) -> tuple[Floats, Floats]:
+        """A point that lies on the unit circle but for rounding, moved there by a Newton step for 1/sqrt(c^2 + s^2).
+
+        Args:
+            cosine: Of an angle, nearly.
+            sine: Of the angle, nearly.
+        """
+        scale = 1.5 - 0.5 * (cosine * cosine + sine * sine)
+        return cosine * scale, sine * scale
+
     def conic(self, coefficients: Sequence[Floats], scale: Floats) -> list[tuple[Floats, Floats, Masks]]:
         """The common points of the unit circle and a conic: a quartic in the tangent of half the angle.
 
@@ -340,6 +350,15 @@ class PrimeField:
             sine: Of the angle.
         """
         return self.divide(sine, 1 + cosine)
+
+    def unit(self, cosine: Residue, sine: Residue) -> tuple[Residue, Residue]:
+        """Cosine and sine as they are: nothing is rounded.
+
+        Args:
+            cosine: Of an angle.
+            sine: Of the angle.
+        """
+        return cosine, sine
 
     def conic(self, coefficients: Sequence[Residue], scale: Residue) -> Sequence[tuple[Residue, Residue, Masks]]:
         """Not needed: graphs with quartics are counted over the complex numbers.

@@ -300,13 +300,15 @@ class Run(Generic[N, M]):
         """The values where a mask holds replaced by others; branches that these lack do not exist there."""
         f, no = self.field, self.field.truth(False)
         if not values:
-            values = [Value((b.numbers,), b.exists & mask, no, b.boundary) for b in found]
+            values = [Value((b.numbers,), b.exists, no, b.boundary) for b in found]
             return [*values, *[Value(values[0].numbers, no, no, no)] * (node.branches - len(values))]
         merged = []
         for k, old in enumerate(values):
             new = found[min(k, len(found) - 1)]
             exists = new.exists & mask if k < len(found) else no
-            numbers = tuple(f.select(mask, a, b) for a, b in zip(new.numbers, old.numbers[0], strict=True))
+            # where a branch is none its numbers are of no account; opposite ones share the angle of the first
+            given = new.numbers if k < len(found) else tuple(-number for number in new.numbers)
+            numbers = tuple(f.select(mask, a, b) for a, b in zip(given, old.numbers[0], strict=True))
             exists = exists | (old.exists & ~mask)
             boundary = (new.boundary & mask) | (old.boundary & ~mask)
             merged.append(Value((numbers,), exists, no, boundary))

@@ -292,6 +292,14 @@ class Field(Protocol[N, M]):
             sine: Times the same number.
         """
 
+    def unit(self, cosine: N, sine: N) -> tuple[N, N]:
+        """A point that lies on the unit circle but for rounding, which a small determinant makes large, moved there.
+
+        Args:
+            cosine: Of an angle, nearly.
+            sine: Of the angle, nearly.
+        """
+
     def conic(self, coefficients: Sequence[N], scale: N) -> Sequence[tuple[N, N, M]]:
         """The four common points of the unit circle and a conic.
 
@@ -454,7 +462,7 @@ class Solver(Generic[N, M]):
             determinant = a * e - b * d
             cosine = f.divide(c * e - b * g, determinant)
             sine = f.divide(a * g - c * d, determinant)
-        return [Branch((cosine, sine), f.truth(True), f.truth(False))]
+        return [Branch(f.unit(cosine, sine), f.truth(True), f.truth(False))]
 
 
 CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))

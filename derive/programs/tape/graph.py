@@ -319,24 +319,19 @@ class Graph:
         return signed(self._intern(Op.SIGN, a >> 1), is_negative(a))
 
     def arctangent(self, y: Ref, x: Ref) -> Ref:
-        """The angle of a point of the plane; points that differ in sign share one, to within a full turn.
+        """The angle of a point of the plane, odd in the ordinate.
 
         Args:
             y: Ordinate.
             x: Abscissa.
 
         Returns:
-            atan2(y, x), in (-pi, pi] but for the side on which a half turn falls [rad].
+            atan2(y, x), in [-pi, pi] [rad].
         """
         up, right = self.constant_of(y), self.constant_of(x)
         if up is not None and right is not None:
             return self.number(constants.arctangent(up, right))
-        angle = self._intern(Op.ARCTANGENT, y >> 1, x >> 1)
-        if is_negative(x):
-            half = self.number(constants.pi())
-            turn = self.select(self.less(angle, ZERO), negated(half), half)
-            angle = self.subtract(turn, angle)
-        return signed(angle, is_negative(y))
+        return signed(self._intern(Op.ARCTANGENT, y >> 1, self._plain(x)), is_negative(y))
 
     def less(self, a: Ref, b: Ref) -> Ref:
         """A comparison.
@@ -359,6 +354,38 @@ class Graph:
             a, b = negated(b), ZERO
         return self._intern(Op.LESS, self._plain(a), self._plain(b))
 
+    def opposite(self, case: Ref) -> Ref:
+        """The opposite of a case; that of the opposite is the case.
+
+        Args:
+            case: 1 or 0.
+
+        Returns:
+            1 - case.
+        """
+        return ref_to(self.operands[case >> 1][1]) if self._is_opposite(case) else self.subtract(ONE, case)
+
+    def is_case(self, a: Ref) -> bool:
+        """Whether a value is 1 or 0 by the way in which it is written: a comparison, or *and*, *or*, *not* of such.
+
+        Args:
+            a: Any reference.
+
+        Returns:
+            False also where it is not known.
+        """
+        if a in (ZERO, ONE):
+            return True
+        if is_negative(a):
+            return False
+        op, operands = self.op[a >> 1], self.operands[a >> 1]
+        if op in (Op.MULTIPLY, Op.MAXIMUM, Op.MINIMUM):
+            return all(self.is_case(ref_to(k)) for k in operands)
+        return op is Op.LESS or (self._is_opposite(a) and self.is_case(ref_to(operands[1])))
+
+    def _is_opposite(self, case: Ref) -> bool:
+        return self.op[case >> 1] is Op.SUBTRACT and self.operands[case >> 1][0] == node_of(ONE)
+
     def select(self, case: Ref, a: Ref, b: Ref) -> Ref:
         """One of two values; the other one may be anything.
 
@@ -374,12 +401,12 @@ class Graph:
         if known is not None or a == b:
             return b if known == 0 else a
         index = case >> 1
-        if self.op[index] is Op.SUBTRACT and self.operands[index][0] == node_of(ONE):  # the opposite case
-            return self.select(ref_to(self.operands[index][1]), b, a)
+        if self._is_opposite(case):
+            return self.select(self.opposite(case), b, a)
         if a == ONE and b == ZERO:
             return case
-        negative = (is_negative(a) and (is_negative(b) or b == ZERO)) or (a == ZERO and is_negative(b))
-        if negative:
+        negative = is_negative(a if self.layer[b >> 1] is Layer.CONSTANT and a != ZERO else b)
+        if negative:  # choices between opposites are opposite
             a, b = negated(a), negated(b)
         return signed(self._intern(Op.SELECT, index, self._plain(a), self._plain(b)), negative)
 
@@ -422,6 +449,28 @@ class Graph:
         index = a >> 1
         return ref_to(index) if self.op[index] in (Op.ABSOLUTE, Op.ROOT) else self._intern(Op.ABSOLUTE, index)
 
+    def is_nowhere_negative(self, a: Ref) -> bool:
+        """Whether a value is at least 0 by the way in which it is written: squares, roots, their sums and the like.
+
+        Args:
+            a: Any reference.
+
+        Returns:
+            False also where it is not known.
+        """
+        stack = [a]
+        while stack:
+            ref = stack.pop()
+            op, operands = self.op[ref >> 1], self.operands[ref >> 1]
+            is_square = op is Op.MULTIPLY and operands[0] == operands[1]
+            if is_negative(ref) or (op is Op.CONSTANT and self.constants[ref >> 1] < 0):
+                return False
+            if op in (Op.ADD, Op.MULTIPLY) and not is_square:
+                stack += map(ref_to, operands)
+            elif not is_square and op not in (Op.CONSTANT, Op.ROOT, Op.ABSOLUTE, Op.LESS):
+                return False
+        return True
+
     def apply(self, op: Op, operands: Sequence[Ref]) -> Ref:
         """The operation by its kind, folded as if written.
 
@@ -440,6 +489,11 @@ class Graph:
             return a if (left > right) == (op is Op.MAXIMUM) else b
         if a == b:
             return a
+        for one, other in ((a, b), (b, a)):
+            if one in (ZERO, ONE) and self.is_case(other):
+                return other if (one == ZERO) == (op is Op.MAXIMUM) else one
+        if op is Op.MAXIMUM and ZERO in (a, b) and self.is_nowhere_negative(a if b == ZERO else b):
+            return a if b == ZERO else b
         negative = (is_negative(a) or a == ZERO) and (is_negative(b) or b == ZERO)
         first, second = sorted(self._plain(negated(ref) if negative else ref) for ref in (a, b))
         return signed(self._intern(opposite if negative else op, first, second), negative)
@@ -586,6 +640,10 @@ class Value:
         """a where this is 1, b where it is 0."""
         return Value(self.graph, self.graph.select(self.ref, self._other(a), self._other(b)))
 
+    def opposite(self) -> Value:
+        """0 where this is 1, 1 where it is 0."""
+        return Value(self.graph, self.graph.opposite(self.ref))
+
     def maximum(self, other: Value | int | Fraction) -> Value:
         """The larger of this and another value."""
         return Value(self.graph, self.graph.maximum(self.ref, self._other(other)))
@@ -593,6 +651,11 @@ class Value:
     def minimum(self, other: Value | int | Fraction) -> Value:
         """The smaller of this and another value."""
         return Value(self.graph, self.graph.minimum(self.ref, self._other(other)))
+
+    @property
+    def depends_on_arguments(self) -> bool:
+        """Whether it is computed anew in every evaluation."""
+        return self.graph.layer[self.ref >> 1] is Layer.BODY
 
     def __abs__(self) -> Value:
         return Value(self.graph, self.graph.absolute(self.ref))

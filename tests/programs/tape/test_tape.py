@@ -192,12 +192,21 @@ def test_deep_programs_need_no_recursion() -> None:
     assert tape.operations.sin == 3000
 
 
-def test_arctangents_of_opposite_points_are_one() -> None:
+def test_arctangents_are_odd() -> None:
     graph = Graph()
     x, y, _ = variables(graph)
     angles = [y.arctangent(x), (-y).arctangent(x), y.arctangent(-x), (-y).arctangent(-x)]
-    assert operations(*angles).atan2 == 1
-    assert angles[1].ref == (-angles[0]).ref
+    assert operations(*angles).atan2 == 2
+    assert (angles[1].ref, angles[3].ref) == ((-angles[0]).ref, (-angles[2]).ref)
+
+
+def test_choices_between_opposites_are_opposite() -> None:
+    graph = Graph()
+    x, y, z = variables(graph)
+    case = x.less(y)
+    for a, b in ((x, z), (1, z), (0, z), (x, 1), (x, 0), (-x, z), (1, -1)):
+        value, opposite = case.select(a, b), case.select(-a, -b)
+        assert value.ref == (-opposite).ref
 
 
 def test_cases_that_are_known_leave_no_trace() -> None:

@@ -1,0 +1,352 @@
+"""Inverse kinematics as a straight-line program: a graph of solutions run over the values of a tape.
+
+All branches stand in one program: a node is computed once for each combination of the branches that it depends on,
+cosines and sines are carried as values, and every angle is taken once, at the end. What exists, what is degenerate and
+what coincides are values too, 1 or 0, by which the program chooses among the formulas of a node; nothing branches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import reduce
+from typing import Any
+
+from derive.model.inverse.fields import BEYOND, MERGED, ZERO
+from derive.model.inverse.graph import Leaf, Run, SolutionGraph, pose_of
+from derive.model.inverse.nodes import Formula, Kind
+from derive.model.inverse.solve import solve
+from derive.programs.formulation_choice import Formulation
+from derive.programs.program import GIVEN, POSE, POSE_ENTRIES, Function, Interface, Inverse, Status
+from derive.programs.tape.graph import ZERO as ZERO_VALUE
+from derive.programs.tape.graph import Ref, Value, node_of
+from derive.programs.tape.scalars import TapeDomain
+from derive.programs.trace import Trace, has_exact_rotations
+from derive.robot.expression import Expression, Pi
+
+CLOSED = Fraction(1, 10**7)
+"""A branch whose pose is farther off than this part of the arm's reach is none: the pose is not reached."""
+
+INTERFACE = Interface(
+    "inverse_kinematics",
+    (POSE, GIVEN),
+    ("branches", "n"),
+    "q",
+    "Joint variables of a pose of the end effector, every branch.",
+    "a row for each branch [rad, m], not a number where a branch does not exist",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Mask:
+    """What holds or not, as a value 1 or 0 of a tape; what follows from logic alone costs nothing."""
+
+    value: Value
+
+    def __and__(self, other: Mask) -> Mask:
+        a, b = self.value, other.value
+        if a.ref == b.ref or other.never or (~self).never:
+            return other
+        if a.opposite().ref == b.ref:
+            return Mask(a - a)
+        return self if self.never or (~other).never else Mask(a * b)
+
+    def __or__(self, other: Mask) -> Mask:
+        a, b = self.value, other.value
+        if a.ref == b.ref or self.never or (~other).never:
+            return other
+        if a.opposite().ref == b.ref:
+            return ~Mask(a - a)
+        return self if other.never or (~self).never else Mask(a.maximum(b))
+
+    def __invert__(self) -> Mask:
+        return Mask(self.value.opposite())
+
+    @property
+    def never(self) -> bool:
+        """Whether it is known to hold nowhere."""
+        return self.value.ref == ZERO_VALUE
+
+
+class TapeField:
+    """Values of a tape as numbers for a graph of solutions (`derive.model.inverse.nodes.Field`).
+
+    Args:
+        domain: Makes values of the robot's cells.
+    """
+
+    def __init__(self, domain: TapeDomain) -> None:
+        self.domain = domain
+        self._angles: dict[tuple[int, int], tuple[Value, Value, Value]] = {}
+        self._as_found: dict[tuple[Ref, Ref], tuple[Value, Value]] = {}
+
+    def number(self, value: int | Fraction) -> Value:
+        """A rational number.
+
+        Args:
+            value: The number.
+        """
+        return self.domain.number(value)
+
+    def constant(self, expression: Expression) -> Value:
+        """A parameter, or a constant of the arm.
+
+        Args:
+            expression: Of the robot's symbols.
+        """
+        return self.domain.constant(expression)
+
+    def divide(self, a: Value, b: Value) -> Value:
+        """The quotient; where the divisor is zero, what floats make of it.
+
+        Args:
+            a: The dividend.
+            b: The divisor.
+        """
+        return a / b
+
+    def sqrt(self, a: Value) -> Value:
+        """The square root; 0 of negative numbers.
+
+        Args:
+            a: The radicand.
+        """
+        return a.maximum(0).sqrt()
+
+    def is_zero(self, a: Value, scale: Value) -> Mask:
+        """Whether a coefficient is zero within rounding.
+
+        Args:
+            a: The number.
+            scale: The size that it usually has.
+        """
+        if not a.depends_on_arguments:  # a length of the arm, and no matter of the pose
+            return ~Mask(self.number(0).less(abs(a)))
+        return ~Mask((scale * Fraction(ZERO)).less(abs(a)))
+
+    def has_root(self, a: Value, scale: Value) -> Mask:
+        """Whether a number is not below zero, but for rounding.
+
+        Args:
+            a: The radicand.
+            scale: The size of what it is the difference of.
+        """
+        if a.graph.is_nowhere_negative(a.ref):
+            return self.truth(True)
+        return ~Mask(a.less(abs(scale) * -Fraction(BEYOND)))
+
+    def merges(self, a: Value, scale: Value) -> Mask:
+        """Whether the two roots of a number are one within rounding.
+
+        Args:
+            a: The radicand.
+            scale: The size of what it is the difference of.
+        """
+        return ~Mask((abs(scale) * Fraction(MERGED)).less(a))
+
+    def select(self, mask: Mask, a: Value, b: Value) -> Value:
+        """One of two numbers.
+
+        Args:
+            mask: What decides.
+            a: Where it holds.
+            b: Elsewhere.
+        """
+        return mask.value.select(a, b)
+
+    def never(self, mask: Mask) -> bool:
+        """Whether a mask is known to hold nowhere.
+
+        Args:
+            mask: The mask.
+        """
+        return mask.never
+
+    def truth(self, value: bool) -> Mask:
+        """A mask that holds everywhere or nowhere.
+
+        Args:
+            value: Which of the two.
+        """
+        return Mask(self.number(int(value)))
+
+    def cosine_sine(self, angle: Value) -> tuple[Value, Value]:
+        """Of a joint that is given.
+
+        Args:
+            angle: The angle [rad].
+        """
+        return angle.cos(), angle.sin()
+
+    def angle(self, cosine: Value, sine: Value) -> Value:
+        """The angle of a cosine and a sine; that of the opposite point is half a turn away.
+
+        Args:
+            cosine: Times any positive number.
+            sine: Times the same number.
+        """
+        cosine, sine = self._as_found.get((cosine.ref, sine.ref), (cosine, sine))
+        key = node_of(sine.ref), node_of(cosine.ref)
+        y, x, angle = self._angles.setdefault(key, (sine, cosine, sine.arctangent(cosine)))
+        if y.ref == (-sine).ref and x.ref == (-cosine).ref and sine.ref != y.ref:
+            half = self.domain.constant(Pi())
+            return angle + self.number(0).less(angle).select(-half, half)
+        return angle if y.ref == sine.ref and x.ref == cosine.ref else sine.arctangent(cosine)
+
+    def unit(self, cosine: Value, sine: Value) -> tuple[Value, Value]:
+        """A point that lies on the unit circle but for rounding, moved there by a Newton step for 1/sqrt(c^2 + s^2).
+
+        Args:
+            cosine: Of an angle, nearly.
+            sine: Of the angle, nearly.
+        """
+        scale = Fraction(3, 2) - (cosine * cosine + sine * sine) * Fraction(1, 2)
+        moved = cosine * scale, sine * scale
+        self._as_found[moved[0].ref, moved[1].ref] = cosine, sine
+        return moved
+
+    def conic(self, coefficients: Sequence[Value], scale: Value) -> Sequence[tuple[Value, Value, Mask]]:
+        """Graphs with quartics have no program yet.
+
+        Args:
+            coefficients: Of the conic.
+            scale: The size that they usually have.
+
+        Raises:
+            NotImplementedError: Always.
+        """
+        raise NotImplementedError
+
+    def general(self, formula: Formula, values: Mapping[str, Value]) -> Sequence[Any]:
+        """Graphs with eigenvalue problems have no program yet.
+
+        Args:
+            formula: The node's formula.
+            values: Numbers of all generators that are known.
+
+        Raises:
+            NotImplementedError: Always.
+        """
+        raise NotImplementedError
+
+
+_WITHOUT_PROGRAM = {
+    Kind.CONIC: "a quartic in one angle",
+    Kind.GENERAL: "an eigenvalue problem",
+}
+
+
+def reason_without_program(graph: SolutionGraph) -> str:
+    """Why no function of inverse kinematics is generated for an arm.
+
+    Args:
+        graph: Its solution.
+
+    Returns:
+        The reason in words; nothing where there is a function.
+    """
+    if not graph.is_closed:
+        return graph.why_not
+    for node in graph.nodes:
+        if node.kind in _WITHOUT_PROGRAM:
+            return f"joint {node.unknown.joints[0] + 1} is a root of {_WITHOUT_PROGRAM[node.kind]}"
+    return ""
+
+
+def _programmed(graph: SolutionGraph) -> SolutionGraph:
+    """The graph without the formulas for special poses that have no program."""
+    nodes = (
+        replace(node, formulas=tuple(formula for formula in node.formulas if formula.kind not in _WITHOUT_PROGRAM))
+        for node in graph.nodes
+    )
+    return replace(graph, nodes=tuple(nodes))
+
+
+def solved(trace: Trace) -> tuple[Inverse | None, str]:
+    """Inverse kinematics of a robot as its file asks for it.
+
+    Args:
+        trace: Of the robot.
+
+    Returns:
+        The program, or None and the reason why there is none.
+    """
+    if not has_exact_rotations(trace.robot):
+        return None, "base or tool is a rotation only to the digits that the file gives"
+    graph = solve(trace.robot)
+    reason = reason_without_program(graph)
+    return (None, reason) if reason else (inverse_function(trace, graph), "")
+
+
+def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
+    """The program of all branches.
+
+    Args:
+        trace: Of the robot.
+        graph: How its joints follow from the pose, with a closed form.
+
+    Returns:
+        The function.
+    """
+    domain, n = trace.domain, trace.n
+    field = TapeField(domain)
+    pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
+    run = Run(_programmed(graph), field, pose, [domain.argument(GIVEN, i) for i in range(len(graph.given))])
+    angles: list[Value] = []
+    codes: list[Value] = []
+    for leaf in run.leaves():
+        angles += run.angles(leaf)
+        exists = leaf.exists & _closes(trace, run, leaf) if _may_miss(graph) else leaf.exists
+        codes.append(_status(field, exists, leaf))
+    words = "closed form, all branches at once"
+    formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
+    interface = INTERFACE if graph.given else _without_given(INTERFACE)
+    widths = {POSE: POSE_ENTRIES, GIVEN: len(graph.given)}
+    function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
+    return Inverse(function, len(codes), n, graph.given, count_text(graph))
+
+
+def count_text(graph: SolutionGraph) -> str:
+    """How many solutions a pose has.
+
+    Args:
+        graph: The solution.
+
+    Returns:
+        A sentence.
+    """
+    most = graph.count or graph.leaves
+    solutions = "one solution" if most == 1 else f"{most} solutions"
+    if not graph.complete:
+        return f"Up to {solutions} by closed form."
+    return f"A pose has up to {solutions}, and no more."
+
+
+def _without_given(interface: Interface) -> Interface:
+    return Interface(interface.name, (POSE,), interface.shape, interface.symbol, interface.summary, interface.result)
+
+
+def _closes(trace: Trace, run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Mask:
+    """Whether a solution's pose is the one that is asked for, but for `CLOSED` of it."""
+    pose, entries = pose_of(run, leaf.joints), run.graph.places
+    turns = [abs(pose.rotation[i][j] - run.pose[i][j]) for i, j in entries if j < 3]
+    moves = [abs(pose.position[i] - run.pose[i][j]) for i, j in entries if j == 3]
+    closes = TapeField(trace.domain).truth(True)
+    for errors, scale in ((turns, trace.domain.number(1)), (moves, run.reach)):
+        if errors:
+            closes = closes & Mask(reduce(Value.maximum, errors).less(CLOSED * scale))
+    return closes
+
+
+def _may_miss(graph: SolutionGraph) -> bool:
+    """Whether a branch may exist whose pose is another: not where there are as many branches as solutions in space."""
+    return not graph.complete or graph.leaves != graph.count or graph.robot.n - len(graph.given) < 6
+
+
+def _status(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask]) -> Value:
+    singular = field.truth(False)
+    for free in leaf.free:
+        singular = singular | free
+    kind = singular.value.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
+    return exists.value.select(kind, Status.NONE)

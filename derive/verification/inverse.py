@@ -1,0 +1,122 @@
+"""Inverse kinematics against the oracle's forward kinematics: every solution leads to its pose, and none is missing.
+
+Random configurations give poses by the independent recursion. The configuration must be among the solutions of its
+pose, modulo full turns, unless joints are free or branches coincide there; every solution must lead to the pose again;
+solutions must differ; and a pose out of reach must have none. One pose and a batch of them must agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from derive.errors import VerificationError
+from derive.robot.inverse_options import ROWS
+from derive.robot.robot import Robot
+from derive.verification.generated import GeneratedModel
+from derive.verification.oracle.frames import Array, forward_kinematics
+from derive.verification.samples import SampleSet
+
+FUNCTION = "inverse_kinematics"
+
+CLOSED = 1e-10
+"""Largest error of the pose of a solution: of R, and of p relative to the reach of the arm where that is above 1."""
+
+SAME = 1e-5
+"""Configurations that are nearer to each other may be one: at the boundary errors of 1e-16 become 1e-8."""
+
+APART = 1e-9
+"""Solutions that are nearer are one solution twice."""
+
+FAR = 1e3
+"""Times the reach of an arm without slides where nothing is."""
+
+NONE, EXACT = 0, 1
+
+
+def inverse_errors(
+    robot: Robot, model: GeneratedModel, sets: Sequence[SampleSet], remedy: str
+) -> Iterator[tuple[int, float]]:
+    """What the inverse kinematics of one target does wrong.
+
+    Args:
+        robot: The robot.
+        model: The target.
+        sets: Configurations and parameters.
+        remedy: What to do about a fault.
+
+    Yields:
+        For each set the number of poses and the worst error of a pose relative to what is allowed of rounding.
+
+    Raises:
+        VerificationError: A solution is missing, wrong or there twice, or a pose out of reach has one.
+    """
+    given = [k for k in range(robot.n) if robot.joints[k].variable in model.given_names(robot)]
+    places = [(i - 1, j - 1) for row in robot.inverse.task for i, j in ROWS[row]]
+    for samples in sets:
+        q = samples.arguments["q"]
+        arm = samples.oracle.arm
+        poses = forward_kinematics(arm, q)
+        found, status = model.inverse(poses, q[:, given], samples.parameters)
+        where = f"{FUNCTION} of {model.file}"
+        if status.shape != found.shape[:2] or found.shape[2] != robot.n:
+            raise VerificationError(f"{where} returns shapes {found.shape} and {status.shape}", remedy=remedy)
+        scale = np.where(np.array([j for _, j in places]) == 3, max(1.0, _reach(poses)), 1.0)
+        worst = 0.0
+        for k, pose in enumerate(poses):
+            rows = found[k][status[k] != NONE]
+            fault = _fault(robot, rows, status[k], found[k], q[k])
+            if not fault and len(rows):
+                again = forward_kinematics(arm, rows)
+                errors = np.array([abs(again[:, i, j] - pose[i, j]) for i, j in places]).T / scale
+                worst = max(worst, float(errors.max()))
+                fault = "" if errors.max() <= CLOSED else f"leads to a pose that is {errors.max():.1e} off"
+            if fault:
+                raise VerificationError(f"{where} {fault} at q = {_text(q[k])}{_at(samples.parameters)}", remedy=remedy)
+        one, code = model.inverse(poses[1:2], q[1:2, given], samples.parameters)
+        if not np.array_equal(code[0], status[1]) or not np.allclose(one[0], found[1], atol=SAME, equal_nan=True):
+            raise VerificationError(f"{where} gives one pose other solutions than a batch", remedy=remedy)
+        if all(joint.is_revolute for joint in robot.joints) and (0, 3) in places:
+            away = poses[:2].copy()
+            away[:, :3, 3] += FAR * max(1.0, _reach(poses))
+            if model.inverse(away, q[:2, given], samples.parameters)[1].any():
+                raise VerificationError(f"{where} finds solutions of poses out of reach", remedy=remedy)
+        yield len(poses), worst
+
+
+def _fault(robot: Robot, rows: Array, status: Array, found: Array, q: Array) -> str:
+    """What is wrong with the solutions of a pose, but for the poses that they lead to."""
+    if not len(rows):
+        return "finds no solution of a reachable pose"
+    if not np.array_equal(np.isnan(found).any(axis=1), status == NONE):
+        return "marks branches that do not exist by other things than nan"
+    if (status > EXACT).any():
+        return ""
+    turns = np.array([joint.is_revolute for joint in robot.joints])
+    if _distance(rows, q, turns).min() > SAME:
+        return "misses the configuration"
+    for i, row in enumerate(rows):
+        if i and _distance(rows[:i], row, turns).min() < APART:
+            return "finds a solution twice"
+    return ""
+
+
+def _distance(rows: Array, q: Array, turns: Array) -> Array:
+    """How far configurations are from one, modulo full turns."""
+    difference = rows - q
+    angles = np.abs((difference + np.pi) % (2.0 * np.pi) - np.pi)
+    distance: Array = np.where(turns, angles, np.abs(difference)).max(axis=1)
+    return distance
+
+
+def _reach(poses: Array) -> float:
+    return float(np.abs(poses[:, :3, 3]).max(initial=0.0))
+
+
+def _text(values: Array) -> str:
+    return f"[{', '.join(f'{value:.17g}' for value in values)}]"
+
+
+def _at(parameters: Mapping[str, float]) -> str:
+    return "".join(f", {name} = {value:.17g}" for name, value in parameters.items())

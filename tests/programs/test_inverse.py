@@ -1,0 +1,186 @@
+"""Inverse kinematics as a program: every branch, the angles taken once, nothing lost between graph and tape."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from derive.algebra.constants import to_float
+from derive.model.inverse.fields import FloatField
+from derive.model.inverse.graph import Run
+from derive.model.inverse.solve import solve
+from derive.programs.inverse import Mask, inverse_function, reason_without_program, solved
+from derive.programs.program import POSE, Inverse
+from derive.programs.tape.graph import ONE, ZERO, Graph, Value
+from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.trace import Trace
+from derive.robot.evaluate import parameter_values
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
+
+ARITHMETIC: dict[str, Any] = {
+    "number": to_float,
+    "sin": np.sin,
+    "cos": np.cos,
+    "sqrt": np.sqrt,
+    "sign": np.sign,
+    "atan2": np.arctan2,
+    "less": lambda a, b: (a < b) * 1.0,
+    "select": np.where,
+    "maximum": np.maximum,
+    "minimum": np.minimum,
+    "absolute": np.abs,
+}
+
+
+@cache
+def program_of(name: str) -> tuple[Robot, Inverse]:
+    """A robot of the catalogue and its program."""
+    robot = Robot.load(name)
+    inverse, reason = solved(Trace(robot))
+    assert inverse is not None, reason
+    return robot, inverse
+
+
+def numbers_of(robot: Robot) -> dict[str, float]:
+    """Numbers of what is free."""
+    return {name: 0.3 + 0.13 * k for k, name in enumerate(free_symbols(robot))}
+
+
+def arm_of(robot: Robot) -> Arm:
+    """The independent recursion's arm."""
+    return numeric_arm(robot, numbers_of(robot))
+
+
+def poses_of(robot: Robot, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
+    """Random configurations and their poses."""
+    q = np.random.default_rng(robot.n).uniform(-3, 3, (count, robot.n))
+    return q, forward_kinematics(arm_of(robot), q)
+
+
+def run(robot: Robot, inverse: Inverse, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Joint variables and what the branches are, straight from the tape."""
+    entries = [poses[:, i, j] for i in range(4) for j in range(4)]
+    inputs = {POSE: entries, PARAMETER: list(numbers_of(robot).values())}
+    with np.errstate(all="ignore"):
+        values = np.array([v + 0.0 * entries[0] for v in evaluate(inverse.function.tape, inputs, ARITHMETIC)])
+    size = inverse.branches * inverse.joints
+    return values[:size].T.reshape(-1, inverse.branches, inverse.joints), values[size:].T
+
+
+@pytest.mark.parametrize("name", ["planar-3r", "puma560-corke", pytest.param("thumb", marks=pytest.mark.sweep)])
+def test_the_tape_gives_what_the_graph_gives(name: str) -> None:
+    robot, inverse = program_of(name)
+    q, poses = poses_of(robot)
+    found, status = run(robot, inverse, poses)
+    walk = Run(
+        solve(robot),
+        FloatField(parameter_values(robot, numbers_of(robot))),
+        [[poses[:, i, j] for j in range(4)] for i in range(3)],
+    )
+    for branch, leaf in enumerate(walk.leaves()):
+        exists = np.broadcast_to(leaf.exists, len(q)) & (status[:, branch] > 0)
+        wanted = np.stack(np.broadcast_arrays(*walk.angles(leaf), q[:, 0])[:-1], axis=-1)
+        turns = np.exp(1j * found[exists, branch]) - np.exp(1j * wanted[exists])
+        assert np.abs(turns).max(initial=0.0) < 1e-7
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "planar-3r",
+        "puma560-corke",
+        "scara-perugia",
+        *(pytest.param(name, marks=pytest.mark.sweep) for name in ("kuka-kr5", "stanford-deluca", "thumb")),
+    ],
+)
+def test_every_solution_leads_to_its_pose_and_the_configuration_is_one(name: str) -> None:
+    robot, inverse = program_of(name)
+    q, poses = poses_of(robot)
+    found, status = run(robot, inverse, poses)
+    again = forward_kinematics(arm_of(robot), np.nan_to_num(found))
+    errors = np.abs(again - poses[:, None]).max(axis=(2, 3))
+    assert errors[status > 0].max() < 1e-10
+    turned = np.array([joint.is_revolute for joint in robot.joints])
+    difference = np.abs(found - q[:, None])
+    angles = np.abs((difference + np.pi) % (2 * np.pi) - np.pi)
+    distance = np.where(turned, angles, difference).max(axis=2)
+    assert np.where(status > 0, distance, np.inf).min(axis=1).max() < 1e-6
+
+
+def test_a_puma_takes_every_angle_once() -> None:
+    """2 of joint 1, 2 of joint 3, 4 of joint 2, and one for each pair of opposite wrists."""
+    _, inverse = program_of("puma560-corke")
+    assert inverse.function.operations.atan2 == 2 + 2 + 4 + 3 * 4
+    assert inverse.function.operations.sin == inverse.function.operations.cos == 0
+    assert inverse.branches == 8
+    assert inverse.summary == "A pose has up to 8 solutions, and no more."
+
+
+def test_joints_that_are_free_are_zero_and_others_follow() -> None:
+    robot, inverse = program_of("puma560-corke")
+    q = np.array([[0.3, -0.7, 0.4, 0.5, 0.0, 0.6], [0.3, -0.7, 0.4, -0.2, 0.0, 1.3]])
+    poses = forward_kinematics(arm_of(robot), q)
+    np.testing.assert_allclose(poses[0], poses[1], atol=1e-15)
+    found, status = run(robot, inverse, poses[:1])
+    singular = status[0] == 3
+    assert singular.any()
+    again = forward_kinematics(arm_of(robot), found[0][status[0] > 0])
+    assert np.abs(again - poses[0]).max() < 1e-10
+    assert (found[0][singular, 3] == 0).all()
+
+
+@pytest.mark.parametrize("name", ["planar-3r", "puma560-corke", "scara-perugia"])
+def test_poses_out_of_reach_have_no_solution(name: str) -> None:
+    robot, inverse = program_of(name)
+    _, poses = poses_of(robot, 20)
+    poses[:, :2, 3] += 50.0
+    assert not run(robot, inverse, poses)[1].any()
+
+
+def test_arms_with_fewer_joints_refuse_poses_beside_their_own() -> None:
+    robot, inverse = program_of("scara-perugia")
+    _, poses = poses_of(robot, 20)
+    turn = np.eye(4)
+    turn[1:3, 1:3] = [[np.cos(1e-3), -np.sin(1e-3)], [np.sin(1e-3), np.cos(1e-3)]]
+    assert run(robot, inverse, poses)[1].any(axis=1).all()
+    assert not run(robot, inverse, poses @ turn)[1].any()
+
+
+def test_why_there_is_no_function_is_said() -> None:
+    text = "name: loose\nconvention: standard\njoints:\n" + "  - {type: revolute, a: 1}\n" * 3
+    spatial = text.replace("a: 1", "a: 1, alpha: 1, d: 2")
+    robot = Robot.from_text(f"{spatial}inverse: {{task: position}}\n")
+    inverse, reason = solved(Trace(robot))
+    assert inverse is None
+    assert reason == reason_without_program(solve(robot)) != ""
+    crooked = "base: [[1, 0, 0, 0], [0, 0.9999998, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+    assert solved(Trace(Robot.from_text(text + crooked)))[1].startswith("base or tool is a rotation only")
+
+
+def test_masks_fold_what_logic_knows() -> None:
+    graph = Graph()
+    x, y = (Value(graph, graph.input("q", i)) for i in range(2))
+    case, never, always = Mask(x.less(y)), Mask(Value(graph, ZERO)), Mask(Value(graph, ONE))
+    for folded, wanted in (
+        (case & always, case),
+        (case | never, case),
+        (case & case, case),
+        (case & ~case, never),
+        (case | ~case, always),
+        (~~case, case),
+        (case & never, never),
+        (always | case, always),
+    ):
+        assert folded.value.ref == wanted.value.ref
+
+
+def test_given_joints_are_arguments() -> None:
+    robot = Robot.load("planar-3r")
+    graph = solve(robot, ("x", "y"), (2,))
+    inverse = inverse_function(Trace(robot), graph)
+    assert (inverse.given, inverse.function.arguments) == ((2,), ("T", "given"))

@@ -1,0 +1,273 @@
+"""Inverse kinematics in every language: the same solutions, the same words, the nearest one within the limits."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from derive.programs.functions import build_program
+from derive.programs.program import Program
+from derive.programs.search_policy import Effort
+from derive.robot.robot import Robot
+from derive.targets.casadi import render_casadi
+from derive.targets.readme import render as render_readme
+from tests.targets.c_models import c_model, needs_compiler
+from tests.targets.generated_models import load, numpy_model, source_of
+from tests.targets.javascript_model import JavaScriptModel
+
+NAMES = {"forward_kinematics"}
+TOLERANCE = 1e-9
+TEXT = """
+name: elbow
+convention: standard
+joints:
+  - {type: revolute, d: 0.3, alpha: pi/2, limits: [-2, 2]}
+  - {type: revolute, a: a2}
+  - {type: revolute, a: 0.4}
+  - {type: prismatic, alpha: -pi/2, limits: [-1, 1]}
+"""
+PARAMETERS = {"a2": 0.5}
+
+
+@cache
+def program_of(robot: Robot) -> Program:
+    """Forward and inverse kinematics, without a search."""
+    return build_program(robot, Effort.QUICK, names=NAMES, inverse=True)
+
+
+def elbow() -> Robot:
+    """An arm with a free parameter, a slide and limits."""
+    return Robot.from_text(TEXT)
+
+
+@cache
+def model_of(robot: Robot) -> ModuleType:
+    """Its NumPy module."""
+    return numpy_model(robot, program_of(robot))
+
+
+def cases(robot: Robot, count: int = 40) -> tuple[np.ndarray, np.ndarray, dict[str, float]]:
+    """Configurations, poses and parameters."""
+    parameters = PARAMETERS if "a2" in program_of(robot).parameters else {}
+    q = np.random.default_rng(7).uniform(-0.9, 0.9, (count, robot.n))
+    return q, np.asarray(model_of(robot).forward_kinematics(q, **options(parameters))), parameters
+
+
+def options(parameters: dict[str, float]) -> dict[str, Any]:
+    """The last arguments of a call."""
+    return {"params": parameters} if parameters else {}
+
+
+ROBOTS = [pytest.param(elbow(), id="elbow"), pytest.param(Robot.load("puma560-corke"), id="puma")]
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_a_batch_one_pose_and_out_give_the_same(robot: Robot) -> None:
+    q, poses, parameters = cases(robot)
+    model = model_of(robot)
+    found, status = model.inverse_kinematics(poses, status=True, **options(parameters))
+    branches = program_of(robot).inverse.branches
+    assert (found.shape, status.shape, status.dtype) == ((len(q), branches, robot.n), (len(q), branches), np.uint8)
+    assert np.array_equal(np.isnan(found).any(axis=-1), status == model.NONE)
+    assert (status == model.EXACT).any(axis=1).all()
+    for pose, row, codes in zip(poses, found, status, strict=True):
+        one, code = model.inverse_kinematics(pose, status=True, **options(parameters))
+        np.testing.assert_allclose(one, row, atol=TOLERANCE)
+        assert np.array_equal(code, codes)
+    out = np.zeros((5, 2, branches, robot.n)).swapaxes(0, 1)
+    result = model.inverse_kinematics(poses[:10].reshape(2, 5, 4, 4), out=out, **options(parameters))
+    assert result is out
+    np.testing.assert_allclose(out.reshape(10, branches, robot.n), found[:10], atol=TOLERANCE)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_arrays_of_other_libraries_give_the_same(robot: Robot) -> None:
+    _, poses, parameters = cases(robot, 20)
+    model = model_of(robot)
+    with jax.enable_x64(True):
+        found = model.inverse_kinematics(jnp.asarray(poses), **options(parameters))
+        wanted = model.inverse_kinematics(poses, **options(parameters))
+        np.testing.assert_allclose(np.asarray(found), wanted, atol=TOLERANCE)
+
+
+@needs_compiler
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_c_gives_the_same(robot: Robot) -> None:
+    q, poses, parameters = cases(robot)
+    model = c_model(robot, program_of(robot))
+    wanted, codes = model_of(robot).inverse_kinematics(poses, status=True, **options(parameters))
+    given = q[:, :0]
+    found, status = model.inverse(poses, given, parameters)
+    np.testing.assert_allclose(found, wanted, atol=TOLERANCE)
+    assert np.array_equal(status, codes)
+    one, code = model.inverse(poses[3:4], given[3:4], parameters)
+    np.testing.assert_allclose(one, wanted[3:4], atol=TOLERANCE)
+    assert np.array_equal(code, codes[3:4])
+
+
+@needs_compiler
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_the_nearest_solution_in_c_is_that_of_numpy(robot: Robot) -> None:
+    q, poses, parameters = cases(robot)
+    model = c_model(robot, program_of(robot))
+    near = q + np.random.default_rng(1).uniform(-0.3, 0.3, q.shape)
+    wanted = model_of(robot).inverse_kinematics_nearest(poses, near, **options(parameters))
+    prefix = f"{robot.name.replace('-', '_')}_inverse_kinematics"
+    constants = np.zeros(64)
+    if parameters:
+        numbers = np.array(list(parameters.values()))
+        getattr(model.shared, f"{prefix}_constants")(pointer(numbers), pointer(constants))
+    for pose, start, row in zip(poses, near, wanted, strict=True):
+        found = np.zeros(robot.n)
+        inputs = [pointer(np.ascontiguousarray(pose)), pointer(start), *([pointer(constants)] if parameters else [])]
+        status = getattr(model.shared, f"{prefix}_nearest")(*inputs, pointer(found))
+        assert bool(status) == (not np.isnan(row).any())
+        np.testing.assert_allclose(found, row, atol=TOLERANCE)
+
+
+def pointer(array: np.ndarray) -> Any:
+    """An array as C takes it."""
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_casadi_has_a_function_for_each_branch(robot: Robot) -> None:
+    _, poses, parameters = cases(robot, 6)
+    module = load(render_casadi(source_of(robot, program_of(robot)))["model_casadi.py"])
+    wanted, codes = model_of(robot).inverse_kinematics(poses, status=True, **options(parameters))
+    assert len(module.inverse_kinematics) == wanted.shape[1]
+    for k, branch in enumerate(module.inverse_kinematics):
+        assert (branch.name(), branch.name_in()[0], branch.name_out()) == (
+            f"inverse_kinematics_{k + 1}",
+            "T",
+            ["q", "status"],
+        )
+        for pose, row, code in zip(poses, wanted, codes, strict=True):
+            q, status = branch(pose, *([list(parameters.values())] if parameters else []))
+            np.testing.assert_allclose(np.array(q)[:, 0], row[k], atol=TOLERANCE)
+            assert int(status) == code[k]
+
+
+def test_javascript_gives_the_same_and_the_nearest() -> None:
+    robot = elbow()
+    q, poses, parameters = cases(robot, 5)
+    model, numpy = JavaScriptModel(robot, program_of(robot)), model_of(robot)
+    wanted, codes = numpy.inverse_kinematics(poses, status=True, params=parameters)
+    for k, pose in enumerate(poses):
+        text = json.dumps(pose.tolist())
+        found = model.value(f"model.inverseKinematics({text}, {json.dumps(parameters)})")
+        assert found["status"] == codes[k].tolist()
+        rows = [[np.nan] * robot.n if row is None else row for row in found["q"]]
+        np.testing.assert_allclose(rows, wanted[k], atol=TOLERANCE)
+        near = model.value(f"model.inverseKinematicsNearest({text}, {q[k].tolist()}, {json.dumps(parameters)})")
+        np.testing.assert_allclose(near["q"], q[k], atol=1e-7)
+    with pytest.raises(Exception, match=r"T is no pose: the columns of its rotation are 2.1e-1 from orthonormal"):
+        model.value("model.inverseKinematics([[1.1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], [0.5])")
+
+
+def test_the_nearest_solution_is_the_configuration_itself_full_turns_included() -> None:
+    robot = elbow()
+    q, poses, parameters = cases(robot)
+    model = model_of(robot)
+    np.testing.assert_allclose(model.inverse_kinematics_nearest(poses, q, params=parameters), q, atol=1e-7)
+    turned = q + 2 * np.pi * np.array([0, 1, -2, 0])
+    np.testing.assert_allclose(model.inverse_kinematics_nearest(poses, turned, params=parameters), turned, atol=1e-7)
+    beyond = q + 2 * np.pi * np.array([1, 0, 0, 0])  # joint 1 has limits
+    np.testing.assert_allclose(model.inverse_kinematics_nearest(poses, beyond, params=parameters), q, atol=1e-7)
+
+
+def test_what_is_beyond_the_limits_is_not_near() -> None:
+    robot, model = elbow(), model_of(elbow())
+    pose = model.forward_kinematics([2.5, 0.2, 0.3, 0.1], params=PARAMETERS)
+    assert not np.isnan(model.inverse_kinematics(pose, params=PARAMETERS)).all()
+    found = model.inverse_kinematics_nearest(pose, np.zeros(robot.n), params=PARAMETERS)
+    assert np.isnan(found).all() or abs(found[0]) <= 2
+
+
+def test_parameters_may_vary_over_a_batch() -> None:
+    model = model_of(elbow())
+    lengths = np.array([0.4, 0.5, 0.6])
+    q = np.random.default_rng(3).uniform(-0.9, 0.9, (3, 4))
+    poses = model.forward_kinematics(q, params={"a2": lengths})
+    found = model.inverse_kinematics(poses, params={"a2": lengths})
+    for pose, length, rows in zip(poses, lengths, found, strict=True):
+        np.testing.assert_allclose(rows, model.inverse_kinematics(pose, params={"a2": length}), atol=TOLERANCE)
+
+
+def pose_with(**entries: float) -> np.ndarray:
+    """The unit pose with other entries, ``r01=...``."""
+    pose = np.eye(4)
+    for name, value in entries.items():
+        pose[int(name[1]), int(name[2])] = value
+    return pose
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        (np.eye(3), r"T must have shape \(4, 4\) or \(..., 4, 4\); got \(3, 3\)"),
+        (
+            pose_with(r00=1.1),
+            r"T is no pose: the columns of its rotation are 2.1e-01 from orthonormal \(allowed: 1e-06\)",
+        ),
+        (pose_with(r22=-1.0), r"T is no pose: its rotation mirrors: the determinant is -1"),
+        (pose_with(r13=np.nan), r"T is no pose: it has entries that are not finite"),
+        (pose_with(r00=np.nan), r"T is no pose: it has entries that are not finite"),
+        (pose_with(r33=2.0), r"T is no pose: its last row is \[0.0, 0.0, 0.0, 2.0\], not \[0, 0, 0, 1\]"),
+        (np.array([np.eye(4), pose_with(r00=2.0)]), r"T\[1\] is no pose: the columns"),
+        ([[1, 2], [3]], r"T must have shape .* got rows of unequal length"),
+    ],
+)
+def test_what_is_no_pose_is_refused(pose: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=f"^inverse_kinematics: {message}"):
+        model_of(elbow()).inverse_kinematics(pose, params=PARAMETERS)
+
+
+def test_what_else_is_refused() -> None:
+    model = model_of(elbow())
+    with pytest.raises(ValueError, match=r"given must be None, since all joints are solved for; got shape \(1,\)"):
+        model.inverse_kinematics(np.eye(4), params=PARAMETERS, given=[0.1])
+    with pytest.raises(
+        ValueError, match=r"q must be real numbers of shape \(4,\) or \(..., 4\); got float64 of shape \(3,\)"
+    ):
+        model.inverse_kinematics_nearest(np.eye(4), [0.0, 0.0, 0.0], params=PARAMETERS)
+    with pytest.raises(ValueError, match=r"out must be a NumPy array of float64 of shape \(\d, 4\)"):
+        model.inverse_kinematics(np.eye(4), params=PARAMETERS, out=np.zeros((3, 3)))
+    with pytest.raises(ValueError, match="missing in params: a2"):
+        model.inverse_kinematics(np.eye(4))
+    with pytest.raises(TypeError, match="T must be real numbers; got dtype"):
+        model.inverse_kinematics("pose", params=PARAMETERS)
+
+
+def test_on_the_boundary_one_branch_is_listed() -> None:
+    model = model_of(elbow())
+    pose = model.forward_kinematics([0.3, 0.5, 0.0, 0.2], params=PARAMETERS)
+    found, status = model.inverse_kinematics(pose, params=PARAMETERS, status=True)
+    assert (status > 0).any()
+    again = model.forward_kinematics(found[status > 0], params=PARAMETERS)
+    np.testing.assert_allclose(again, np.broadcast_to(pose, again.shape), atol=1e-10)
+
+
+def test_readme_says_what_there_is_and_why_not() -> None:
+    text = render_readme(source_of(elbow(), program_of(elbow())))["README.md"]
+    assert "## Inverse kinematics" in text
+    assert "| `inverse_kinematics(T)` |" in text
+    without = Program((), (), None, "an arm of straw")
+    page = render_readme(source_of(elbow(), without))["README.md"]
+    assert "There is no function: an arm of straw." in page
+
+
+@needs_compiler
+def test_the_header_names_what_a_program_needs(tmp_path: Path) -> None:
+    model = c_model(elbow(), program_of(elbow()))
+    for name in ("elbow_branches = ", "elbow_singular = 3", "int elbow_inverse_kinematics_nearest("):
+        assert name in model.header
