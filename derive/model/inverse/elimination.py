@@ -54,6 +54,9 @@ class EliminationPolicy:
         steps: Most Newton steps of a candidate.
         trials: Poses at which eliminations are compared.
         options: Eliminations that are compared, those with the fewest eigenvalues.
+        shared: Angles tan^-1 t closer than this are one eigenvalue, as where solutions share the hidden joint.
+        far: Slides beyond this many reaches are no solutions but rounding of infinite ones.
+        approach: Most steps from poor candidates at poses with infinitely many solutions.
         near: Error of a pose before refinement below which a candidate should have become a solution.
         rough: Error before refinement above which a candidate that became a solution was a lucky start.
     """
@@ -66,6 +69,9 @@ class EliminationPolicy:
     steps: int = 12
     trials: int = 24
     options: int = 24
+    shared: float = 1e-5
+    far: float = 1e3
+    approach: int = 60
     near: float = 1e-4
     rough: float = 1e-6
 

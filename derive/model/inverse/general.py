@@ -22,7 +22,7 @@ import numpy.typing as npt
 from derive.model.inverse.closure import ELIMINATED, Closure, Loop, middle_part, motion_by, rigid_inverse
 from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination, eliminations
 from derive.model.inverse.general_count import count_solutions
-from derive.model.inverse.numeric import NumericChain, Problem
+from derive.model.inverse.numeric import NumericChain, Problem, fit
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
@@ -42,34 +42,40 @@ class Candidates:
     Attributes:
         place: (candidates,) the pose that each belongs to.
         joints: (candidates, joints of the loop), NaN for the joints that are not known yet.
+        doubtful: (poses,) where eigenvalues coincide: solutions may share one, and its vectors mix.
     """
 
     place: Array
     joints: Array
+    doubtful: Array
 
 
-def candidates(problem: EigenProblem, pose: Array) -> Candidates:
+def candidates(problem: EigenProblem, pose: Array, real: float = POLICY.real) -> Candidates:
     """Values of the unknown joints from eigenvalues that are nearly real.
 
     Args:
         problem: The eigenvalue problem of the arm.
         pose: (poses, 4, 4).
+        real: Imaginary part, relative to 1 + |t|^2, up to which an eigenvalue is nearly real.
     """
     values, vectors, turn = problem.eigen(pose)
     loop, hidden = problem.loop, problem.elimination.hidden
-    near = np.abs(values.imag) <= POLICY.real * (1.0 + np.abs(values) ** 2)
-    place, which = np.nonzero(near & np.isfinite(values))
+    size = 1.0 + np.abs(values) ** 2
+    near = (np.abs(values.imag) <= real * size) & np.isfinite(values)
+    place, which = np.nonzero(near)
+    line = np.sort(np.where(near, np.arctan(values.real), np.nan), axis=1)
+    doubtful: Array = np.any(np.diff(line, axis=1) < POLICY.shared, axis=1)
     joints = np.full((len(place), loop.n), np.nan)
     t, v = values[place, which].real, vectors[place, :, which]
     joints[:, hidden] = turn[place] + 2.0 * np.arctan(t) if loop.revolute[hidden] else t
     largest = np.take_along_axis(v, np.abs(v).argmax(axis=1)[:, None], axis=1)
     v = (v / np.where(largest == 0, 1.0, largest)).real.reshape(len(v), *problem.shape)
     for axis, joint in enumerate(problem.others):
-        size = problem.shape[axis]
-        lines = np.moveaxis(v, 1 + axis, -1).reshape(len(v), math.prod(problem.shape) // size, size)
+        length = problem.shape[axis]
+        lines = np.moveaxis(v, 1 + axis, -1).reshape(len(v), math.prod(problem.shape) // length, length)
         line = np.take_along_axis(lines, (lines**2).sum(axis=-1).argmax(axis=1)[:, None, None], axis=1)[:, 0]
         joints[:, joint] = _position(line, loop.revolute[joint])
-    return Candidates(place, joints)
+    return Candidates(place, joints, doubtful)
 
 
 def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
@@ -93,7 +99,7 @@ def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidate
     values = _three_joints(left, way.alone, pose[found.place])
     joints = np.repeat(found.joints[None], len(values), axis=0)
     joints[:, :, np.sort(way.order[:3])] = values
-    return Candidates(np.tile(found.place, len(values)), joints.reshape(-1, loop.n))
+    return Candidates(np.tile(found.place, len(values)), joints.reshape(-1, loop.n), found.doubtful)
 
 
 def _three_joints(loop: Loop, way: Closure, pose: Array) -> Array:
@@ -169,7 +175,7 @@ class GeneralSolution:
 
     Attributes:
         given: Indices of the joints that are arguments.
-        eliminations: The best first; the next is asked where the first leaves a doubt.
+        eliminations: The best first; the next ones are asked where those before leave a doubt.
         count: Number of complex solutions of a generic pose; 0 where it is not known.
     """
 
@@ -180,7 +186,7 @@ class GeneralSolution:
     @property
     def branches(self) -> int:
         """The largest number of solutions that a regular pose can have."""
-        return self.count or self.eliminations[0].eigenvalues
+        return self.count or 2 * self.eliminations[0].eigenvalues  # two where the joints between are not unique
 
     def solve(self, chain: NumericChain, poses: Array, given: Array | None = None) -> Array:
         """Every real solution for each pose.
@@ -193,19 +199,39 @@ class GeneralSolution:
         Returns:
             (poses, k, n), those that exist first and NaN after them; k is the largest number of solutions met.
         """
-        found = self.attempt(0, chain, poses, given)
-        doubtful = np.flatnonzero(found.doubtful) if len(self.eliminations) > 1 else np.zeros(0, dtype=int)
-        if not doubtful.size:
-            return found.q
-        chosen = None if given is None else given[doubtful]
-        again = self.attempt(1, chain, poses[doubtful], chosen).q
-        both = np.concatenate([found.q[doubtful], again], axis=1)
-        merged = _distinct(both, chain)
-        width = max(found.q.shape[1], merged.shape[1])
-        result = np.full((len(poses), width, chain.n), np.nan)
-        result[:, : found.q.shape[1]] = found.q
-        result[doubtful], result[doubtful, : merged.shape[1]] = np.nan, merged
+        q, open_ = np.full((len(poses), 0, chain.n), np.nan), np.arange(len(poses))
+        for index in range(len(self.eliminations)):
+            chosen = None if given is None else given[open_]
+            found = self.attempt(index, chain, poses[open_], chosen)
+            q = _placed(q, open_, _distinct(np.concatenate([q[open_], found.q], axis=1), chain))
+            open_ = open_[found.doubtful]
+            if not open_.size:
+                return self._limited(chain, poses, q)
+        empty = open_[~np.isfinite(q[open_, :1, 0]).any(axis=1)]
+        if empty.size:
+            chosen = None if given is None else given[empty]
+            q = _placed(q, empty, self._approached(chain, poses[empty], chosen))
+        return self._limited(chain, poses, q)
+
+    def _limited(self, chain: NumericChain, poses: Array, q: Array) -> Array:
+        """No more solutions than there are; where more were met some are of a continuum, and isolated ones go first."""
+        many = np.flatnonzero(np.isfinite(q[..., 0]).sum(axis=1) > self.branches)
+        if not many.size:
+            return q
+        goal = Problem(chain, poses[many, None], free=np.isin(np.arange(chain.n), self.given, invert=True))
+        smallest = np.linalg.svd(goal.errors(np.nan_to_num(q[many]))[1], compute_uv=False)[..., -1]
+        order = np.argsort(np.where(np.isfinite(q[many, :, 0]), -smallest, 1.0), axis=1)[:, : self.branches]
+        result = q.copy()
+        result[many] = np.nan
+        result[many, : order.shape[1]] = np.take_along_axis(q[many], order[..., None], axis=1)
         return result
+
+    def _approached(self, chain: NumericChain, poses: Array, given: Array | None) -> Array:
+        """Solutions from all eigenvalues as starts of a damped method: at poses with infinitely many solutions."""
+        place, q, goal, _ = self._starts(0, chain, poses, given, math.inf)
+        q, residual = fit(goal, q, POLICY.approach)
+        good = residual <= POLICY.residual
+        return _distinct(_table(place[good], q[good], len(poses)), chain)
 
     def attempt(self, index: int, chain: NumericChain, poses: Array, given: Array | None) -> Attempt:
         """The solutions that one elimination finds.
@@ -216,21 +242,7 @@ class GeneralSolution:
             poses: (poses, 4, 4).
             given: (poses, given joints) their variables.
         """
-        elimination, unit = self.eliminations[index], chain.reach
-        loop, free = free_loop(chain, self.given, given)
-        pose = scaled(poses, unit)
-        if elimination.start:
-            loop, pose = loop.rotated(elimination.start, pose)
-        problem = EigenProblem.of(loop, elimination)
-        found = finished(problem, candidates(problem, pose), pose)
-        q = np.empty((len(found.place), chain.n))
-        own = np.roll(found.joints, elimination.start, axis=1)
-        q[:, free] = own * chain.sign[free] * np.where(chain.revolute[free], 1.0, unit)
-        if given is not None:
-            q[:, list(self.given)] = given[found.place]
-        known = (np.abs(q) < 1e3 * max(1.0, unit)).all(axis=1)
-        place, q = found.place[known], q[known]
-        goal = Problem(chain, poses[place], free=np.isin(np.arange(chain.n), free))
+        place, q, goal, doubtful = self._starts(index, chain, poses, given, POLICY.real)
         first = goal.residual(q)
         q, residual = _refined(goal, q)
         good = residual <= POLICY.residual
@@ -238,11 +250,33 @@ class GeneralSolution:
         certain = int(np.isfinite(_distinct(_table(place[sure], q[sure], len(poses)), chain)[..., 0]).sum())
         distinct = _distinct(_table(place[good], q[good], len(poses)), chain)
         numbers = np.isfinite(distinct[..., 0]).sum(axis=1)
-        doubtful = numbers == 0
+        doubtful |= numbers == 0
         doubtful[place[~good & (first < POLICY.near)]] = True
-        if loop.n == FULL:
+        if goal.free.sum() == FULL:
             doubtful |= numbers % 2 == 1
         return Attempt(distinct, doubtful, certain, float(np.quantile(first[good], 0.9)) if good.any() else math.inf)
+
+    def _starts(
+        self, index: int, chain: NumericChain, poses: Array, given: Array | None, real: float
+    ) -> tuple[Array, Array, Problem, Array]:
+        """For each candidate its pose and configuration, the goal, and the poses at which some may be missing."""
+        elimination, unit = self.eliminations[index], chain.reach
+        loop, free = free_loop(chain, self.given, given)
+        pose = scaled(poses, unit)
+        if elimination.start:
+            loop, pose = loop.rotated(elimination.start, pose)
+        problem = EigenProblem.of(loop, elimination)
+        found = candidates(problem, pose, real)
+        values = finished(problem, found, pose)
+        q = np.empty((len(values.place), chain.n))
+        own = np.roll(values.joints, elimination.start, axis=1)
+        q[:, free] = own * chain.sign[free] * np.where(chain.revolute[free], 1.0, unit)
+        if given is not None:
+            q[:, list(self.given)] = given[values.place]
+        known = (np.abs(q) < POLICY.far * max(1.0, unit)).all(axis=1)
+        place, q = values.place[known], q[known]
+        goal = Problem(chain, poses[place], free=np.isin(np.arange(chain.n), free))
+        return place, q, goal, found.doubtful
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,7 +345,7 @@ def _newton(problem: Problem, q: Array, steps: int) -> tuple[Array, Array]:
     unit = np.eye(slope.shape[-1])
     for _ in range(steps):
         at = np.swapaxes(slope, -1, -2)
-        weight = np.maximum(damping, 1e-15 + 1e-2 * np.minimum(cost, 1.0))
+        weight = np.maximum(damping, 1e-13 + 1e-2 * np.minimum(cost, 1.0))
         step = -np.linalg.solve(at @ slope + weight[:, None, None] * unit, at @ error[..., None])[..., 0]
         tried = problem.moved(q, step)
         new_error, new_slope = problem.errors(tried)
@@ -336,6 +370,16 @@ def _table(place: Array, q: Array, count: int) -> Array:
     return result
 
 
+def _placed(table: Array, rows: Array, new: Array) -> Array:
+    """A table (poses, k, n) with some of its poses replaced, wider where need be."""
+    width = max(table.shape[1], new.shape[1])
+    result = np.full((len(table), width, table.shape[2]), np.nan)
+    result[:, : table.shape[1]] = table
+    result[rows] = np.nan
+    result[rows, : new.shape[1]] = new
+    return result
+
+
 def _distinct(table: Array, chain: NumericChain) -> Array:
     """Angles in (-pi, pi], each solution once, NaN after them."""
     turned = np.where(chain.revolute, table - 2.0 * math.pi * np.ceil((table - math.pi) / (2.0 * math.pi)), table)
@@ -357,7 +401,7 @@ def find_general(chain: NumericChain, given: Sequence[int] = ()) -> tuple[Elimin
         given: Joints that are arguments.
 
     Returns:
-        The best first; none where there is none.
+        For each hidden joint the best, the best of all first; none where there is none.
     """
     draw = np.random.default_rng(7)
     span = np.where(chain.revolute, math.pi, chain.reach)
@@ -376,7 +420,10 @@ def find_general(chain: NumericChain, given: Sequence[int] = ()) -> tuple[Elimin
             results.append(((-found.certain, doubts, option.eigenvalues, found.error), option))
         if results and not min(results, key=lambda each: each[0])[0][1]:
             break
-    return tuple(option for _, option in sorted(results, key=lambda each: each[0]))
+    best: dict[tuple[int, int], Elimination] = {}
+    for _, option in sorted(results, key=lambda each: each[0]):
+        best.setdefault((option.start, option.hidden), option)
+    return tuple(best.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -451,7 +498,6 @@ def general_formula(
     found = find_general(chain, given)
     if not found:
         return None
-    decided = {(each.start, each.unknowns, each.hidden): each for each in reversed(found)}
-    counts = (count_solutions(specimen, each, given) for each in reversed(decided.values()))
+    counts = (count_solutions(specimen, each, given) for each in found)
     count = next((number for number in counts if number), 0)
-    return GeneralFormula(robot, GeneralSolution(tuple(given), found[:2], count), tuple(generators))
+    return GeneralFormula(robot, GeneralSolution(tuple(given), found, count), tuple(generators))

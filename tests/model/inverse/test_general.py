@@ -25,7 +25,7 @@ def solution_of(name) -> tuple[NumericChain, GeneralSolution]:
     chain = NumericChain.of(case.robot(choice=False), case.values)
     found = find_general(chain, case.given)
     assert found
-    return chain, GeneralSolution(case.given, found[:2])
+    return chain, GeneralSolution(case.given, found)
 
 
 def configurations(chain, count, seed=0):
@@ -114,6 +114,20 @@ def test_double_roots_are_kept():
     found = general.solve(chain, chain.pose_and_jacobian(ends)[0])
     exists = np.isfinite(found[..., 0])
     assert (np.where(exists, distance(chain, found, ends[:, None]), 9.0).min(axis=1) < 1e-4).all()
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", ["jaco", "xarm6", "crx-10ia"])
+def test_poses_of_eighth_turns_keep_their_regular_solutions_and_have_some_at_singular_ones(name):
+    chain, general = solution_of(name)
+    q = np.random.default_rng(3).integers(-4, 5, (200, chain.n)) * math.pi / 4
+    poses, slope = chain.pose_and_jacobian(q)
+    regular = np.linalg.svd(slope.reshape(200, chain.n, 12))[1][:, -1] > 1e-2 * chain.reach
+    found = general.solve(chain, poses)
+    exists = np.isfinite(found[..., 0])
+    assert exists.any(axis=1).all()
+    near = np.where(exists, distance(chain, found, q[:, None]), 9.0).min(axis=1) < 1e-5
+    assert near[regular].mean() > 0.99
 
 
 def test_units_of_length_make_no_difference():
