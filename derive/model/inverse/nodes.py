@@ -105,11 +105,13 @@ class Source:
         first: First joint of M, from 1.
         last: Last joint of M.
         entry: Which entry or invariant of both sides.
+        also: Another equation, with which an unknown was eliminated from this one (`derive.model.inverse.pairs`).
     """
 
     first: int
     last: int
     entry: str
+    also: Source | None = None
 
 
 @dataclass(frozen=True)

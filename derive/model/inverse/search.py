@@ -126,11 +126,15 @@ class Search:
         self.start = start
         self._depends = {change: effect.depends for change, effect in evidence.effects.items()}
 
-    def way(self) -> list[Step] | None:
-        """The steps of the best way; None where one-joint steps lead nowhere."""
+    def way(self, start: State | None = None) -> list[Step] | None:
+        """The steps of the best way; None where one-joint steps do not lead to the end.
+
+        Args:
+            start: What is known already; None for the joints that are given.
+        """
         heap: list[tuple[tuple[int, ...], tuple[tuple[int, ...], ...], int, int, State, list[Step]]] = []
         serial = 0
-        heapq.heappush(heap, ((0, 0, 0), (), 0, serial, self.start, []))
+        heapq.heappush(heap, ((0, 0, 0), (), 0, serial, start or self.start, []))
         done: set[State] = set()
         while heap:
             cost, order, length, _, state, steps = heapq.heappop(heap)
@@ -148,15 +152,50 @@ class Search:
                     heapq.heappush(heap, (total, way, length + best.cost[1], serial, after, [*steps, step]))
         return None
 
-    def reached(self) -> State:
-        """Everything that one-joint steps determine."""
-        state, moved = self.start, True
+    def advance(self) -> tuple[list[Step], State]:
+        """Steps as far as one-joint steps lead, and what is known then."""
+        state, steps, moved = self.start, list[Step](), True
         while moved:
             moved = False
-            for _, after in self.steps(state):
+            for step, after in sorted(self.steps(state), key=lambda pair: (pair[0].best.cost, self._place(pair[0])))[
+                :1
+            ]:
                 state, moved = after, True
-                break
-        return state
+                steps.append(step)
+        return steps, state
+
+    def pairs(self, state: State) -> Iterator[tuple[tuple[int, tuple[int, int]], list[int]]]:
+        """Each unknown with the equations in which it and one other unknown occur, short ones first.
+
+        Args:
+            state: What is known.
+        """
+        moved, unknown = self._unknowns(state)
+        usable = (unknown == 2) & self.evidence.allowed
+        for (g, a, one), (h, b, other) in combinations(moved, 2):
+            if g == h >= 0:
+                found = np.flatnonzero(usable & one & other)
+                yield (g, (a, b)), [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
+        for g, joint, vector in moved:
+            if g < 0:
+                found = np.flatnonzero(usable & vector)
+                yield (g, (joint, joint)), [int(k) for k in found[np.argsort(self.lengths[found], kind="stable")]]
+
+    def _unknowns(self, state: State) -> tuple[list[tuple[int, int, Array]], Array]:
+        """Parts of groups and slides with the equations that change with them, and how much each leaves unknown."""
+        unknown = np.zeros(len(self.evidence.equations), dtype=np.int64)
+        moved: list[tuple[int, int, Array]] = []
+        for g, parts in enumerate(state.groups):
+            if len(parts) > 1:
+                own = [self.depends(g, part) for part in parts]
+                count = sum(vector.astype(np.int64) for vector in own)
+                unknown += np.maximum(count - 1, 0)
+                moved += [(g, part, vector) for part, vector in zip(parts, own, strict=True)]
+        for joint in sorted(self._slides - state.slides):
+            vector = self._depends[Change(-1, joint)]
+            unknown += vector
+            moved.append((-1, joint, vector))
+        return moved, unknown
 
     def _place(self, step: Step) -> tuple[int, ...]:
         """Where a step stands from base to tip: its first joint, then how many it spans."""
@@ -172,18 +211,7 @@ class Search:
         Args:
             state: What is known.
         """
-        unknown = np.zeros(len(self.evidence.equations), dtype=np.int64)
-        moved: list[tuple[int, int, Array]] = []
-        for g, parts in enumerate(state.groups):
-            if len(parts) > 1:
-                own = [self.depends(g, part) for part in parts]
-                count = sum(vector.astype(np.int64) for vector in own)
-                unknown += np.maximum(count - 1, 0)
-                moved += [(g, part, vector) for part, vector in zip(parts, own, strict=True)]
-        for joint in self._slides - state.slides:
-            vector = self._depends[Change(-1, joint)]
-            unknown += vector
-            moved.append((-1, joint, vector))
+        moved, unknown = self._unknowns(state)
         usable = (unknown == 1) & self.evidence.allowed
         for (g, a, one), (h, b, other) in combinations(moved, 2):
             if g == h >= 0:

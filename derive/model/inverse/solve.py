@@ -27,6 +27,7 @@ from derive.model.inverse.evidence import Evidence
 from derive.model.inverse.general import general_formula
 from derive.model.inverse.graph import Node, Plan, SolutionGraph, horner, turned
 from derive.model.inverse.nodes import Equation, Exponents, Formula, Kind, Source, Unknown
+from derive.model.inverse.pairs import without_angle, without_length
 from derive.model.inverse.pool import Atoms, Links, Pool, dimension, identity_atoms
 from derive.model.inverse.search import Choice, Search, State, Step
 from derive.model.inverse.unknowns import ENTRIES, InverseDomain, shifted
@@ -53,6 +54,15 @@ MAX_JOINTS = 10
 
 _TRIED = 4
 """Choices of given joints that are tried where the file makes none."""
+
+_READ = 60
+"""Short equations with two unknowns that are written out."""
+
+_PAIRED = 12
+"""Equations with the same two unknowns that are taken two by two."""
+
+_LONGEST = 4000
+"""Terms of an equation that comes from two; longer ones are not looked at."""
 
 _LONG_SUM = 2
 """Operations that a sum of angles as unknown must save for each joint more that it spans."""
@@ -184,16 +194,94 @@ class Derivation:
         way = self.search.way()
         if way is None:
             return None
-        state = self.search.start
+        self._begin()
+        return self._ended(way, self.search.start)
+
+    def graph_by_pairs(self) -> SolutionGraph | None:
+        """The graph whose first node comes from two equations with two unknowns; None where there is none."""
+        steps, state = self.search.advance()
+        found: list[tuple[tuple[int, int], int, Unknown, Formula, State]] = []
+        for (group, parts), numbers in self.search.pairs(state):
+            after = state.joined(group, *parts) if group >= 0 else State(state.groups, state.slides | {parts[0]})
+            for unknown in self._candidates(group, parts)[:1]:
+                for formula in self._eliminations(unknown, numbers, state):
+                    rank = (formula.branches, sum(len(p) for p in formula.equations[0].terms.values()))
+                    found.append((rank, len(found), unknown, formula, after))
+        rests: dict[State, list[Step] | None] = {}
+        for _, _, unknown, formula, after in sorted(found, key=lambda row: row[:2]):
+            if after not in rests:
+                rests[after] = self.search.way(after)
+            rest = rests[after]
+            if rest is not None:
+                self._begin()
+                state = self._follow(steps, self.search.start)
+                self._append((unknown,), (formula,))
+                return self._ended(rest, after)
+        return None
+
+    def _eliminations(self, unknown: Unknown, numbers: Sequence[int], state: State) -> Iterator[Formula]:
+        """Formulas for one unknown from pairs of equations with the same second one."""
+        ring = self.domain.ring
+        alike: dict[tuple[str, ...], list[tuple[int, Polynomial]]] = {}
+        seen: set[str] = set()
+        for number in numbers[:_READ]:
+            p = self._rewritten(self.polynomial(number), state, unknown)
+            key = p.normalised()[1]
+            if key in seen:
+                continue
+            seen.add(key)
+            second = {self._owner(name) for name in _names(p) - set(unknown.generators) if not self._known(name, state)}
+            if len(second) == 1 and None not in second:
+                alike.setdefault(next(iter(second)).generators, []).append((number, p))  # type: ignore[union-attr]
+        places = [ring.index[name] for name in unknown.generators]
+        for generators, rows in alike.items():
+            for (i, p), (j, q) in combinations(rows[:_PAIRED], 2):
+                if len(generators) == 1:
+                    found = without_length(ring, generators[0], p, q)
+                else:
+                    found = without_angle(ring, generators, p, q)
+                if not found or len(found) > _LONGEST:
+                    continue
+                terms = self._terms(found, places)
+                degree = max((sum(exponents) for exponents in terms), default=0)
+                if 1 <= degree <= 2 and all(self._known(name, state) for p in terms.values() for name in _names(p)):
+                    kinds = (Kind.TYPE_2, Kind.CONIC) if unknown.is_angle else (Kind.TYPE_1, Kind.QUADRATIC)
+                    yield Formula(kinds[degree - 1], (self._paired(terms, i, j),))
+
+    def _paired(self, terms: Mapping[Exponents, Polynomial], i: int, j: int) -> Equation:
+        """An equation from two."""
+        sources = [
+            Source(cut.first + 1, cut.last + 1, entry) for cut, entry in (self.evidence.equations[k] for k in (i, j))
+        ]
+        dimensions = [dimension(self.evidence.equations[k][1]) for k in (i, j)]
+        factor = _tidy_factor(terms)
+        tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
+        return Equation(tidy, 2 * sum(dimensions), replace(sources[0], also=sources[1]), abs(factor))
+
+    def _terms(self, p: Polynomial, places: Sequence[int]) -> dict[Exponents, Polynomial]:
+        """An equation by powers of its unknown, without what vanishes wherever the arm reaches."""
+        parts = self.domain.ring.coefficients(p, places).items()
+        return {e: coefficient for e, coefficient in parts if np.any(self.evidence.value(coefficient, self.constants))}
+
+    def _begin(self) -> None:
+        """An empty graph but for the joints that are given."""
+        self.nodes.clear()
+        self.homes.clear()
         for joint in self.given:
             self._append((self.domain.unknown(joint),), (Formula(Kind.GIVEN),))
+
+    def _follow(self, way: Sequence[Step], state: State) -> State:
+        """Nodes for the steps of a way."""
         for step in way:
             formulas, unknown = self._formulas(step, state)
             self._append((unknown,), formulas)
-            if step.group >= 0:
-                state = state.joined(step.group, *step.parts)
-            else:
-                state = State(state.groups, state.slides | {step.parts[0]})
+            joined = state.joined(step.group, *step.parts) if step.group >= 0 else None
+            state = joined or State(state.groups, state.slides | {step.parts[0]})
+        return state
+
+    def _ended(self, way: Sequence[Step], state: State) -> SolutionGraph:
+        """The graph after its last steps."""
+        self._follow(way, state)
         for joint in range(self.robot.n):
             self._ensure(self.domain.unknown(joint))
         return self._finished()
@@ -300,7 +388,7 @@ class Derivation:
         alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
         written = [
             (self._cost(formula) + _LONG_SUM * len(unknown.joints), len(unknown.joints), k, formula, unknown, choice)
-            for k, (choice, unknown) in enumerate(product(alike, self._candidates(step)))
+            for k, (choice, unknown) in enumerate(product(alike, self._candidates(step.group, step.parts)))
             if (formula := self._formula(choice, state, unknown)) is not None
         ]
         *_, first, unknown, choice = min(written, key=lambda row: row[:3])
@@ -312,12 +400,12 @@ class Derivation:
                     found.append(formula)
         return tuple(found), unknown
 
-    def _candidates(self, step: Step) -> list[Unknown]:
-        """The angles between two parts of a group."""
-        if step.group < 0:
-            return [self.domain.unknown(step.parts[0])]
-        group = self.domain.groups[step.group]
-        links = [[k for k in range(len(group) + 1) if part >> k & 1] for part in step.parts]
+    def _candidates(self, number: int, parts: tuple[int, int]) -> list[Unknown]:
+        """The angles between two parts of a group, those of few joints first; or the slide."""
+        if number < 0:
+            return [self.domain.unknown(parts[0])]
+        group = self.domain.groups[number]
+        links = [[k for k in range(len(group) + 1) if part >> k & 1] for part in parts]
         ends = (sorted(pair) for pair in product(*links))
         return [self.domain.unknown(*group[u:v]) for u, v in sorted(ends, key=lambda e: (e[1] - e[0], e))]
 
@@ -331,15 +419,9 @@ class Derivation:
     def _equation(self, number: int, state: State, unknown: Unknown) -> Equation | None:
         cut, entry = self.evidence.equations[number]
         p = self._rewritten(self.polynomial(number), state, unknown)
-        ring = self.domain.ring
-        places = [ring.index[name] for name in unknown.generators]
-        terms = {
-            exponents: coefficient
-            for exponents, coefficient in ring.coefficients(p, places).items()
-            if np.any(self.evidence.value(coefficient, self.constants))
-        }
+        terms = self._terms(p, [self.domain.ring.index[name] for name in unknown.generators])
         used = {name for coefficient in terms.values() for name in _names(coefficient)}
-        if not any(any(exponents) for exponents in terms) or not self._is_known(used, state):
+        if not any(any(exponents) for exponents in terms) or not all(self._known(name, state) for name in used):
             return None
         factor = _tidy_factor(terms)
         tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
@@ -350,17 +432,19 @@ class Derivation:
         inside, around = self.pool.sides(cut)
         return inside.entry(entry) - around.entry(entry)
 
-    def _is_known(self, used: Iterable[str], state: State) -> bool:
-        """Whether all unknowns among some generators are known."""
-        for name in used:
-            generator = self.domain.generators[self.domain.ring.index[name]]
-            if generator.kind is GeneratorKind.VARIABLE and generator.joint not in state.slides:
-                return False
-            if generator.kind in (GeneratorKind.SINE, GeneratorKind.COSINE):
-                g, u, v = self._angle_places[name]
-                if not any(part >> u & 1 and part >> v & 1 for part in state.groups[g]):
-                    return False
-        return True
+    def _known(self, name: str, state: State) -> bool:
+        """Whether a generator is known: a constant, of the pose, or of an unknown that was found."""
+        generator = self.domain.generators[self.domain.ring.index[name]]
+        if generator.kind is GeneratorKind.VARIABLE:
+            return generator.joint in state.slides
+        if generator.kind not in (GeneratorKind.SINE, GeneratorKind.COSINE):
+            return True
+        g, u, v = self._angle_places[name]
+        return any(part >> u & 1 and part >> v & 1 for part in state.groups[g])
+
+    def _owner(self, name: str) -> Unknown | None:
+        """The unknown of a generator."""
+        return next((unknown for unknown in self._all_unknowns() if name in unknown.generators), None)
 
     @cached_property
     def _angle_places(self) -> Mapping[str, tuple[int, int, int]]:
@@ -495,6 +579,11 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
             graph = derivation.graph()
             if graph is not None:
                 return counted(graph, derivation.sampled, derivation.numbers)
+    for choice in choices:
+        derivation = Derivation(robot, task, choice)
+        graph = derivation.graph_by_pairs()
+        if graph is not None:
+            return counted(graph, derivation.sampled, derivation.numbers)
     general = Derivation(robot, task, choices[0]).general_graph()
     if general is not None:
         return general

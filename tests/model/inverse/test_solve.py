@@ -108,3 +108,30 @@ def test_at_singular_poses_there_is_a_solution_and_joints_that_are_free_are_said
         assert min(rests) < 1e-7
         free += any(any(leaf.free) for leaf in found)
     assert (free > 0) == (name in ("puma560-corke", "stanford-deluca"))
+
+
+PIEPER = """
+name: pieper
+convention: standard
+joints:
+  - {type: revolute, d: 0.6, a: 0.5, alpha: -pi/2}
+  - {type: revolute, d: 0.13, a: 0.44, alpha: pi/3}
+  - {type: revolute, d: 0.68, a: 0.2, alpha: pi/2}
+  - {type: revolute, d: 0.15, alpha: pi/2}
+  - {type: revolute, alpha: -pi/2}
+  - {type: revolute, d: 0.1}
+"""
+
+
+def test_a_wrist_on_three_skew_axes_has_the_quartic_of_pieper() -> None:
+    robot, rng = Robot.from_text(PIEPER), np.random.default_rng(2)
+    graph = solve(robot)
+    assert graph.nodes[0].kind == "conic"
+    assert order(graph)[0] == "3"
+    assert (graph.leaves, graph.count) == (8, 8)
+    q = rng.uniform(-3, 3, 6)
+    pose = _pose(robot, q, {})
+    run = Run(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose])
+    found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
+    assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
+    assert max(np.abs(_pose(robot, other, {}) - pose).max() for other in found) < 1e-9
