@@ -164,6 +164,16 @@ def arctangent(y: Constant, x: Constant) -> Constant:
     return _settle(_CONTEXT.atan2(_real(y), _real(x)), 0)
 
 
+def less(a: Constant, b: Constant) -> bool:
+    """Whether one constant is less than another.
+
+    Args:
+        a: A constant.
+        b: Another.
+    """
+    return bool(_real(a) < _real(b))
+
+
 def _real(value: Constant) -> Any:
     if isinstance(value, Fraction):
         return _CONTEXT.mpf(value.numerator) / value.denominator

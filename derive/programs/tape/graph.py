@@ -345,7 +345,7 @@ class Graph:
         """
         left, right = self.constant_of(a), self.constant_of(b)
         if left is not None and right is not None:
-            return ONE if left < right else ZERO
+            return ONE if constants.less(left, right) else ZERO
         if a == b:
             return ZERO
         if is_negative(a) and (is_negative(b) or b == ZERO):
@@ -486,7 +486,7 @@ class Graph:
     def _extreme(self, op: Op, opposite: Op, a: Ref, b: Ref) -> Ref:
         left, right = self.constant_of(a), self.constant_of(b)
         if left is not None and right is not None:
-            return a if (left > right) == (op is Op.MAXIMUM) else b
+            return b if constants.less(left, right) == (op is Op.MAXIMUM) else a
         if a == b:
             return a
         for one, other in ((a, b), (b, a)):

@@ -220,6 +220,13 @@ def test_cases_that_are_known_leave_no_trace() -> None:
     assert (1 - z).select(x, y).ref == z.select(y, x).ref
 
 
+def test_constants_of_every_kind_are_compared() -> None:
+    graph = Graph()
+    half, root = Value(graph, graph.number(Fraction(1, 2))), Value(graph, graph.number(Fraction(2))).sqrt()
+    assert (half.less(root).ref, root.less(half).ref, half.less(-root).ref) == (ONE, ZERO, ZERO)
+    assert (half.maximum(root).ref, half.minimum(-root).ref) == (root.ref, (-root).ref)
+
+
 @given(point=st.lists(fractions(), min_size=3, max_size=3))
 @settings(max_examples=100, deadline=None)
 def test_improving_keeps_what_cases_choose(point: list[Fraction]) -> None:
