@@ -85,8 +85,6 @@ def _one_class(kind, cases, options):
                 with np.errstate(all="ignore"):
                     verdict = trial.judge(poses, solver)
             except Exception as error:
-                if options.verbose:
-                    traceback.print_exc()
                 failures.append(_failure(case, options, f"{poses.kind}: solver raises {_brief(error)}"))
                 continue
             totals[poses.kind] += verdict

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from derive.model.inverse.branches import InverseSolver
+from derive.model.inverse.graph import TASKS
 from derive.model.inverse.numeric import POSE, POSITION, NumericChain, solve
+from derive.model.inverse.solve import solve as solve_symbolically
 from tests.inverse.arms import ArmCase
+
+ENTRIES = {"pose": POSE, "position": POSITION}
 
 
 class Refused(Exception):
@@ -15,11 +20,10 @@ class Refused(Exception):
 def numeric_solver(case: ArmCase):
     """Damped Newton from many starts."""
     chain = NumericChain.of(case.robot(choice=False), case.values)
-    entries = {"pose": POSE, "position": POSITION}[case.task]
 
     def run(poses, given):
         found = [
-            solve(chain, pose, entries=entries, given=dict(zip(case.given, values, strict=True)))
+            solve(chain, pose, entries=ENTRIES[case.task], given=dict(zip(case.given, values, strict=True)))
             for pose, values in zip(poses, given, strict=True)
         ]
         width = max((len(one.q) for one in found), default=0)
@@ -33,5 +37,16 @@ def numeric_solver(case: ArmCase):
 
 
 def solver_of(case: ArmCase):
-    """The closed form."""
-    raise Refused("not yet")
+    """The closed form; its number of complex solutions is the attribute ``count``, 0 where that is not certain."""
+    robot = case.robot(choice=False)
+    graph = solve_symbolically(robot, TASKS[case.task], case.given)
+    if not graph.is_closed:
+        raise Refused(graph.why_not)
+    solver = InverseSolver.of(robot, graph, case.values)
+
+    def run(poses, given):
+        found = solver.solve(poses, given)
+        return found.q, found.status
+
+    run.count = graph.count if graph.complete else 0
+    return run
