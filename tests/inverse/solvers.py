@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from derive.model.inverse.branches import InverseSolver
-from derive.model.inverse.graph import TASKS
 from derive.model.inverse.numeric import POSE, POSITION, NumericChain, solve
 from derive.model.inverse.solve import solve as solve_symbolically
+from derive.robot.inverse_options import TASKS
 from tests.inverse.arms import ArmCase
 
 ENTRIES = {"pose": POSE, "position": POSITION}

@@ -71,7 +71,7 @@ class InverseSolver:
             graph: Its graph.
             parameters: A number for every symbol that has none in the file; it may override those of the file.
         """
-        entries = tuple((i - 1, j - 1) for i, j in sorted(graph.places))
+        entries = tuple(sorted(graph.places))
         numbers = parameter_values(robot, parameters)
         return cls(graph, NumericChain.of(robot, parameters), FloatField(numbers), entries)
 

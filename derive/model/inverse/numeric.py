@@ -15,6 +15,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -74,7 +75,7 @@ class SolverPolicy:
 POLICY = SolverPolicy()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class NumericChain:
     """An arm of numbers: T = C_1 M_1 C_2 M_2 ... C_n M_n tool, M_i turning about z or sliding along it.
 
@@ -122,7 +123,7 @@ class NumericChain:
         """Number of joints."""
         return len(self.sign)
 
-    @property
+    @cached_property
     def reach(self) -> float:
         """The sum of all constant distances [m], 1 where there is none: the arm's unit of length."""
         links = np.linalg.norm(self.fixed[1:, :3, 3], axis=-1).sum() + np.linalg.norm(self.tool[:3, 3])
@@ -160,7 +161,7 @@ class NumericChain:
         return pose, slope
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Problem:
     """Which joints reach wanted entries of the pose, the others being given.
 
@@ -176,13 +177,13 @@ class Problem:
     entries: Entries = POSE
     free: Array = field(default_factory=lambda: np.array([], dtype=bool))
 
-    @property
+    @cached_property
     def unit(self) -> float:
         """Unit of length of this problem [m]: the reach, or how far the goal is."""
         far = np.abs(self.poses[..., :3, 3]).max(initial=0.0)
         return float(max(self.chain.reach, far if np.isfinite(far) else 0.0))
 
-    @property
+    @cached_property
     def scale(self) -> Array:
         """(n,) unit of each joint variable: 1 rad, or the unit of length."""
         return np.where(self.chain.revolute, 1.0, self.unit)
