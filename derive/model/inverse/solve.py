@@ -23,6 +23,7 @@ from derive.mechanics.chain import ChainJoint, build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.vectors import Frame, Matrix, column, cross, dot, hat, matmul, multiply, outer, transpose
 from derive.model.inverse.completeness import counted
+from derive.model.inverse.conditions import conditions
 from derive.model.inverse.evidence import Evidence
 from derive.model.inverse.general import general_formula
 from derive.model.inverse.graph import Node, Plan, SolutionGraph, horner, turned
@@ -33,7 +34,7 @@ from derive.model.inverse.search import Choice, Search, State, Step
 from derive.model.inverse.unknowns import ENTRIES, InverseDomain, shifted
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression, names, substitute
-from derive.robot.inverse_options import ROWS, Task
+from derive.robot.inverse_options import FREEDOMS, ROWS, Task
 from derive.robot.robot import Robot
 
 _CONSTANTS = (
@@ -63,6 +64,9 @@ _PAIRED = 12
 
 _LONGEST = 4000
 """Terms of an equation that comes from two; longer ones are not looked at."""
+
+_CONDITIONS = 300
+"""Short equations of the pool among which conditions on the pose are looked for."""
 
 _LONG_SUM = 2
 """Operations that a sum of angles as unknown must save for each joint more that it spans."""
@@ -305,19 +309,42 @@ class Derivation:
         count = formula.solution.count
         return replace(self._finished(), count=count, complete=count > 0)
 
-    def _finished(self) -> SolutionGraph:
-        used = {name for node in self.nodes for formula in node.formulas for name in _names_of_formula(formula)}
+    def with_conditions(self, graph: SolutionGraph, missing: int) -> SolutionGraph:
+        """The graph with what its pose must satisfy.
+
+        Args:
+            graph: The graph.
+            missing: Dimensions of the task less those that the arm reaches.
+        """
+        if missing <= 0:
+            return graph
+        order = np.argsort(self.search.lengths, kind="stable")
+        numbers = [int(k) for k in order if self.evidence.allowed[k]][:_CONDITIONS]
+        cuts = ((k, *self.evidence.equations[k]) for k in numbers)
+        pool = ((self.polynomial(k), Source(cut.first + 1, cut.last + 1, entry)) for k, cut, entry in cuts)
+        complete = replace(graph, definitions=tuple(self.pose.definitions.items()))
+        found = conditions(complete, missing, pool, self.evidence, self.constants, self.numbers)
+        used = {name for equation in found for name in _names(equation.coefficient())}
+        used |= {name for name, _ in graph.definitions}
+        return replace(graph, conditions=found, definitions=self._definitions(used))
+
+    def _definitions(self, used: set[str]) -> tuple[tuple[str, Polynomial], ...]:
+        """Definitions of some generators of the pose and of those that they need."""
         definitions: list[tuple[str, Polynomial]] = []
         for name, value in reversed(self.pose.definitions.items()):
             if name in used:
-                used |= _names(value)
+                used = used | _names(value)
                 definitions.insert(0, (name, value))
+        return tuple(definitions)
+
+    def _finished(self) -> SolutionGraph:
+        used = {name for node in self.nodes for formula in node.formulas for name in _names_of_formula(formula)}
         return SolutionGraph(
             self.robot,
             self.domain,
             self.task,
             self.given,
-            tuple(definitions),
+            self._definitions(used),
             square_reach(self.robot, self.domain),
             tuple(self.nodes),
             self.shifts,
@@ -573,17 +600,14 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
     if given is not None:
         freedom.check(given)
     choices = [tuple(given)] if given is not None else list(freedom.choices())[:_TRIED]
-    for deep in (False, True):
+    for way, deep in ((Derivation.graph, False), (Derivation.graph, True), (Derivation.graph_by_pairs, False)):
         for choice in choices:
             derivation = Derivation(robot, task, choice, deep=deep)
-            graph = derivation.graph()
+            graph = way(derivation)
             if graph is not None:
+                wanted = sum(FREEDOMS.get(row, 1) for row in task)
+                graph = derivation.with_conditions(graph, wanted - freedom.rank)
                 return counted(graph, derivation.sampled, derivation.numbers)
-    for choice in choices:
-        derivation = Derivation(robot, task, choice)
-        graph = derivation.graph_by_pairs()
-        if graph is not None:
-            return counted(graph, derivation.sampled, derivation.numbers)
     general = Derivation(robot, task, choices[0]).general_graph()
     if general is not None:
         return general
