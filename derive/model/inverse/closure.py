@@ -35,10 +35,6 @@ import numpy.typing as npt
 Array = npt.NDArray[Any]
 
 
-ELIMINATED = 2
-"""Joints beside the dropped one whose products are eliminated."""
-
-
 def axis_action(frame: Array) -> Array:
     """How a rigid motion maps the fifteen numbers of an axis.
 
@@ -88,9 +84,22 @@ def frame_action(frame: Array) -> Array:
     return result
 
 
+def point_action(frame: Array) -> Array:
+    """How a rigid motion maps the numbers 1, p, p.p of a point.
+
+    Args:
+        frame: (..., 4, 4) rigid motions.
+
+    Returns:
+        (..., 5, 5), of the same type of numbers.
+    """
+    places = [0, 4, 5, 6, 7]
+    return axis_action(frame)[..., places, :][..., places]
+
+
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """The fifteen numbers that a joint does not change.
+    """The numbers that a joint does not change.
 
     Attributes:
         start: Their values in the frame of the joint.
@@ -125,6 +134,16 @@ _FRAME = Carried(
     crosswise=(1, 4, 7, 12),
     along=(*range(1, 10), 14),
     shifted=(10, 11, 12, 13),
+)
+
+
+_POINT = Carried(
+    start=np.array([1, 0, 0, 0, 0]),
+    action=point_action,
+    heights=(3, 4),
+    crosswise=(1,),
+    along=(1, 2),
+    shifted=(3,),
 )
 
 
@@ -180,15 +199,17 @@ class Loop:
         revolute: Whether each joint turns.
         gaps: C_0 to C_n, each (4, 4), or one for each pose.
         prime: The numbers are integers modulo this prime; 0 for floats.
+        tip: Whether the last "joint" is a ball joint at the end effector: its position is wanted, not how it is turned.
     """
 
     revolute: tuple[bool, ...]
     gaps: tuple[Array, ...]
     prime: int = 0
+    tip: bool = False
 
     @property
     def n(self) -> int:
-        """Number of joints."""
+        """Number of joints, a ball joint at the end included."""
         return len(self.revolute)
 
     def settle(self, values: Array) -> Array:
@@ -221,7 +242,15 @@ class Loop:
         Args:
             joint: Its index, from 0.
         """
+        if self.tip and joint == self.n - 1:
+            return _POINT
         return _AXIS if self.revolute[joint] else _FRAME
+
+    @property
+    def with_tip(self) -> Loop:
+        """The same arm with a ball joint at its end."""
+        unit = np.eye(4, dtype=int).astype(self.gaps[0].dtype)
+        return replace(self, revolute=(*self.revolute, True), gaps=(*self.gaps, unit), tip=True)
 
     def pose(self, motions: Sequence[Array]) -> Array:
         """T.
@@ -260,7 +289,7 @@ class Loop:
             The loop and the constant that takes the place of the pose.
         """
         around = self.product(self.gaps[-1], self.inverse(pose), self.gaps[0])
-        unit = np.eye(4).astype(around.dtype)
+        unit = np.eye(4, dtype=int).astype(around.dtype)
         gaps = (unit, *self.gaps[start + 1 : -1], around, *self.gaps[1:start], unit)
         constant = np.broadcast_to(self.inverse(self.gaps[start]), pose.shape)
         return replace(self, revolute=self.revolute[start:] + self.revolute[:start], gaps=gaps), constant
@@ -293,21 +322,23 @@ class Closure:
         joints: Number of joints of the loop.
         dropped: Index of the joint that does not change them.
         direction: +1 towards the hand, -1 towards the base.
+        eliminated: How many joints beside the dropped one are eliminated.
     """
 
     joints: int
     dropped: int
     direction: int
+    eliminated: int = 2
 
     @property
     def order(self) -> tuple[int, ...]:
-        """The joints as they are met: the dropped one, two that are eliminated, then the unknown ones."""
+        """The joints as they are met: the dropped one, those that are eliminated, then the unknown ones."""
         return tuple((self.dropped + self.direction * k) % self.joints for k in range(self.joints))
 
     @property
     def unknowns(self) -> tuple[int, ...]:
         """The joints between which equations hold, in order."""
-        return tuple(sorted(self.order[1 + ELIMINATED :]))
+        return tuple(sorted(self.order[1 + self.eliminated :]))
 
     @property
     def pose_gap(self) -> int:
@@ -317,12 +348,12 @@ class Closure:
     @property
     def is_constant(self) -> bool:
         """Whether the pose is not met among what is eliminated."""
-        return self.pose_gap >= ELIMINATED
+        return self.pose_gap >= self.eliminated
 
     @property
     def aligned(self) -> int | None:
         """The unknown joint next to the eliminated ones, where the pose does not lie between."""
-        return self.order[1 + ELIMINATED] if self.pose_gap > ELIMINATED else None
+        return self.order[1 + self.eliminated] if self.pose_gap > self.eliminated else None
 
     @property
     def alone(self) -> Closure:
@@ -354,22 +385,21 @@ class Closure:
         return loop.settle(loop.carried(self.dropped).action(frame))
 
     def eliminated_part(self, loop: Loop) -> Array:
-        """The fifteen numbers as linear forms of the nine products of the eliminated joints, (..., 15, 9).
+        """The numbers as linear forms of the products of the eliminated joints, (..., numbers, 9 or 3).
 
         Args:
             loop: The arm; none of its gaps there holds the pose.
         """
-        before = [self.action(loop, loop.inverse(self.gap(loop, k, loop.gaps[0]))) for k in range(ELIMINATED)]
         carried = loop.carried(self.dropped)
-        first, second = (loop.joint_actions(carried, self.order[k], -self.direction) for k in (1, 2))
-        axis = loop.settle(before[0] @ carried.start.astype(loop.gaps[0].dtype))
-        one = loop.settle(first @ axis[..., None, :, None])[..., 0]
-        one = loop.settle(before[1][..., None, :, :] @ one[..., None])[..., 0]
-        two = loop.settle(second[:, None] @ one[..., None, :, :, None])[..., 0]
-        part: Array = np.moveaxis(two.reshape(*two.shape[:-3], 9, 15), -1, -2)
+        forms = carried.start.astype(loop.gaps[0].dtype)[:, None]
+        for place in range(self.eliminated):
+            back = self.action(loop, loop.inverse(self.gap(loop, place, loop.gaps[0])))
+            motion = loop.joint_actions(carried, self.order[place + 1], -self.direction)
+            turned = loop.settle(motion @ loop.product(back, forms)[..., None, :, :])
+            forms = np.moveaxis(turned, -3, -2).reshape(*turned.shape[:-3], len(carried.start), -1)
         if self.aligned is None:
-            return part
-        return loop.product(self.action(loop, loop.inverse(self.gap(loop, ELIMINATED, loop.gaps[0]))), part)
+            return forms
+        return loop.product(self.action(loop, loop.inverse(self.gap(loop, self.eliminated, loop.gaps[0]))), forms)
 
     def unknown_part(self, loop: Loop, pose: Array) -> Array:
         """The same numbers as multilinear forms of the unknown joints, for each pose.
@@ -379,20 +409,21 @@ class Closure:
             pose: (poses, 4, 4) T.
 
         Returns:
-            (poses, 15, 3, 3, ...) with an axis for each unknown joint, in their order.
+            (poses, numbers, 3, 3, ...) with an axis for each unknown joint, in their order.
         """
-        start, end = 1 + ELIMINATED, self.joints - 1
+        start, end = 1 + self.eliminated, self.joints - 1
         carried = loop.carried(self.dropped)
+        size = len(carried.start)
         forms = self.action(loop, self.gap(loop, end, pose)) @ carried.start.astype(loop.gaps[0].dtype)
-        forms = np.broadcast_to(loop.settle(forms), (len(pose), 15))[..., None]
+        forms = np.broadcast_to(loop.settle(forms), (len(pose), size))[..., None]
         for place in range(end, start - 1, -1):
             motion = loop.joint_actions(carried, self.order[place], self.direction)
             turned = loop.settle(motion @ forms[:, None])
-            forms = np.moveaxis(turned, 1, 2).reshape(len(pose), 15, -1)
+            forms = np.moveaxis(turned, 1, 2).reshape(len(pose), size, -1)
             if place > start or self.aligned is None:
                 forms = loop.product(self.action(loop, self.gap(loop, place - 1, pose)), forms)
         places = np.argsort(self.order[start:])
-        result: Array = forms.reshape(len(pose), 15, *[3] * (self.joints - start)).transpose(0, 1, *(2 + places))
+        result: Array = forms.reshape(len(pose), size, *[3] * (self.joints - start)).transpose(0, 1, *(2 + places))
         return result
 
 
@@ -402,6 +433,8 @@ def closures(loop: Loop) -> list[Closure]:
     Args:
         loop: The arm.
     """
+    if loop.tip:
+        return [Closure(loop.n, loop.n - 1, -1, eliminated=1)]
     ways = (Closure(loop.n, d, e) for d in range(loop.n) for e in (1, -1))
     return [way for way in ways if way.is_constant]
 

@@ -107,6 +107,7 @@ class Elimination:
         rows: How many rows of M are of degree 0, 1 and 2.
         finish: Along which way around the loop the eliminated joints follow.
         start: The joint of the arm at which the loop begins; all other indices are counted from there.
+        straight: Slides of which no squares occur.
     """
 
     reductions: tuple[Reduction, ...]
@@ -115,6 +116,7 @@ class Elimination:
     rows: tuple[int, int, int]
     finish: Closure
     start: int = 0
+    straight: tuple[int, ...] = ()
 
     @property
     def eigenvalues(self) -> int:
@@ -133,7 +135,7 @@ class Equations:
 
     Attributes:
         reduction: Their structure.
-        combinations: (..., equations, 15) combinations of the fifteen numbers without the eliminated joints.
+        combinations: (..., equations, numbers) combinations of what is carried around, without the eliminated joints.
         constant: (..., constant, equations) rows of degree 0.
         linear: (..., linear, equations) complex rows of degree 1.
         rest: (..., rest, equations) the others.
@@ -157,8 +159,11 @@ class Equations:
         m = reduction.equations
         left = _left_null(reduction.closure.eliminated_part(loop), m)
         none = np.zeros((*left.shape[:-2], 0, m))
+        unit = np.broadcast_to(np.eye(m), (*left.shape[:-2], m, m))
         if not reduction.constant + reduction.linear:
-            return cls(reduction, left, none, none, np.broadcast_to(np.eye(m), (*left.shape[:-2], m, m)))
+            return cls(reduction, left, none, none, unit)
+        if reduction.closure.aligned != hidden:
+            return cls(reduction, left, none, unit, none)
         closure = reduction.closure
         _, first, second = loop.joint_actions(loop.carried(closure.dropped), hidden, closure.direction)
         moved, moved_twice = left @ first, left @ second
@@ -252,7 +257,10 @@ class EigenProblem:
         for each in self.equations:
             part = each.reduction.closure.unknown_part(self.loop, pose)
             shape = part.shape
-            part = (each.combinations @ part.reshape(shape[0], 15, -1)).reshape(shape[0], -1, *shape[2:])
+            part = (each.combinations @ part.reshape(*shape[:2], -1)).reshape(shape[0], -1, *shape[2:])
+            for joint in self.elimination.straight:
+                if joint != self.elimination.hidden:
+                    part = part.take([0, 1], axis=2 + self.elimination.unknowns.index(joint))
             part = np.moveaxis(part, axis, 2)
             result.append(part.reshape(*part.shape[:3], -1))
         return result
@@ -265,7 +273,15 @@ class EigenProblem:
     @property
     def shape(self) -> tuple[int, ...]:
         """How many entries of v belong to each of the other joints."""
-        return tuple(4 if joint == self.elimination.multiplied else 3 for joint in self.others)
+        return tuple(self.powers(joint) + (joint == self.elimination.multiplied) for joint in self.others)
+
+    def powers(self, joint: int) -> int:
+        """How many of 1, c, s or 1, d, d^2 occur in the equations.
+
+        Args:
+            joint: An unknown joint.
+        """
+        return 2 if joint in self.elimination.straight else 3
 
     def multiplied(self, rows: Array) -> Array:
         """The rows times what the multiplied joint contributes.
@@ -279,11 +295,12 @@ class EigenProblem:
         joint, (n, count, powers) = self.elimination.multiplied, rows.shape[:3]
         if joint is None:
             return rows
-        before = 3 ** self.others.index(joint)
-        split = rows.reshape(n, count, powers, before, 3, rows.shape[3] // (3 * before))
-        factors = HALF if self.loop.revolute[joint] else POWERS
+        own = self.powers(joint)
+        before = math.prod(self.powers(other) for other in self.others[: self.others.index(joint)])
+        split = rows.reshape(n, count, powers, before, own, rows.shape[3] // (own * before))
+        factors = HALF if self.loop.revolute[joint] else POWERS[:, :own, : own + 1]
         product: Array = np.einsum("nrpxay,kae->nrkpxey", split, factors)
-        return product.reshape(n, 2 * count, powers, rows.shape[3] // 3 * 4)
+        return product.reshape(n, 2 * count, powers, rows.shape[3] // own * (own + 1))
 
     def eigen(self, pose: Array) -> tuple[Array, Array, Array]:
         """Eigenvalues and vectors.
@@ -381,19 +398,24 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
     for unknowns, group in groups.items():
         finish = max(group, key=lambda way: _determined(loop, way))
         for hidden in unknowns:
-            reductions = [_reduction(loop, way, hidden) for way in group]
+            straight = tuple(joint for joint in unknowns if _is_straight(loop, pose, group, joint))
+            reductions = [_reduction(loop, way, hidden, straight) for way in group]
             reductions.sort(key=lambda each: each.closure.aligned != hidden)
             choices = [(each,) for each in reductions] + ([tuple(reductions)] if len(reductions) > 1 else [])
             others = [joint for joint in unknowns if joint != hidden]
             for chosen in choices:
                 for multiplied in (None, *others):
-                    rows = _rows(loop, pose, Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start))
+                    rows = _rows(
+                        loop, pose, Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
+                    )
                     if rows is not None:
-                        yield Elimination(chosen, hidden, multiplied, rows, finish, start)
+                        yield Elimination(chosen, hidden, multiplied, rows, finish, start, straight)
 
 
 def _determined(loop: Loop, way: Closure) -> float:
-    """How well the middle one of the eliminated joints follows from the others by linear equations."""
+    """How well the eliminated joints follow from the others by linear equations."""
+    if loop.tip:
+        return 1.0
     first = min(way.order[:3])
     three = Loop(loop.revolute[first : first + 3], loop.gaps[first : first + 4])
     inner, carried = way.alone, loop.carried(way.dropped)
@@ -406,13 +428,26 @@ def _rank(matrix: Array) -> int:
     return int((sizes > POLICY.rank * sizes.max(initial=1e-3)).sum())
 
 
-def _reduction(loop: Loop, way: Closure, hidden: int) -> Reduction:
+def _is_straight(loop: Loop, pose: Array, group: Sequence[Closure], joint: int) -> bool:
+    """Whether a joint is a slide whose square occurs in no equation."""
+    if loop.revolute[joint]:
+        return False
+    for way in group:
+        part, forms = way.eliminated_part(loop), way.unknown_part(loop, pose)
+        left = _left_null(part, part.shape[-2] - _rank(part.reshape(part.shape[-2:])))
+        squares = forms.take(2, axis=2 + way.unknowns.index(joint)).reshape(*forms.shape[:2], -1)
+        if np.abs(left @ squares).max(initial=0.0) > POLICY.rank:
+            return False
+    return True
+
+
+def _reduction(loop: Loop, way: Closure, hidden: int, straight: tuple[int, ...]) -> Reduction:
     part = way.eliminated_part(loop)
     part = part[0] if part.ndim == 3 else part
     products = _rank(part)
-    m = 15 - products
+    m = len(part) - products
     if way.aligned != hidden:
-        return Reduction(way, m)
+        return Reduction(way, m, 0, m if hidden in straight else 0)
     _, first, second = loop.joint_actions(loop.carried(way.dropped), hidden, way.direction)
     constant = m + products - _rank(np.concatenate([part, first, second], axis=1))
     top = first - 1j * second if loop.revolute[hidden] else second

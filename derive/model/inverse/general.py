@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from derive.model.inverse.closure import ELIMINATED, Closure, Loop, middle_part, motion_by, rigid_inverse
+from derive.model.inverse.closure import Closure, Loop, middle_part, motion_by, rigid_inverse
 from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination, eliminations
 from derive.model.inverse.general_count import count_solutions
-from derive.model.inverse.numeric import NumericChain, Problem, fit
+from derive.model.inverse.numeric import POSE, POSITION, Entries, NumericChain, Problem, fit
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
@@ -31,8 +31,8 @@ Array = npt.NDArray[Any]
 PAIR = 2
 """Numbers of an angle: cosine and sine."""
 
-FULL = 6
-"""Joints of an arm that reaches poses in six ways: its number of real solutions is even at regular poses."""
+FULL = {POSE: 6, POSITION: 3}
+"""With as many joints as a task has dimensions the number of real solutions is even at regular poses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +90,8 @@ def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidate
         One or two candidates for each.
     """
     way, loop = problem.elimination.finish, problem.loop
+    if loop.tip:
+        return _last_joint(problem, found, pose)
     motions = [
         None if joint in way.order[:3] else motion_by(loop.revolute[joint], found.joints[:, joint])
         for joint in range(loop.n)
@@ -99,6 +101,22 @@ def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidate
     values = _three_joints(left, way.alone, pose[found.place])
     joints = np.repeat(found.joints[None], len(values), axis=0)
     joints[:, :, np.sort(way.order[:3])] = values
+    return Candidates(np.tile(found.place, len(values)), joints.reshape(-1, loop.n), found.doubtful)
+
+
+def _last_joint(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
+    """The one eliminated joint of an arm whose end's position is wanted, from linear equations."""
+    way, loop = problem.elimination.finish, problem.loop
+    right = way.unknown_part(loop, pose)[found.place]
+    for joint in way.unknowns:
+        value = found.joints[:, joint]
+        line = (np.ones_like(value), *((np.cos(value), np.sin(value)) if loop.revolute[joint] else (value, value**2)))
+        right = np.einsum("nmk...,nk->nm...", right, np.stack(line, axis=-1))
+    part = np.broadcast_to(way.eliminated_part(loop), (len(pose), right.shape[1], 3))[found.place]
+    values = _middle_joint(loop.revolute[way.order[1]], part[..., 1:], right - part[..., 0])
+    joints = np.repeat(found.joints[None], len(values), axis=0)
+    for own, value in zip(joints, values, strict=True):
+        own[:, way.order[1]], own[:, -1] = value, 0.0
     return Candidates(np.tile(found.place, len(values)), joints.reshape(-1, loop.n), found.doubtful)
 
 
@@ -175,11 +193,13 @@ class GeneralSolution:
 
     Attributes:
         given: Indices of the joints that are arguments.
+        entries: The entries of T that are wanted, `POSE` or `POSITION`.
         eliminations: The best first; the next ones are asked where those before leave a doubt.
         count: Number of complex solutions of a generic pose; 0 where it is not known.
     """
 
     given: tuple[int, ...]
+    entries: Entries
     eliminations: tuple[Elimination, ...]
     count: int = 0
 
@@ -218,7 +238,7 @@ class GeneralSolution:
         many = np.flatnonzero(np.isfinite(q[..., 0]).sum(axis=1) > self.branches)
         if not many.size:
             return q
-        goal = Problem(chain, poses[many, None], free=np.isin(np.arange(chain.n), self.given, invert=True))
+        goal = Problem(chain, poses[many, None], self.entries, np.isin(np.arange(chain.n), self.given, invert=True))
         smallest = np.linalg.svd(goal.errors(np.nan_to_num(q[many]))[1], compute_uv=False)[..., -1]
         order = np.argsort(np.where(np.isfinite(q[many, :, 0]), -smallest, 1.0), axis=1)[:, : self.branches]
         result = q.copy()
@@ -252,7 +272,7 @@ class GeneralSolution:
         numbers = np.isfinite(distinct[..., 0]).sum(axis=1)
         doubtful |= numbers == 0
         doubtful[place[~good & (first < POLICY.near)]] = True
-        if goal.free.sum() == FULL:
+        if goal.free.sum() == FULL[self.entries]:
             doubtful |= numbers % 2 == 1
         return Attempt(distinct, doubtful, certain, float(np.quantile(first[good], 0.9)) if good.any() else math.inf)
 
@@ -261,7 +281,7 @@ class GeneralSolution:
     ) -> tuple[Array, Array, Problem, Array]:
         """For each candidate its pose and configuration, the goal, and the poses at which some may be missing."""
         elimination, unit = self.eliminations[index], chain.reach
-        loop, free = free_loop(chain, self.given, given)
+        loop, free = free_loop(chain, self.given, given, self.entries)
         pose = scaled(poses, unit)
         if elimination.start:
             loop, pose = loop.rotated(elimination.start, pose)
@@ -269,13 +289,13 @@ class GeneralSolution:
         found = candidates(problem, pose, real)
         values = finished(problem, found, pose)
         q = np.empty((len(values.place), chain.n))
-        own = np.roll(values.joints, elimination.start, axis=1)
+        own = np.roll(values.joints, elimination.start, axis=1)[:, : len(free)]
         q[:, free] = own * chain.sign[free] * np.where(chain.revolute[free], 1.0, unit)
         if given is not None:
             q[:, list(self.given)] = given[values.place]
         known = (np.abs(q) < POLICY.far * max(1.0, unit)).all(axis=1)
         place, q = values.place[known], q[known]
-        goal = Problem(chain, poses[place], free=np.isin(np.arange(chain.n), free))
+        goal = Problem(chain, poses[place], self.entries, np.isin(np.arange(chain.n), free))
         return place, q, goal, found.doubtful
 
 
@@ -308,23 +328,26 @@ def scaled(poses: Array, unit: float) -> Array:
     return result
 
 
-def free_loop(chain: NumericChain, given: Sequence[int], values: Array | None) -> tuple[Loop, Array]:
+def free_loop(
+    chain: NumericChain, given: Sequence[int], values: Array | None, entries: Entries = POSE
+) -> tuple[Loop, Array]:
     """The loop of the joints that are solved for, in units of the reach, and their indices.
 
     Args:
         chain: The arm's numbers.
         given: Indices of the other joints.
         values: (poses, given joints) their variables; None where there are none.
+        entries: The entries of T that are wanted.
     """
     gaps = tuple(scaled(gap, chain.reach) for gap in (*chain.fixed, chain.tool))
     loop = Loop(tuple(bool(turns) for turns in chain.revolute), gaps)
-    if not given:
-        return loop, np.arange(chain.n)
+    free = np.array([i for i in range(chain.n) if i not in given])
     motions: list[Array | None] = [None] * chain.n
     for place, joint in enumerate(given):
         value = chain.sign[joint] * (np.zeros(1) if values is None else values[:, place])
         motions[joint] = motion_by(loop.revolute[joint], value if loop.revolute[joint] else value / chain.reach)
-    return loop.locked(motions), np.array([i for i in range(chain.n) if i not in given])
+    left = loop.locked(motions)
+    return left if entries == POSE else left.with_tip, free
 
 
 def _refined(problem: Problem, q: Array) -> tuple[Array, Array]:
@@ -393,12 +416,13 @@ def _distinct(table: Array, chain: NumericChain) -> Array:
     return np.take_along_axis(turned, order[..., None], axis=1) * kept
 
 
-def find_general(chain: NumericChain, given: Sequence[int] = ()) -> tuple[Elimination, ...]:
+def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entries = POSE) -> tuple[Elimination, ...]:
     """The eliminations that find all solutions of an arm, compared at random poses.
 
     Args:
         chain: The arm's numbers.
         given: Joints that are arguments.
+        entries: The entries of T that are wanted.
 
     Returns:
         For each hidden joint the best, the best of all first; none where there is none.
@@ -407,15 +431,15 @@ def find_general(chain: NumericChain, given: Sequence[int] = ()) -> tuple[Elimin
     span = np.where(chain.revolute, math.pi, chain.reach)
     q = draw.uniform(-span, span, (POLICY.trials, chain.n))
     poses, values = chain.pose_and_jacobian(q)[0], q[:, list(given)] if given else None
-    loop, _ = free_loop(chain, given, None if values is None else values[:1])
+    loop, free = free_loop(chain, given, None if values is None else values[:1], entries)
     pose, results = scaled(poses[:1], chain.reach), []
-    if not 1 + ELIMINATED < loop.n <= FULL:
+    if not 3 <= len(free) <= FULL[entries] or (entries == POSE and len(free) == 3):
         return ()
-    for start in range(0, loop.n, 3):
+    for start in (0,) if loop.tip else range(0, loop.n, 3):
         turned, goal = loop.rotated(start, pose) if start else (loop, pose)
         options = sorted(eliminations(turned, goal, start), key=lambda each: each.eigenvalues)
         for option in options[: POLICY.options]:
-            found = GeneralSolution(tuple(given), (option,)).attempt(0, chain, poses, values)
+            found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
             doubts = int(found.doubtful.sum()) > POLICY.trials // 10
             results.append(((-found.certain, doubts, option.eigenvalues, found.error), option))
         if results and not min(results, key=lambda each: each[0])[0][1]:
@@ -479,15 +503,16 @@ class GeneralFormula:
 
 
 def general_formula(
-    robot: Robot, specimen: Robot, given: Sequence[int], generators: Sequence[tuple[str, ...]]
+    robot: Robot, specimen: Robot, given: Sequence[int], generators: Sequence[tuple[str, ...]], entries: Entries = POSE
 ) -> GeneralFormula | None:
-    """The general node of an arm, for the whole pose.
+    """The general node of an arm.
 
     Args:
         robot: The arm, its joint variables the unknowns of the graph.
         specimen: The same with numbers in place of the parameters that have numbers: its solutions are counted.
         given: Joints that are arguments.
         generators: The generators of their unknowns.
+        entries: The entries of T that are wanted: all, or the position.
 
     Returns:
         The node; None where there is no elimination.
@@ -495,9 +520,9 @@ def general_formula(
     missing = sorted(set(free_symbols(specimen)))
     draw = random.Random(5)
     chain = NumericChain.of(robot, {name: draw.uniform(0.3, 1.1) for name in missing})
-    found = find_general(chain, given)
+    found = find_general(chain, given, entries)
     if not found:
         return None
-    counts = (count_solutions(specimen, each, given) for each in found)
+    counts = (count_solutions(specimen, each, given, tip=entries != POSE) for each in found)
     count = next((number for number in counts if number), 0)
-    return GeneralFormula(robot, GeneralSolution(tuple(given), found, count), tuple(generators))
+    return GeneralFormula(robot, GeneralSolution(tuple(given), entries, found, count), tuple(generators))

@@ -9,6 +9,7 @@ of an arm whose free parameters are random, modulo a prime: the number is the sa
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -70,7 +71,9 @@ def _unit(frame: Frame[Any]) -> tuple[Any, Any]:
     return zero, zero + 1
 
 
-def count_solutions(robot: Robot, elimination: Elimination, given: Sequence[int] = (), seed: int = 0) -> int:
+def count_solutions(
+    robot: Robot, elimination: Elimination, given: Sequence[int] = (), seed: int = 0, *, tip: bool = False
+) -> int:
     """How many complex solutions a generic pose has.
 
     Args:
@@ -78,12 +81,14 @@ def count_solutions(robot: Robot, elimination: Elimination, given: Sequence[int]
         elimination: One of its eliminations.
         given: Joints that are arguments.
         seed: Of the random numbers.
+        tip: Whether only the position of the end effector is wanted.
 
     Returns:
         The number; 0 where this elimination does not tell: several solutions share a value of the hidden joint, or the
         eliminated joints do not follow from the others by linear equations.
     """
     loop, pose = _random_pose(residue_loop(robot, seed), given, seed)
+    loop = loop.with_tip if tip else loop
     if elimination.start:
         loop, pose = loop.rotated(elimination.start, pose)
     if _rank(_finish_forms(loop, elimination.finish), loop.prime) < 2:
@@ -106,7 +111,9 @@ def _random_pose(loop: Loop, given: Sequence[int], seed: int) -> tuple[Loop, Arr
 
 
 def _finish_forms(loop: Loop, way: Closure) -> Array:
-    """Coefficients of cosine and sine of the middle one of the eliminated joints."""
+    """Coefficients of cosine and sine of the (middle one of the) eliminated joints."""
+    if loop.tip:
+        return way.eliminated_part(loop).reshape(-1, 3)[:, 1:]
     first = min(way.order[:3])
     three = Loop(loop.revolute[first : first + 3], loop.gaps[first : first + 4], loop.prime)
     carried = three.carried(way.alone.dropped)
@@ -137,16 +144,24 @@ class _System:
         self.loop, self.prime, self.draw = loop, loop.prime, draw
         self.hidden, self.multiplied = elimination.hidden, elimination.multiplied
         self.others = [joint for joint in elimination.unknowns if joint != self.hidden]
-        self.shape = [4 if joint == self.multiplied else 3 for joint in self.others]
+        self.straight = elimination.straight
+        self.shape = [self._powers(joint) + (joint == self.multiplied) for joint in self.others]
         place = elimination.unknowns.index(self.hidden)
         stacked = []
         for way in closures(loop):
             if way.unknowns == elimination.unknowns:
-                left = self._left_null(way.eliminated_part(loop).reshape(15, -1))
+                part = way.eliminated_part(loop)
+                left = self._left_null(part.reshape(*part.shape[-2:]))
                 forms = way.unknown_part(loop, pose)[0]
-                rows = loop.settle(left @ forms.reshape(15, -1)).reshape(-1, *forms.shape[1:])
+                rows = loop.settle(left @ forms.reshape(len(forms), -1)).reshape(-1, *forms.shape[1:])
+                for joint in self.straight:
+                    if joint != self.hidden:
+                        rows = rows.take([0, 1], axis=1 + elimination.unknowns.index(joint))
                 stacked.append(self._multiplied(np.moveaxis(rows, 1 + place, 1)))
         self.coefficients = self._in_t(np.concatenate(stacked))
+
+    def _powers(self, joint: int) -> int:
+        return 2 if joint in self.straight else 3
 
     def _left_null(self, matrix: Array) -> Array:
         basis, nullity = _flint(matrix.T, self.prime).nullspace()
@@ -158,10 +173,11 @@ class _System:
         count = len(rows)
         if self.multiplied is None:
             return rows.reshape(count, 3, -1)
-        factors = HALF if self.loop.revolute[self.multiplied] else POWERS
+        own = self._powers(self.multiplied)
+        factors = HALF if self.loop.revolute[self.multiplied] else POWERS[:, :own, : own + 1]
         whole = np.vectorize(int, otypes=[object])(2 * factors)
-        before = 3 ** self.others.index(self.multiplied)
-        split = rows.reshape(count, 3, before, 3, rows.size // (9 * count * before))
+        before = math.prod(self._powers(other) for other in self.others[: self.others.index(self.multiplied)])
+        split = rows.reshape(count, 3, before, own, rows.size // (3 * own * count * before))
         product_ = np.tensordot(split, whole, axes=([3], [1]))  # rows, 3, before, after, factor, ext
         moved = product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1)
         return self.loop.settle(moved)
@@ -247,17 +263,19 @@ class _System:
                 yield from self._line_relations(line, joint)
 
     def _line_relations(self, line: list[Any], joint: int) -> Iterator[Any]:
-        if len(line) == 4:
+        if not self.loop.revolute[joint]:
+            for (a, b), (c, d) in pairwise(pairwise(line)):
+                yield a * d - b * c
+            if len(line) > 3:
+                yield line[0] * line[3] - line[1] * line[2]
+        elif len(line) > 3:  # cosine and sine of 3/2 and of 1/2 of the angle
             a, b, c, d = line
-            if self.loop.revolute[joint]:  # cosine and sine of 3/2 and of 1/2 of the angle
-                yield a * c + b * d - c * c + d * d
-                yield b * c - a * d - 2 * c * d
-                yield a * a + b * b - c * c - d * d
-            else:
-                yield from (a * c - b * b, b * d - c * c, a * d - b * c)
+            yield a * c + b * d - c * c + d * d
+            yield b * c - a * d - 2 * c * d
+            yield a * a + b * b - c * c - d * d
         else:
             a, b, c = line
-            yield b * b + c * c - a * a if self.loop.revolute[joint] else a * c - b * b
+            yield b * b + c * c - a * a
 
     def _size(self, entries: dict[tuple[int, ...], Any]) -> Any:
         """What vanishes where one of the other joints is infinite, or the vector zero."""

@@ -28,6 +28,7 @@ from derive.model.inverse.evidence import Evidence
 from derive.model.inverse.general import general_formula
 from derive.model.inverse.graph import Node, Plan, SolutionGraph, horner, turned
 from derive.model.inverse.nodes import Equation, Exponents, Formula, Kind, Source, Unknown
+from derive.model.inverse.numeric import POSE, POSITION
 from derive.model.inverse.pairs import without_angle, without_length
 from derive.model.inverse.pool import Atoms, Links, Pool, dimension, identity_atoms
 from derive.model.inverse.search import Choice, Search, State, Step
@@ -292,11 +293,13 @@ class Derivation:
 
     def general_graph(self) -> SolutionGraph | None:
         """The graph of one general node for all joints that are not given; None where there is none."""
-        if {place for row in self.task for place in ROWS[row]} < {(i, j) for i in (1, 2, 3) for j in (1, 2, 3, 4)}:
+        entries = tuple((i - 1, j - 1) for i, j in sorted({place for row in self.task for place in ROWS[row]}))
+        if entries not in (POSE, POSITION):
             return None
         specimen = _with_numbers(self.robot, self.numbers)
         given = [self.domain.unknown(joint) for joint in self.given]
-        formula = general_formula(self.robot, specimen, self.given, [unknown.generators for unknown in given])
+        generators = [unknown.generators for unknown in given]
+        formula = general_formula(self.robot, specimen, self.given, generators, entries)
         if formula is None:
             return None
         self.nodes.clear()

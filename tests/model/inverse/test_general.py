@@ -10,7 +10,7 @@ from derive.model.inverse.fields import FloatField
 from derive.model.inverse.general import GeneralSolution, find_general, free_loop, scaled
 from derive.model.inverse.graph import Run
 from derive.model.inverse.nodes import Kind
-from derive.model.inverse.numeric import NumericChain
+from derive.model.inverse.numeric import POSE, NumericChain
 from derive.model.inverse.solve import solve
 from tests.inverse.arms import PUBLISHED, random_arm
 from tests.inverse.truth import AllSolutions, Chain
@@ -25,7 +25,7 @@ def solution_of(name) -> tuple[NumericChain, GeneralSolution]:
     chain = NumericChain.of(case.robot(choice=False), case.values)
     found = find_general(chain, case.given)
     assert found
-    return chain, GeneralSolution(case.given, found)
+    return chain, GeneralSolution(case.given, POSE, found)
 
 
 def configurations(chain, count, seed=0):
