@@ -25,7 +25,7 @@ from derive.model.inverse.graph import Leaf, Run, SolutionGraph, pose_of
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.unknowns import InverseDomain
 from derive.robot.evaluate import to_float
-from derive.robot.expression import Expression
+from derive.robot.expression import ZERO, Expression
 from derive.robot.names import free_symbols
 
 _COUNTED = 3
@@ -52,11 +52,13 @@ def counted(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping[str, 
     Returns:
         The graph; `SolutionGraph.complete` is set where the count is certain.
     """
+    # joint variables are counted from where their cells have no constants: an angle has no value modulo a prime
+    graph, original = replace(graph, shifts=(ZERO,) * graph.robot.n), graph
     count = 0
     if all(node.kind is not Kind.CONIC for node in graph.nodes):
         count = _modulo_prime(graph, sampled, numbers)
     count = count or _over_complex(graph, numbers)
-    return replace(graph, count=count, complete=count > 0)
+    return replace(original, count=count, complete=count > 0)
 
 
 def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping[str, Expression]) -> int:
@@ -99,11 +101,10 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     angles = rng.uniform(-3, 3, (graph.robot.n, _COMPLEX)) + 1j * rng.uniform(-0.4, 0.4, (graph.robot.n, _COMPLEX))
     rows = zip(graph.robot.joints, angles, strict=True)
     joints = [(np.cos(q), np.sin(q)) if joint.is_revolute else (q,) for joint, q in rows]
-    shifts = [field.constant(shift) for shift in graph.shifts]
     start: Run[Any, Any] = Run(graph, field, [])
     frame = pose_of(start, joints)
     pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
-    run: Run[Any, Any] = Run(graph, field, pose, [angles[k] - shifts[k] for k in graph.given])
+    run: Run[Any, Any] = Run(graph, field, pose, [angles[k] for k in graph.given])
     solutions: list[list[npt.NDArray[np.complex128]]] = [[] for _ in range(_COMPLEX)]
     size = max(float(np.max(np.abs(x))) for row in pose for x in row)
     for leaf in run.leaves():

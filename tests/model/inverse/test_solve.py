@@ -135,3 +135,15 @@ def test_a_wrist_on_three_skew_axes_has_the_quartic_of_pieper() -> None:
     found = [np.array(run.angles(leaf)) for leaf in run.leaves() if leaf.exists]
     assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
     assert max(np.abs(_pose(robot, other, {}) - pose).max() for other in found) < 1e-9
+
+
+def test_a_given_joint_may_have_an_offset() -> None:
+    text = PIEPER.replace("name: pieper", "name: offset").replace("d: 0.68", "theta: q3 + pi/7, d: 0.68")
+    robot = Robot.from_text(text)
+    graph = solve(robot, ("x", "y", "z"), (2, 3, 4, 5))
+    assert graph.count == 1
+    q = np.array([0.3, -1.2, 0.4, 0.5, 0.6, 0.7])
+    pose = _pose(robot, q, {})
+    given = [np.float64(x) for x in q[2:]]
+    run = Run(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose], given)
+    assert min(np.abs(np.array(run.angles(leaf)) - q).max() for leaf in run.leaves() if leaf.exists) < 1e-9
