@@ -77,6 +77,8 @@ def render_native(source: Source) -> dict[str, str]:
     all_texts = [*texts, c_function(inverse.function, source.program.parameters)] if inverse else texts
     counts = {text.name: text.constant_count for text in all_texts}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}
+    if inverse:
+        module["inverse_in_one_call"] = not inverse.given and not counts["inverse_kinematics"]
     code = c_context(source) | {"loops": list(zip(texts, loops, strict=True))}
     if inverse:
         code["inverse_loop"] = _inverse_loop(inverse, all_texts[-1])

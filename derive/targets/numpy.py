@@ -193,6 +193,7 @@ def python_context(source: Source) -> dict[str, object]:
         "has_dynamics": robot.has_dynamics,
         **case_context(function.tape for function in program.all_functions),
         "inverse": _inverse(program, robot) if program.inverse else None,
+        "inverse_in_one_call": False,
         "functions": [_python_function(function, program.parameters, robot.n) for function in program],
     }
 

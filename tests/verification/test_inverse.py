@@ -1,0 +1,136 @@
+"""Verification of inverse kinematics finds what is wrong, and nothing where all is right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from derive.errors import VerificationError
+from derive.programs.functions import build_program
+from derive.programs.search_policy import Effort
+from derive.robot.robot import Robot
+from derive.verification.generated import NumpyModel, Parameters
+from derive.verification.inverse import CLOSED, inverse_errors
+from derive.verification.oracle.frames import Array
+from derive.verification.samples import SampleSet, sample_sets
+from tests.targets.generated_models import numpy_model
+
+Change = Callable[[Array, Array], tuple[Array, Array]]
+ROBOT = Robot.from_text(
+    "name: planar\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
+    "inverse: {task: [x, y]}\n"
+)
+
+
+@cache
+def model() -> NumpyModel:
+    """Both elbows of a planar arm."""
+    program = build_program(ROBOT, Effort.QUICK, names={"forward_kinematics"}, inverse=True)
+    assert program.inverse is not None
+    assert program.inverse.branches == 2
+    return NumpyModel(numpy_model(ROBOT, program))
+
+
+def samples() -> tuple[SampleSet, ...]:
+    """Configurations, the first of which is singular."""
+    return sample_sets(ROBOT, 12, np.random.default_rng(2))
+
+
+@dataclass(frozen=True)
+class Faulty:
+    """A model with a fault."""
+
+    change: Change
+    right: NumpyModel
+    target = "numpy"
+    file = "model_numpy.py"
+    ways = ()
+    constants: dict[str, object] = None  # type: ignore[assignment]
+
+    def call(self, function: str, arguments: list[Array], parameters: Parameters) -> Array:
+        raise NotImplementedError
+
+    def given_names(self, robot: Robot) -> tuple[str, ...]:
+        return self.right.given_names(robot)
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        q, status = self.right.inverse(poses, given, parameters)
+        return self.change(q.copy(), status.copy())
+
+
+def test_a_right_model_passes() -> None:
+    for poses, worst in inverse_errors(ROBOT, model(), samples(), "report it"):
+        assert poses == 12
+        assert worst < CLOSED / 10
+
+
+def without_second(q: Array, status: Array) -> tuple[Array, Array]:
+    """One branch is lost."""
+    q[:, 1], status[:, 1] = np.nan, 0
+    return q, status
+
+
+def twice(q: Array, status: Array) -> tuple[Array, Array]:
+    """Both branches are one, where the arm has the other elbow too."""
+    both = np.repeat(q[:, :1], 3, axis=1)
+    both[:, 2] = q[:, 1]
+    codes = np.repeat(status[:, :1], 3, axis=1)
+    codes[:, 2] = status[:, 1]
+    return both, codes
+
+
+def turned(q: Array, status: Array) -> tuple[Array, Array]:
+    """A joint is off."""
+    q[:, 1, 0] += 1e-6
+    return q, status
+
+
+def unmarked(q: Array, status: Array) -> tuple[Array, Array]:
+    """A branch that does not exist has numbers."""
+    return np.nan_to_num(q), status
+
+
+def nothing(q: Array, status: Array) -> tuple[Array, Array]:
+    """No solution at all."""
+    return np.full_like(q, np.nan), np.zeros_like(status)
+
+
+def everything(q: Array, status: Array) -> tuple[Array, Array]:
+    """Solutions of poses that have none."""
+    return np.where(np.isnan(q).all(axis=(1, 2), keepdims=True), 0.5, q), np.maximum(
+        status, ~status.any(axis=1)[:, None]
+    )
+
+
+def moody(q: Array, status: Array) -> tuple[Array, Array]:
+    """One pose in another order than a batch."""
+    return (q[:, ::-1], status[:, ::-1]) if len(q) == 1 else (q, status)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (without_second, "misses the configuration"),
+        (twice, "finds a solution twice"),
+        (turned, "leads to a pose that is .* off"),
+        (unmarked, "marks branches that do not exist by other things than nan"),
+        (nothing, "finds no solution of a reachable pose"),
+        (everything, "finds solutions of poses out of reach"),
+        (moody, "gives one pose other solutions than a batch"),
+        (lambda q, status: (q[..., :1], status), "returns shapes"),
+    ],
+)
+def test_every_fault_is_found(change: Change, message: str) -> None:
+    with pytest.raises(VerificationError, match=message):
+        list(inverse_errors(ROBOT, Faulty(change, model()), samples(), "report it"))
+
+
+def test_the_message_says_where() -> None:
+    faulty = Faulty(turned, model())
+    with pytest.raises(VerificationError, match=r"inverse_kinematics of model_numpy.py .* at q = \[-?\d") as caught:
+        list(inverse_errors(ROBOT, replace(faulty), samples(), "report it"))
+    assert "report it" in str(caught.value)
