@@ -107,17 +107,17 @@ def run(arguments: argparse.Namespace) -> int:
     digits = None if arguments.exact else arguments.digits or DIGITS
     if with_numbers:
         remark, shown = _put_in(robot, shown, arguments)
-    printer, loses = _printer(robot, form, digits, [value for _, value in shown], numbers=with_numbers)
+    values = [part for _, value in shown for part in getattr(value, "expressions", (value,))]
+    printer, loses = _printer(robot, form, digits, values, numbers=with_numbers)
     if form == "json":
-        rows = {name: _entries(value, printer) for name, value in shown}
-        quantities = {name: printer(value) if rows[name] is None else rows[name] for name, value in shown}
+        quantities = {name: _as_json(robot, value, printer) for name, value in shown}
         print_json({"robot": robot.name, "quantities": quantities, "remarks": robot.remarks_as_dicts})
         return 0
     if with_numbers:
         print(f"{COMMENTS[form]} {remark}")
     if loses and form in ("text", "latex"):
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
-    blocks = [_lines(form, name, value, printer) for name, value in shown]
+    blocks = [_derivation(robot, form, value, digits) or _lines(form, name, value, printer) for name, value in shown]
     if form == "text" and not with_numbers and arguments.abbreviate is None:
         for (name, _), lines in zip(shown, blocks, strict=True):
             lines += _zeros(model, name, printer)
@@ -142,6 +142,27 @@ def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
     return lines
 
 
+def _derivation(robot: Robot, form: str, value: Any, digits: int | None) -> list[str]:
+    """The lines of an inverse kinematics; none for any other quantity."""
+    from derive.handouts.notation.derivation import derivation_lines
+    from derive.handouts.notation.notation import Notation
+    from derive.model.inverse.solutions import InverseKinematics
+
+    notation = replace(Notation.of(robot), digits=digits)
+    return derivation_lines(value, form, notation) if isinstance(value, InverseKinematics) else []
+
+
+def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
+    """A matrix by rows, an inverse kinematics by its parts, a scalar as text."""
+    from derive.handouts.notation.derivation import derivation_parts
+    from derive.model.inverse.solutions import InverseKinematics
+
+    if isinstance(value, InverseKinematics):
+        return derivation_parts(value)
+    rows = _entries(value, printer)
+    return printer(value) if rows is None else rows
+
+
 def _usual(robot: Robot, arguments: argparse.Namespace) -> list[str]:
     """What is printed at a point unless quantities are named."""
     asked = {"T": True, "J": True, "B": robot.has_dynamics, "g": robot.has_dynamics}
@@ -161,7 +182,10 @@ def _put_in(
     given = dict(robot.parameters)
     write = partial(number_text, decimals=True, digits=None)
     words = ", ".join(f"{name} = {to_text(value, write)}" for name, value in point.items() if given.get(name) != value)
-    values = [(name, at_point(value, point, name=name, exact=arguments.exact)) for name, value in shown]
+    values = [
+        (name, value.at(point) if hasattr(value, "at") else at_point(value, point, name=name, exact=arguments.exact))
+        for name, value in shown
+    ]
     return f"at {words or 'the numbers of the file'} (SI units, rad)", values
 
 

@@ -16,6 +16,7 @@ from derive.handouts.fragment_writer import fragment
 from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
+from derive.handouts.parts import inverse
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.quantities import REGISTRY, Quantity
 from derive.model.quantity_names import parse, pick
@@ -80,6 +81,8 @@ def _quantity(context: Context, name: str) -> Section:
     row, indices, entry = _asked(context, name)
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
+    if row.name == "inverse" and entry is None:
+        return Section("", "", tuple(inverse.formulas(context)))
     dynamics, entries, lay_out = context.dynamics, context.entries, context.layouter.lay_out
     match row.name if entry is None and not indices else "":
         case "T":

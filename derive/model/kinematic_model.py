@@ -15,6 +15,8 @@ from derive.errors import QuantityError
 from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
+from derive.model.inverse.solutions import InverseKinematics
+from derive.model.inverse.solve import solve
 from derive.model.kinematics import Kinematics
 from derive.model.long_chain import LongChain
 from derive.model.matrices import columns_matrix, frame_matrix, symbol_roles
@@ -365,3 +367,8 @@ class KinematicModel:
         3.3).
         """
         return find_singularities(self.robot, self.style)
+
+    @cached_property
+    def inverse(self) -> InverseKinematics:
+        """How the joint variables follow from the pose, every branch, for the task of the robot file."""
+        return InverseKinematics(solve(self.robot), self.robot, self.style)

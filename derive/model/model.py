@@ -8,6 +8,7 @@ from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import equal
+from derive.model.inverse.solutions import InverseKinematics
 from derive.model.point import at_point
 from derive.model.quantity_names import evaluate, parse
 from derive.robot.cells import typed_point
@@ -96,7 +97,10 @@ class Model(DynamicModel):
         orders = [",".join(map(str, order)) for order in (q, qd, qdd)]
         named = [f"{name}={value}" for name, value in (values or {}).items()]
         point = typed_point(self.robot, [*filter(None, orders[:1]), *named], *orders[1:])
-        return at_point(self.quantity(quantity), point, name=quantity, exact=exact)
+        found = self.quantity(quantity)
+        if isinstance(found, InverseKinematics):
+            return found.at(point)
+        return at_point(found, point, name=quantity, exact=exact)
 
     def equal(self, quantity: str, expression: object) -> bool:
         """Whether an expression equals a scalar quantity identically.

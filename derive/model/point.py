@@ -71,8 +71,8 @@ def at_point(
         try:
             known = {symbol: value_of(value, {}) for symbol, value in put_in.items()}
             if hasattr(expression, "applyfunc"):
-                return expression.applyfunc(lambda entry: _written(value_of(entry, known)))
-            return _written(value_of(expression, known))
+                return expression.applyfunc(lambda entry: written(value_of(entry, known)))
+            return written(value_of(expression, known))
         except (ArithmeticError, ValueError):
             raise QuantityError(f"{name} has no finite real value here", remedy="choose another point") from None
 
@@ -102,7 +102,7 @@ def value_of(e: Expr, known: dict[Expr, Any]) -> Any:
     else:
         arguments = [value_of(argument, known) for argument in e.args]
         if any(isinstance(argument, sympy.Basic) for argument in arguments):
-            found = e.func(*map(_written, arguments))
+            found = e.func(*map(written, arguments))
         else:
             found = _number(e, arguments)
     known[e] = found
@@ -124,7 +124,12 @@ def _number(e: Expr, arguments: list[Real]) -> Real:
     return mpmath.mpf(0) if abs(found) < NOISE * size else found
 
 
-def _written(value: Any) -> Expr:
+def written(value: Any) -> Expr:
+    """A number of mpmath as the rational of its first thirty digits; an expression as it is.
+
+    Args:
+        value: The number or expression.
+    """
     if isinstance(value, sympy.Basic):
         return value
     return sympy.Rational(Fraction(mpmath.nstr(value, KEPT)))

@@ -24,8 +24,8 @@ class Quantity:
     Attributes:
         name: As the user writes it.
         symbol: As notes write it, in LaTeX; i, j, k stand for its indices.
-        shape: Rows and columns, ``6xn``: n joints, m = n - 3, k indices, p standard and b base parameters; empty for a
-            scalar.
+        shape: Rows and columns, ``6xn``: n joints, m = n - 3, k indices, p standard and b base parameters, s solutions;
+            empty for a scalar.
         unit: SI unit of its entries; empty where these differ or have none.
         summary: What it is, for lists.
         indices: How many indices it takes (alternatives allowed); further ones pick an entry.
@@ -137,6 +137,7 @@ _J_21, _J_22 = "rows 4-6, columns 1-3 of J", "rows 4-6, the other columns of J"
 _REDUCED = "J_11, its second column subtracted from the first"
 _VELOCITY = "velocity part of tau, C qd: Coriolis and centrifugal"
 _FORCE = "N m or N"
+_INVERSE = "inverse kinematics: every solution, how it is derived; entry i,k: joint i of solution k"
 _SIX = tuple(range(1, 7))
 _BLOCK, _WRIST = range(3, ANY.stop), range(4, ANY.stop)
 
@@ -243,6 +244,10 @@ _KINEMATIC = (
     Quantity(
         "singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank,
         ("singularity", "singular configurations"), range(2, 7),
+    ),
+    Quantity(
+        "inverse", r"\mathbf{q}(\mathbf{T})", "nxs", "", _INVERSE,
+        words=("inverse kinematics", "ik", "ikine", "inverse solution", "inverse position"),
     ),
 )  # fmt: skip
 

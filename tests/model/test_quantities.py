@@ -35,6 +35,7 @@ def test_a_quantity_has_the_shape_of_its_row(quantity: Quantity, model: Model) -
     if quantity.is_of(model.robot) and quantity.name != "detJ_rows":  # a block of four columns has four rows
         value = quantity.value(model, *[1] * min(quantity.indices))
         sizes = {"k": 1, "p": len(model.standard_parameter_names), "b": len(model.base_parameter_names)}
+        sizes["s"] = len(model.inverse.solutions)
         shape = quantity.shape_of(model.robot)
         assert getattr(value, "shape", ()) == tuple(sizes.get(size) or int(size) for size in shape.split("x") if shape)
 
@@ -69,6 +70,7 @@ BOOKS = {
     "detJ_11": ["det(J_11)", "det J11"],
     "christoffel[1,2,3]": ["c_123", "c123", "c_{123}"],
     "N": ["Bdot - 2C", "Mdot-2C"],
+    "inverse": ["inverse kinematics", "ik", "IK", "ikine", "Inverse_Kinematics"],
     "kinetic": ["kinetic energy", "K"],
     "potential": ["U", "potential energy"],
     "base_parameters": ["beta", "base parameters"],

@@ -7,27 +7,46 @@ atan2 with its signs, when it exists and where it is free.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import sympy
 
-from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.pieces import Box
-from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.notation import Notation, Order
+from derive.handouts.notation.pieces import Box, Piece, fraction, joined
+from derive.handouts.notation.printer import LatexPrinter, Pieces
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.text import PlainPrinter, TextPrinter
 from derive.model.inverse.derivation import PrintedEquation, Step
 from derive.model.inverse.elementary import Line, Sign
-from derive.model.inverse.nodes import Kind, Source
+from derive.model.inverse.nodes import Kind
+from derive.model.inverse.origins import Form, Origin
 from derive.model.inverse.solutions import InverseKinematics
+from derive.robot.description import IDENTITY
 from derive.robot.robot import Robot
 
 Print = Callable[[Any], str]
 
+WIDEST_QUOTIENT = 380.0
+"""Widest sum above a divisor [pt]."""
+
+LONGEST_PAIR = 12
+"""Operations of two arcs half a turn apart that are both written."""
+
 
 class SignPrinter(TextPrinter):
-    """Text in which a choice of sign is ``+-``, and of two arcs the one that is subtracted stands last."""
+    """Text in which a choice of sign is ``+-``.
+
+    Args:
+        robot: The robot.
+        notation: Its notation, see `with_names`.
+        pose: Names of the entries of the pose.
+    """
+
+    def __init__(self, robot: Robot, notation: Notation, pose: frozenset[str]) -> None:
+        super().__init__(robot, notation)
+        self._order = SolutionOrder(notation, pose)
 
     def _print_Mul(self, expression: Any) -> str:
         signs = [factor for factor in expression.args if isinstance(factor, Sign)]
@@ -48,54 +67,92 @@ class SignPrinter(TextPrinter):
         return f"abs({self._print(expression.args[0])})"
 
     def _print_Add(self, expression: Any, order: Any = None) -> str:
-        terms = sorted(expression.args, key=lambda term: (_rank(term), self._order.term(term)))
-        text = str(self._print(terms[0]))
-        for term in map(self._print, terms[1:]):
-            if term.startswith("+-"):
-                text += f" +- {term[2:]}"
-            else:
-                text += f" - {term[1:]}" if term.startswith("-") else f" + {term}"
-        return text
+        return re.sub(r" \+ \+-", " +- ", super()._print_Add(expression, order))
 
 
-def _rank(term: Any) -> int:
-    """Arcs that are added, then those that are subtracted or hold a sign; other terms before signs."""
-    has_sign = any(isinstance(symbol, Sign) for symbol in term.free_symbols)
-    if not term.has(sympy.atan2):
-        return 3 if has_sign else 0
-    return 2 if has_sign or term.as_coeff_Mul()[0] < 0 else 1
+class SolutionOrder(Order):
+    """The order in which solutions are written: what is added before what is subtracted, the pose before the arm.
+
+    Args:
+        notation: The robot's notation, see `with_names`.
+        pose: Names of the entries of the pose.
+    """
+
+    def __init__(self, notation: Notation, pose: frozenset[str]) -> None:
+        super().__init__(notation)
+        self._pose = pose
+
+    def term(self, term: Any) -> Any:
+        """Sort key of a term of a sum.
+
+        Args:
+            term: A SymPy expression.
+        """
+        symbols = term.free_symbols
+        has_sign = any(isinstance(symbol, Sign) for symbol in symbols)
+        is_negative = bool(term.as_coeff_Mul()[0] < 0)
+        return has_sign, is_negative, self._pose.isdisjoint(symbol.name for symbol in symbols), super().term(term)
 
 
-class LatexSigns:
-    """LaTeX in which a choice of sign is a plus-minus.
+def pose_names(found: InverseKinematics) -> frozenset[str]:
+    """Names of the entries of the pose, and of the pose within the arm.
+
+    Args:
+        found: The inverse kinematics.
+    """
+    within = (line.symbol for line in found.definitions)
+    return frozenset(symbol.name for symbol in (*found.pose.free_symbols, *within))
+
+
+def with_names(notation: Notation, found: InverseKinematics) -> Notation:
+    """The notation in which the entries of the pose, then named quantities stand behind the parameters of the arm.
 
     Args:
         notation: The robot's notation.
         found: Its inverse kinematics.
     """
+    pose = [symbol.name for symbol in found.pose[:3, :].T] + [line.symbol.name for line in found.definitions]
+    named = [line.symbol.name for line in found.lines if line.symbol.is_Symbol]
+    last = len(notation.positions)
+    positions = {name: (0, last + k) for k, name in enumerate(dict.fromkeys((*pose, *named)))}
+    return replace(notation, positions={**positions, **notation.positions})
+
+
+class SignLatexPrinter(LatexPrinter):
+    """LaTeX in which a choice of sign is a plus-minus, and a quotient on its own a fraction.
+
+    Args:
+        notation: The robot's notation, see `with_names`.
+        found: Its inverse kinematics.
+    """
 
     def __init__(self, notation: Notation, found: InverseKinematics) -> None:
         sign = Glyph(Box("\\pm ", 8.0))
-        signs = {symbol.name: sign for step in found.steps for line in step.lines for symbol in line.signs}
+        signs = {symbol.name: sign for line in found.lines for symbol in line.signs}
         sums = {name.name: _subscripted(name.name, notation) for name in found.sums.values()}
-        self._printer = LatexPrinter(notation.with_terms({**signs, **sums}))
+        super().__init__(notation.with_terms({**signs, **sums}))
+        self._order = SolutionOrder(notation, pose_names(found))
 
     def latex(self, expression: Any) -> str:
-        """An expression, a quotient at its top as a fraction.
+        """One line of LaTeX, for mathematics mode.
 
         Args:
-            expression: A SymPy expression.
+            expression: A SymPy expression in the robot's symbols, those of the pose, named quantities and signs.
+        """
+        return with_signs(super().latex(expression))
+
+    def pieces(self, expression: Any) -> Pieces:
+        """The expression as pieces; a quotient with a sum above as a fraction, where it is not too wide.
+
+        Args:
+            expression: A SymPy expression in the robot's symbols, those of the pose, named quantities and signs.
         """
         above, below = sympy.fraction(expression) if expression.is_Mul else (expression, sympy.S.One)
-        if expression.is_Add and expression.has(sympy.atan2):
-            terms = sorted(expression.args, key=_rank)
-            text = self.latex(terms[0])
-            for term in map(self.latex, terms[1:]):
-                text += term if term.startswith(("-", "\\pm", "\\mp")) else f" + {term}"
-            return text
-        if below.is_Integer or not above.is_Add:
-            return _signed(self._printer.latex(expression))
-        return f"\\frac{{{self._printer.latex(above)}}}{{{self._printer.latex(below)}}}"
+        if above.is_Add and not below.is_Integer:
+            top, bottom = joined(super().pieces(above)), joined(super().pieces(below))
+            if top.width <= WIDEST_QUOTIENT:
+                return [Piece(fraction(top, bottom))]
+        return super().pieces(expression)
 
 
 def _subscripted(name: str, notation: Notation) -> Glyph:
@@ -107,9 +164,68 @@ def _subscripted(name: str, notation: Notation) -> Glyph:
     return Glyph(letter, Box(labels, 5.0 * len(labels)))
 
 
-def _signed(text: str) -> str:
-    """Plus or minus before a plus-minus sign."""
+def with_signs(text: str) -> str:
+    """LaTeX without a plus or minus before a plus-minus sign.
+
+    Args:
+        text: The LaTeX.
+    """
     return re.sub(r"\+\s*\\pm", r"\\pm", re.sub(r"-\s*\\pm", r"\\mp", text))
+
+
+def derivation_lines(found: InverseKinematics, form: str, notation: Notation) -> list[str]:
+    """The derivation as lines.
+
+    Args:
+        found: The inverse kinematics.
+        form: ``text``, ``latex`` or ``python``.
+        notation: The robot's notation.
+    """
+    notation = with_names(notation, found)
+    if form == "latex":
+        return derivation_latex(found, SignLatexPrinter(notation, found).latex)
+    if form == "python":
+        return derivation_python(found)
+    return derivation_text(found, SignPrinter(found.robot, notation, pose_names(found)).doprint)
+
+
+def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
+    """What there is to know of the derivation, as text that Python reads, for JSON.
+
+    Args:
+        found: The inverse kinematics.
+    """
+    write = PlainPrinter().doprint
+    steps = [
+        {
+            "unknown": write(step.unknown),
+            "type": step.kind.value,
+            "from": reason(found, step),
+            "equations": [{"left": write(e.left), "right": write(e.right)} for e in step.equations],
+            "formulas": {write(line.symbol): write(line.value) for line in step.lines},
+            "branches": step.branches,
+            "real_if": None if step.exists is sympy.true else write(step.exists),
+            "free_where_zero": list(map(write, step.free)),
+        }
+        for step in found.steps
+    ]
+    return {
+        "pose": [[write(entry) for entry in row] for row in found.pose.tolist()],
+        "count": found.count,
+        "complete": found.complete,
+        "why_not": found.graph.why_not,
+        "conditions_zero": [write(condition.left) for condition in found.conditions],
+        "definitions": {write(line.symbol): write(line.value) for line in found.definitions},
+        "sums": {write(name): write(total) for total, name in found.sums.items()},
+        "steps": steps,
+        "solutions": [
+            {
+                "name": solution.name,
+                "signs": {str(sign): value for sign, value in solution.signs.items()},
+            }
+            for solution in found.solutions
+        ],
+    }
 
 
 def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
@@ -127,13 +243,25 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
         lines += [f"   {formula(line, write)}" for line in found.definitions]
     for number, step in enumerate(found.steps, 1):
         lines += ["", f"{number}. {write(step.unknown)}: {reason(found, step)}"]
-        lines += [f"     {_equation(equation, write)}" for equation in step.equations]
+        lines += [f"     {_equation(e, write)}" for e in step.equations if Line(e.left, e.right) not in step.lines]
         lines += [f"   {formula(line, write)}" for line in step.lines]
         if step.exists is not sympy.true:
             lines.append(f"   real for {_relation(step.exists, write)}")
-        if step.free:
-            lines.append(f"   free where {' and '.join(f'{write(e)} = 0' for e in step.free)}")
+        lines += [f"   {text}" for text in _failing(found, step, write)]
     return lines
+
+
+def _failing(found: InverseKinematics, step: Step, write: Print) -> Iterator[str]:
+    """Where the equations of a step do not determine its unknown, and what then does."""
+    if not step.fails:
+        return
+    where = f"where {' and '.join(f'{write(e)} = 0' for e in step.fails)}"
+    if not step.instead:
+        yield f"free {where}"
+        return
+    equations = step.instead[0]
+    shown = " and ".join(_equation(equation, write) for equation in equations)
+    yield f"{where} instead by {shown}, {_sources(found.robot, equations)}"
 
 
 def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
@@ -141,12 +269,11 @@ def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
 
     Args:
         found: The inverse kinematics.
-        write: Writes an expression, see `LatexSigns`.
+        write: Writes an expression, see `SignLatexPrinter`.
     """
     rows = [_equation(condition, write).replace("=", "&=", 1) for condition in found.conditions]
-    for line in (*found.definitions, *(line for step in found.steps for line in step.lines)):
-        values = " \\text{ or } ".join(map(write, line.alternatives))
-        rows.append(f"{write(line.symbol)} &= {values}")
+    for line in found.lines:
+        rows.append(formula(line, write, " &= ", " \\text{ or } ", " + \\pi"))
     body = [f"  {row} \\\\" for row in rows]
     return ["\\begin{aligned}", *body, "\\end{aligned}"]
 
@@ -158,10 +285,15 @@ def derivation_python(found: InverseKinematics) -> list[str]:
         found: The inverse kinematics.
     """
     write, named = PlainPrinter().doprint, found.sums
-    lines = []
-    for line in (*found.definitions, *(line for step in found.steps for line in step.lines)):
-        remark = "".join(f"  # {sign}: 1 or -1" for sign in line.signs)
-        lines.append(f"{write(line.symbol)} = {write(line.value.xreplace(dict(named)))}{remark}")
+    lines, parts = [], dict[Any, Any]()
+    for line in found.lines:
+        symbol, value = line.symbol, line.value.xreplace({**named, **parts})
+        if symbol.is_Function:  # the sine or cosine of what comes next
+            parts[symbol] = sympy.Symbol(f"{symbol.func.__name__}_{symbol.args[0]}")
+            symbol = parts[symbol]
+        else:
+            parts = {}
+        lines.append(f"{write(symbol)} = {write(value)}{''.join(f'  # {sign}: 1 or -1' for sign in line.signs)}")
     return lines
 
 
@@ -189,55 +321,79 @@ def reason(found: InverseKinematics, step: Step) -> str:
             return "given"
         case Kind.SUM:
             return "by the angles that are known"
+    return _sources(found.robot, step.equations)
+
+
+def _sources(robot: Robot, equations: Iterable[PrintedEquation]) -> str:
+    """Entries of which product."""
     by_matrix: dict[str, list[str]] = {}
-    for equation in step.equations:
-        matrix = product_text(found.robot, equation.source, "W" if found.definitions else "T")
-        by_matrix.setdefault(matrix, []).append(entry_text(equation.source))
-    return "; ".join(f"{' and '.join(dict.fromkeys(entries))} of {matrix}" for matrix, entries in by_matrix.items())
+    for equation in equations:
+        matrix, entry = _place(robot, equation.origin)
+        by_matrix.setdefault(matrix, []).append(entry)
+    return "; ".join(f"{_listed(tuple(dict.fromkeys(entries)))} {matrix}" for matrix, entries in by_matrix.items())
 
 
-def product_text(robot: Robot, source: Source, pose: str) -> str:
-    """``A_1^-1 T A_6^-1``: the product that holds the joints first..last alone.
+def _listed(entries: tuple[str, ...]) -> str:
+    """``entries (1,4) and (2,4)``."""
+    if len(entries) > 1 and all(re.fullmatch(r"entry \([\d,]+\)", entry) for entry in entries):
+        return f"entries {' and '.join(entry.removeprefix('entry ') for entry in entries)}"
+    return " and ".join(entries)
+
+
+def _place(robot: Robot, origin: Origin) -> tuple[str, str]:
+    """The matrix that an equation is of, and what of its entries."""
+    places = [f"({','.join(map(str, entry))})" for entry in origin.entries]
+    product = product_text(robot, origin)
+    axes = f"axes {origin.first} and {origin.last}"
+    match origin.form:
+        case Form.ENTRY:
+            return f"of {product}", f"entry {places[0]}"
+        case Form.SQUARES:
+            return f"of {product}, squared and added", f"entries {', '.join(places[:-1])} and {places[-1]}"
+        case Form.COMPONENT:
+            letter, axis = "xyz"[origin.entries[0][0] - 1], origin.last if origin.inverse else origin.first
+            return f"of the vector between {axes}, along those of joint {axis}", f"component {letter}"
+        case Form.DISTANCE:
+            return f"between {axes}", "squared distance"
+        case Form.DIRECTIONS:
+            return f"of the rotation between {axes}", f"entry {places[0]}"
+        case Form.MOMENT:
+            return f"of {product}", f"entry {places[0]} of the moments (Raghavan and Roth)"
+
+
+def product_text(robot: Robot, origin: Origin) -> str:
+    """``A_1^-1 T A_6^-1``: what holds the joints first..last alone.
 
     Args:
         robot: The robot.
-        source: Which joints.
-        pose: What the pose is called.
+        origin: Which joints.
     """
-    before = [f"A_{i}^-1" for i in range(source.first - 1, 0, -1)]
-    after = [f"A_{i}^-1" for i in range(robot.n, source.last, -1)]
-    return " ".join((*before, pose, *after))
+    before = [f"A_{i}^-1" for i in range(origin.first - 1, 0, -1)]
+    after = [f"A_{i}^-1" for i in range(robot.n, origin.last, -1)]
+    base = [] if robot.base == IDENTITY else ["base^-1"]
+    tool = [] if robot.tool == IDENTITY else ["tool^-1"]
+    text = " ".join((*before, *base, "T", *tool, *after))
+    if origin.inverse:
+        return f"({text})^-1" if " " in text else "T^-1"
+    return text
 
 
-def entry_text(source: Source) -> str:
-    """Which entry, or what of the entries.
-
-    Args:
-        source: Where an equation comes from.
-    """
-    name = source.entry
-    places = ",".join(re.findall(r"\d", name))
-    if name.startswith("R"):
-        return f"entry ({places})"
-    if name.startswith("p["):
-        return f"entry ({places},4)"
-    if name.startswith("u["):
-        return f"entry ({places},4) of the inverse"
-    if name == "p.p":
-        return "the squared distance of the origin"
-    if name in ("p.xy", "u.xy"):
-        return f"the squares of entries (1,4) and (2,4){' of the inverse' if name[0] == 'u' else ''}, added,"
-    return f"entry ({places}) of {'the moment p x R' if name[0] == 'm' else 'p.p R - 2 p p^T R'}"
-
-
-def formula(line: Line, write: Print) -> str:
+def formula(line: Line, write: Print, equals: str = " = ", or_: str = " or ", half_turn: str = " + pi") -> str:
     """``theta2 = atan2(+-sqrt(1 - D**2), D)``; both values where a sign stands in it twice.
 
     Args:
         line: The line.
         write: Writes an expression.
+        equals: What stands between both sides.
+        or_: What stands between two values.
+        half_turn: What makes the first value the second one.
     """
-    return f"{write(line.symbol)} = {' or '.join(map(write, line.alternatives))}"
+    left = write(line.symbol)
+    first, *others = map(write, line.alternatives)
+    if not others:
+        return f"{left}{equals}{first}"
+    is_short = sum(value.count_ops() for value in line.alternatives) < LONGEST_PAIR
+    return f"{left}{equals}{first}{or_}{others[0] if is_short else left + half_turn}"
 
 
 def _equation(equation: PrintedEquation, write: Print) -> str:

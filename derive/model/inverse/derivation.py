@@ -8,7 +8,7 @@ first and last joint stand between it and the arm, the pose within the arm gets 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -19,9 +19,10 @@ from derive.algebra.generators import Kind as Generator
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr
-from derive.model.inverse.elementary import Line, Linear, Scribe, Solved, minus_signs, positive
+from derive.model.inverse.elementary import Line, Linear, Scribe, Solved, is_negative, minus_signs, usual
 from derive.model.inverse.graph import Node, SolutionGraph
 from derive.model.inverse.nodes import Equation, Formula, Kind, Source, Unknown
+from derive.model.inverse.origins import Origin, origin
 from derive.robot.expression import ZERO, Expression, Name, Number, add, multiply, substitute
 from derive.robot.names import joint_label, robot_symbols
 from derive.robot.robot import Robot
@@ -55,12 +56,12 @@ class PrintedEquation:
     Attributes:
         left: What holds the unknown.
         right: What is known.
-        source: Where it comes from.
+        origin: Where it comes from.
     """
 
     left: Expr
     right: Expr
-    source: Source
+    origin: Origin
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,8 @@ class Step:
         lines: The formulas, the unknown last; none where there is no formula.
         branches: How many values it has for given ones before.
         exists: When it has any; SymPy's true where always.
+        fails: What vanishes where these equations do not determine it; empty where they always do.
+        instead: Other equations of equal meaning for those poses; none where it is free there.
         free: What vanishes where no equation determines it; empty where that never happens.
         joints: The joints of the unknown, from 0.
     """
@@ -84,6 +87,8 @@ class Step:
     lines: tuple[Line, ...]
     branches: int
     exists: Expr
+    fails: tuple[Expr, ...]
+    instead: tuple[tuple[PrintedEquation, ...], ...]
     free: tuple[Expr, ...]
     joints: tuple[int, ...]
 
@@ -111,10 +116,12 @@ class Derivation:
         variables = [joint.variable for joint in robot.joints]
         self._scribe = Scribe(self._write, {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND})
         within = self._names_within_arm()
-        extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts]
+        constants = (g.expression for g in graph.domain.generators if g.kind in _CONSTANTS)
+        extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts, *constants]
         self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
         self._form = LectureForm(self._domain, style=style)
         self._images = self._generators(names)
+        self._pose_names = {*names.values(), *within.values()}
         for name, p in graph.definitions:
             image = self._composed(p)
             if name in within:
@@ -190,56 +197,64 @@ class Derivation:
             elif formula.equations and unknown is node.unknown:
                 printed = [self._equation(unknown, equation) for equation in formula.equations]
                 equations = tuple(equation for equation, _ in printed)
-                solved = self._solved(formula.kind, self._label(unknown), [values for _, values in printed])
+                solved = self._solved(formula.kind, symbol, self._label(unknown), [values for _, values in printed])
             if solved is not None:
                 self._scribe.lines.append(Line(symbol, solved.value))
             lines = tuple(self._scribe.lines[first:])
-            free = self._free(node)
+            fails, free = self._free(node.formulas[:1]), self._free(node.formulas)
+            others = node.formulas[1:] if fails and len(self._lost(formula)) == 1 else ()
+            instead = tuple(tuple(self._equation(unknown, e)[0] for e in other.equations) for other in others)
             exists = solved.exists if solved else sympy.true
-            yield Step(symbol, formula.kind, equations, lines, node.branches, exists, free, unknown.joints)
+            yield Step(
+                symbol, formula.kind, equations, lines, node.branches, exists, fails, instead, free, unknown.joints
+            )
 
-    def _solved(self, kind: Kind, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
+    def _solved(self, kind: Kind, symbol: Expr, label: str, values: list[tuple[Polynomial, ...]]) -> Solved | None:
         match kind:
             case Kind.TYPE_2:
                 return self._scribe.one_equation(label, _three(values[0]))
             case Kind.TYPE_3:
-                return Solved(self._scribe.two_equations(label, _three(values[0]), _three(values[1])))
+                return Solved(self._scribe.two_equations(symbol, label, _three(values[0]), _three(values[1])))
             case Kind.TYPE_1 | Kind.QUADRATIC:
                 return self._scribe.length(label, _three(values[0]))
         return None
 
-    def _free(self, node: Node) -> tuple[Expr, ...]:
-        """What vanishes where no formula of a node determines its unknown; nothing where one always does."""
+    def _free(self, formulas: Sequence[Formula]) -> tuple[Expr, ...]:
+        """What vanishes where no formula determines its unknown; nothing where one always does."""
         found: dict[Expr, None] = {}
-        for formula in node.formulas:
-            polynomials = [self._composed(p) for p in self._lost(formula)]
-            if not polynomials or any(p and self._is_geometry(p) for p in polynomials):
+        for formula in formulas:
+            ways = [[self._composed(p) for p in way] for way in self._lost(formula)]
+            if not all(ways) or any(p and self._is_geometry(p) for way in ways for p in way):
                 return ()
-            found.update(dict.fromkeys(self._write(positive(p)) for p in polynomials if p))
-        return tuple(found)
+            written = [{self._positive(p): None for p in way if p} for way in ways]
+            found.update(next((way for way in written if way.keys() <= found.keys()), written[0]))
+        angles = [(e.func, e.args) for e in found]
+        if any(func is sympy.sin and (sympy.cos, arguments) in angles for func, arguments in angles):
+            return ()
+        return tuple(sorted(found, key=lambda e: (e.count_ops(), str(e))))
 
-    def _lost(self, formula: Formula) -> tuple[Polynomial, ...]:
-        """The polynomials at whose common zeros a formula does not determine its unknown.
+    def _lost(self, formula: Formula) -> list[tuple[Polynomial, ...]]:
+        """The polynomials at whose common zeros a formula does not determine its unknown, in several ways to say it.
 
         Where of two equations one is the other turned by a right angle, these are the coefficients of one, or what
         stands on the right of both, which then vanish too.
         """
         if formula.kind is not Kind.TYPE_3:
-            return formula.degenerate
+            return [formula.degenerate]
         (a, b, c), (d, e, g) = (equation.linear for equation in formula.equations)
         if not b or not a or not ((e == a and d == -b) or (e == -a and d == b)):
-            return formula.degenerate
-        return min((a, b), (c, g), key=lambda pair: sum(map(len, pair)))
+            return [formula.degenerate]
+        return [(a, b), (c, g)] if self._holds_pose(a, b) and not self._holds_pose(c, g) else [(c, g), (a, b)]
+
+    def _holds_pose(self, *polynomials: Polynomial) -> bool:
+        return any(self._has_pose(self._composed(p).degrees()) for p in polynomials)
 
     def _is_geometry(self, p: Polynomial) -> bool:
         """Whether a polynomial is one of the parameters alone, which an arm is supposed not to have zero."""
-        degrees = p.degrees()
-        names = {str(symbol) for symbol in self.pose.values()} | {str(line.symbol) for line in self.definitions}
         moving = (Generator.SINE, Generator.COSINE, Generator.VARIABLE)
-        return not any(
-            degree and (g.name in names or g.kind in moving)
-            for g, degree in zip(self._domain.generators, degrees, strict=True)
-        )
+        degrees = p.degrees()
+        moves = any(degree and g.kind in moving for g, degree in zip(self._domain.generators, degrees, strict=True))
+        return not moves and not self._has_pose(degrees)
 
     def _symbol(self, unknown: Unknown) -> Expr:
         variables = (sympy.Symbol(self._robot.joints[j].variable) for j in unknown.joints)
@@ -269,19 +284,45 @@ class Derivation:
             by = self._domain.constant(shift)
             slope, rest = slope + 2 * by * square, rest + by * slope + by * by * square
             left = sympy.Add(self._write(square) * symbol**2, self._write(slope) * symbol)
-            return PrintedEquation(left, self._write(-rest), equation.source), (square, slope, rest)
+            return PrintedEquation(left, self._write(-rest), self._origin(equation.source)), (square, slope, rest)
         cosine, sine = sympy.cos(symbol), sympy.sin(symbol)
         turn = (self._domain.ring.one, self._domain.ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
         c, s = turn
         if max((sum(exponents) for exponents in equation.terms), default=0) > 1:
-            return PrintedEquation(self._second_degree(equation, cosine, sine, turn), sympy.S.Zero, equation.source), ()
+            return PrintedEquation(
+                self._second_degree(equation, cosine, sine, turn), sympy.S.Zero, self._origin(equation.source)
+            ), ()
         a, b, known = map(self._composed, equation.linear)
         a, b = a * c + b * s, b * c - a * s
-        if minus_signs(a, b, known) > minus_signs(-a, -b, -known):
-            a, b, known = -a, -b, -known
+        size = usual(next(p for p in (known, a, b) if p)) * (-1 if self._is_turned(a, b, known) else 1)
+        a, b, known = (p * (1 / size) for p in (a, b, known))
         whole, apart = self._whole(unknown, a, b), sympy.Add(self._write(a) * cosine, self._write(b) * sine)
-        left = min((apart, whole), key=lambda value: value.count_ops())
-        return PrintedEquation(left, self._write(known), equation.source), (a, b, known)
+        left = whole if 3 * whole.count_ops() <= 2 * apart.count_ops() else apart
+        return PrintedEquation(left, self._write(known), self._origin(equation.source)), (a, b, known)
+
+    def _is_turned(self, a: Polynomial, b: Polynomial, known: Polynomial) -> bool:
+        """Whether an equation reads better with all signs changed: one term on its left, or the pose's, positive."""
+        single = a if not b else b if not a else None
+        if single is not None and len(single) == 1:
+            return is_negative(self._write(single))
+        signs = [coefficient for exponents, coefficient in known.terms() if self._has_pose(exponents)]
+        balance = sum(1 if coefficient > 0 else -1 for coefficient in signs)
+        if balance:
+            return balance < 0
+        signs = [sum(minus_signs(self._write(e * p)) for p in (a, b, known)) for e in (1, -1)]
+        return signs[0] > signs[1]
+
+    def _positive(self, p: Polynomial) -> Expr:
+        """What is zero where a polynomial is: most coefficients are 1, and most terms positive."""
+        value = self._write(p * (1 / usual(p)))
+        return -value if is_negative(value) else value
+
+    def _has_pose(self, exponents: tuple[int, ...]) -> bool:
+        generators = zip(self._domain.generators, exponents, strict=True)
+        return any(exponent and g.name in self._pose_names for g, exponent in generators)
+
+    def _origin(self, source: Source) -> Origin:
+        return origin(self._robot, source, to_end="orientation" not in self._graph.task)
 
     def _whole(self, unknown: Unknown, a: Polynomial, b: Polynomial) -> Expr:
         """A cos + B sin as any other sum is written, ``a1*c1 + a2*c12``."""
@@ -301,9 +342,16 @@ class Derivation:
 
     def _condition(self, equation: Equation) -> PrintedEquation:
         p = self._composed(equation.coefficient(*(0,) * len(next(iter(equation.terms)))))
-        return PrintedEquation(self._write(p), sympy.S.Zero, equation.source)
+        return PrintedEquation(self._write(p), sympy.S.Zero, self._origin(equation.source))
 
 
+_CONSTANTS = (
+    Generator.INVERSE,
+    Generator.ROOT,
+    Generator.PRIME_ROOT,
+    Generator.CONSTANT_SINE,
+    Generator.CONSTANT_COSINE,
+)
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 _SHORTHAND = ("c", "s")
 

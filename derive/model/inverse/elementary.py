@@ -139,6 +139,21 @@ class Scribe:
             return self.write(above) / self.write(below)
         return sympy.Mul(1 / self.write(below), self.write(above), evaluate=not below.is_constant)
 
+    def simplest(self, polynomials: Linear) -> Linear:
+        """An equation divided by its common factor, with as few minus signs as may be.
+
+        Args:
+            polynomials: Coefficients, not all zero.
+        """
+        ring = polynomials[0].ring
+        kept = [p for p in polynomials if p]
+        common = kept[0].raw
+        for p in kept[1:]:
+            common = common.gcd(p.raw)
+        a, b, c = (ring.wrap(p.raw / common) for p in polynomials)
+        signs = sum(minus_signs(self.write(p)) for p in (a, b, c))
+        return (-a, -b, -c) if signs > sum(minus_signs(self.write(-p)) for p in (a, b, c)) else (a, b, c)
+
     # -- the types
 
     def one_equation(self, label: str, equation: Linear) -> Solved:
@@ -154,7 +169,7 @@ class Scribe:
         Returns:
             The angle, and the condition that it exists.
         """
-        a, minus_b, c = simplest((equation[0], -equation[1], equation[2]))
+        a, minus_b, c = self.simplest((equation[0], -equation[1], equation[2]))
         sign = self.sign(label)
         if not c:
             return Solved(_atan2(sign * self.write(a), sign * self.write(minus_b)))
@@ -162,23 +177,23 @@ class Scribe:
             known = self.named(self.ratio(c, a or -minus_b), ("D", "E", "F"), label, longest=1)
             root = sign * sympy.sqrt(1 - known**2)
             return Solved(_atan2(root, known) if a else _atan2(known, root), sympy.Abs(known) <= 1)
-        common = a.ring.wrap(a.raw.gcd(minus_b.raw))
-        a, minus_b = (p.ring.wrap(p.raw / common.raw) for p in (a, minus_b))
+        a, minus_b, common = _common(a, minus_b)
         along = self.named(self.ratio(c, common), ("K", "k", "L"), label)
         square = self.write(a * a + minus_b * minus_b)
         root = self.named(sign * sympy.sqrt(square - along**2), ("r", "rho", "h"), label, longest=LONGEST_ARGUMENTS)
         towards, apart = _atan2(self.write(a), self.write(minus_b)), _atan2(along, root)
-        if along.could_extract_minus_sign():
+        if is_negative(along):
             apart = -_atan2(-along, root)
         return Solved(towards - apart, square >= along**2)
 
-    def two_equations(self, label: str, first: Linear, second: Linear) -> Expr:
+    def two_equations(self, unknown: Expr, label: str, first: Linear, second: Linear) -> Expr:
         """A cos + B sin = C twice (type 3): one angle.
 
         Where the second equation is the first turned by a right angle, two atan2 are subtracted; a divisor that is
         positive is left out.
 
         Args:
+            unknown: The angle.
             label: That of the joint that is solved for.
             first: A, B and C.
             second: Likewise.
@@ -186,36 +201,43 @@ class Scribe:
         Returns:
             The angle.
         """
-        (a, b, c), (d, e, g) = simplest(first), simplest(second)
+        (a, b, c), (d, e, g) = self.simplest(first), self.simplest(second)
         if not b and not d:
-            return self._quotients(label, (g, e), (c, a))
+            return self._quotients(unknown, label, (g, e), (c, a))
         if not a and not e:
-            return self._quotients(label, (c, b), (g, d))
+            return self._quotients(unknown, label, (c, b), (g, d))
         determinant = a * e - b * d
         above = (a * g - c * d, c * e - b * g)
         if (e == a and d == -b) or (e == -a and d == b):
             if e == -a:
                 g, above = -g, (-above[0], -above[1])
-            apart = _atan2(self.write(g), self.write(c)) - self._turned(-b, a)
+            apart = self._turned(g, c) - self._turned(-b, a)
             together = _atan2(*map(self.write, above))
             return min((together, apart), key=lambda value: (value.count_ops(), value.count(sympy.atan2)))
-        return self._quotients(label, (above[0], determinant), (above[1], determinant))
+        return self._quotients(unknown, label, (above[0], determinant), (above[1], determinant))
 
     def _turned(self, sine: Polynomial, cosine: Polynomial) -> Expr:
         """An atan2; of a sine with a minus sign it has the minus sign in front."""
-        if 2 * minus_signs(sine) > len(sine):
+        if is_negative(self.write(sine)):
             return -_atan2(self.write(-sine), self.write(cosine))
         return _atan2(self.write(sine), self.write(cosine))
 
     def _quotients(
-        self, label: str, sine: tuple[Polynomial, Polynomial], cosine: tuple[Polynomial, Polynomial]
+        self, unknown: Expr, label: str, sine: tuple[Polynomial, Polynomial], cosine: tuple[Polynomial, Polynomial]
     ) -> Expr:
         """The angle of a sine and a cosine that are quotients; a positive number is left out of both."""
-        if sine[1] == cosine[1] and sine[1].is_constant:
-            scale = abs(sine[1].constant_term)
-            sine, cosine = ((p * (scale / q.constant_term), q.ring.one) for p, q in (sine, cosine))
+        one = sine[1].ring.one
+        exact = sine[1].is_constant and cosine[1].is_constant
+        if exact:
+            sine, cosine = ((p * (1 / q.constant_term), one) for p, q in (sine, cosine))
         values = [self.ratio(*sine), self.ratio(*cosine)]
-        if sum(value.count_ops() for value in values) > LONGEST_ARGUMENTS:
+        if sum(value.count_ops() for value in values) <= LONGEST_ARGUMENTS:
+            return _atan2(*values)
+        if exact:
+            names = (sympy.sin(unknown), sympy.cos(unknown))
+            self.lines += [Line(name, value) for name, value in zip(names, values, strict=True)]
+            return sympy.atan2(*names, evaluate=False)
+        else:
             values = [
                 self.named(value, letters, label, longest=1)
                 for value, letters in zip(values, (("Y", "V"), ("X", "U")), strict=True)
@@ -232,7 +254,7 @@ class Scribe:
         Returns:
             The length, and the condition that it exists.
         """
-        a, b, c = simplest(coefficients)
+        a, b, c = self.simplest(coefficients)
         if not a:
             return Solved(self.ratio(-c, b))
         sign = self.sign(label)
@@ -243,6 +265,15 @@ class Scribe:
         inside = self.named(self.write(half * half - a * c), ("Delta", "delta"), label)
         root = -self.write(half) + sign * sympy.sqrt(inside)
         return Solved(root if a == 1 else root / self.write(a), inside >= 0)
+
+
+def _common(a: Polynomial, b: Polynomial) -> tuple[Polynomial, Polynomial, Polynomial]:
+    """Two coefficients without their common factor, and that."""
+    ring, raw = a.ring, a.raw.gcd(b.raw)
+    a, b = ring.wrap(a.raw / raw), ring.wrap(b.raw / raw)
+    sizes = [abs(c) for p in (a, b) for _, c in p.terms()]
+    size = sizes[0] if len(set(sizes)) == 1 else Fraction(1)
+    return a * (1 / size), b * (1 / size), ring.wrap(raw) * size
 
 
 def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomial]:
@@ -259,34 +290,19 @@ def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomia
     above, below = ring.wrap(above.raw / common), ring.wrap(below.raw / common)
     if below.is_constant and (len(above) == 1 or content(above * (1 / below.constant_term)).denominator == 1):
         return above * (1 / below.constant_term), ring.one
-    size = max((abs(c) for _, c in above.terms()), key=[abs(c) for _, c in above.terms()].count)
-    scale = -size if 2 * minus_signs(below) > len(below) else size
+    negative = sum(c < 0 for _, c in below.terms())
+    scale = -usual(above) if 2 * negative > len(below) else usual(above)
     return above * (1 / scale), below * (1 / scale)
 
 
-def simplest(polynomials: tuple[Polynomial, Polynomial, Polynomial]) -> tuple[Polynomial, Polynomial, Polynomial]:
-    """An equation divided by its common factor, with as few minus signs as may be.
-
-    Args:
-        polynomials: Coefficients, not all zero.
-    """
-    ring = polynomials[0].ring
-    kept = [p for p in polynomials if p]
-    common = kept[0].raw
-    for p in kept[1:]:
-        common = common.gcd(p.raw)
-    a, b, c = (ring.wrap(p.raw / common) for p in polynomials)
-    return (-a, -b, -c) if minus_signs(a, b, c) > minus_signs(-a, -b, -c) else (a, b, c)
-
-
-def positive(p: Polynomial) -> Polynomial:
-    """What is zero where a polynomial is: whole coefficients, most of them positive.
+def usual(p: Polynomial) -> Fraction:
+    """The absolute value that most coefficients have.
 
     Args:
         p: A polynomial that is not zero.
     """
-    scale = -content(p) if 2 * minus_signs(p) > len(p) else content(p)
-    return p * (1 / scale)
+    sizes = [abs(c) for _, c in p.terms()]
+    return max(sizes, key=sizes.count)
 
 
 def content(p: Polynomial) -> Fraction:
@@ -299,15 +315,29 @@ def content(p: Polynomial) -> Fraction:
     return Fraction(gcd(*(c.numerator for c in coefficients)), lcm(*(c.denominator for c in coefficients)))
 
 
-def minus_signs(*polynomials: Polynomial) -> int:
-    """How many terms have a minus sign.
+def minus_signs(e: Expr) -> int:
+    """How many terms of a sum have a minus sign.
 
     Args:
-        polynomials: Any.
+        e: An expression.
     """
-    return sum(c < 0 for p in polynomials for _, c in p.terms())
+    return sum(bool(term.as_coeff_Mul()[0] < 0) for term in (e.args if e.is_Add else (e,)))
+
+
+def is_negative(e: Expr) -> bool:
+    """Whether more terms have a minus sign than not.
+
+    Args:
+        e: An expression.
+    """
+    return bool(2 * minus_signs(e) > (len(e.args) if e.is_Add else 1))
 
 
 def _atan2(sine: Expr, cosine: Expr) -> Expr:
-    """An atan2 as it is written: SymPy would turn it into something else where an argument is a number."""
+    """An atan2 as it is written: SymPy would turn it into something else where an argument is a number.
+
+    That of the sine and cosine of an angle is the angle.
+    """
+    if sine.func is sympy.sin and cosine.func is sympy.cos and sine.args == cosine.args:
+        return sine.args[0]
     return sympy.atan2(sine, cosine, evaluate=False)

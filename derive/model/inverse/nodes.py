@@ -105,12 +105,16 @@ class Source:
         first: First joint of M, from 1.
         last: Last joint of M.
         entry: Which entry or invariant of both sides.
+        outer_left: Whether M begins behind the offset of its first joint.
+        outer_right: Whether M ends before the offset of its last joint.
         also: Another equation, with which an unknown was eliminated from this one (`derive.model.inverse.pairs`).
     """
 
     first: int
     last: int
     entry: str
+    outer_left: bool = False
+    outer_right: bool = False
     also: Source | None = None
 
 

@@ -4,26 +4,34 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 import mpmath
+import numpy as np
 import sympy
 
+from derive.errors import QuantityError, listed
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics
+from derive.model.inverse.branch_names import Placed, Shape, Vector, branch_names, placed
 from derive.model.inverse.derivation import Derivation, PrintedEquation, Step
 from derive.model.inverse.elementary import Line, Sign
 from derive.model.inverse.graph import SolutionGraph
+from derive.model.inverse.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
 from derive.model.inverse.nodes import Kind
-from derive.model.point import DIGITS, value_of
-from derive.robot.names import number_of, robot_symbols
+from derive.model.matrices import aligned_latex
+from derive.model.point import DIGITS, value_of, written
+from derive.robot.expression import Expression
+from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.style import Style
 
-Numbers = dict[Expr, Any]
-"""Numbers of mpmath by symbol."""
+LOOKED_AT = 40
+"""Random poses at which the arm is looked at for the names of its branches."""
 
 POSES = 3
 """Random reachable poses at which the solutions are put into T."""
@@ -117,23 +125,50 @@ class InverseKinematics:
         graph: The graph of its elementary equations.
         robot: The robot.
         style: How sums are grouped.
-        T: The pose as a function of the joint variables, 4x4.
-        frames: The joint frames in the world, 4x4 each, from the base to the last one.
 
     Attributes:
         graph: The graph of its elementary equations.
         robot: The robot.
-        T: The pose as a function of the joint variables, 4x4.
     """
 
-    def __init__(
-        self, graph: SolutionGraph, robot: Robot, style: Style, T: Matrix, frames: Sequence[Matrix] = ()
-    ) -> None:
-        self.graph, self.robot, self.T, self._frames = graph, robot, T, tuple(frames)
+    def __init__(self, graph: SolutionGraph, robot: Robot, style: Style) -> None:
+        self.graph, self.robot = graph, robot
+        self._variables = [sympy.Symbol(joint.variable) for joint in robot.joints]
         self._derivation = Derivation(graph, robot, style)
 
     def __repr__(self) -> str:
         return f"<InverseKinematics of {self.robot.name}, {self.count} solutions>"
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Joints and solutions: entry (i, k) is joint i of solution k."""
+        return self.robot.n, len(self.solutions)
+
+    def __getitem__(self, place: tuple[int, int]) -> Expr:
+        """A joint variable of a solution, in pose and parameters alone.
+
+        Args:
+            place: Index of the joint and of the solution, from 0.
+        """
+        joint, solution = place
+        return self.solutions[solution].explicit[sympy.Symbol(self.robot.joints[joint].variable)]
+
+    def _repr_latex_(self) -> str:
+        joined = " \\text{ or } ".join
+        return aligned_latex(
+            [f"{sympy.latex(line.symbol)} = {joined(map(sympy.latex, line.alternatives))}" for line in self.lines]
+        )
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """All formulas in order."""
+        return (*self.definitions, *(line for step in self.steps for line in step.lines))
+
+    @property
+    def expressions(self) -> tuple[Expr, ...]:
+        """Everything that is printed of it."""
+        equations = (e for step in self.steps for equation in step.equations for e in (equation.left, equation.right))
+        return (*equations, *(line.value for line in self.lines), *(e for step in self.steps for e in step.free))
 
     @property
     def pose(self) -> Matrix:
@@ -194,18 +229,45 @@ class InverseKinematics:
         )
 
     def _branches(self) -> Iterator[Solution]:
-        lines = (*self.definitions, *(line for step in self.steps for line in step.lines))
-        signs = tuple(dict.fromkeys(sign for line in lines for sign in line.signs))
-        variables = [sympy.Symbol(joint.variable) for joint in self.robot.joints]
+        signs = tuple(dict.fromkeys(sign for line in self.lines for sign in line.signs))
         for choice in product((1, -1), repeat=len(signs)):
             chosen = dict(zip(signs, choice, strict=True))
             put_in = {sign: sympy.Integer(e) for sign, e in chosen.items()}
-            own = tuple(Line(line.symbol, line.value.xreplace(put_in).xreplace(self.sums)) for line in lines)
+            own = tuple(Line(line.symbol, line.value.xreplace(put_in).xreplace(self.sums)) for line in self.lines)
             values = {line.symbol: line.value for line in own}
-            joints = {q: values[q] for q in variables if q in values}
+            joints = {q: values[q] for q in self._variables if q in values}
             yield Solution(", ".join(f"{s}={e:+d}" for s, e in chosen.items()), chosen, own, joints)
 
     # -- in numbers
+
+    def at(self, point: Mapping[str, Expression]) -> Matrix:
+        """All configurations that reach the pose of one.
+
+        Args:
+            point: Numbers of the joint variables and of parameters by name.
+
+        Returns:
+            A row for each joint, a column for each real solution that reaches the pose, of thirty digits.
+
+        Raises:
+            QuantityError: A joint or parameter without a number.
+        """
+        with mpmath.workdps(DIGITS):
+            known = {sympy.Symbol(name): value_of(expression_to_sympy(value), {}) for name, value in point.items()}
+            symbols = [*map(sympy.Symbol, robot_symbols(self.robot)), *self._variables]
+            missing = [str(symbol) for symbol in symbols if symbol not in known]
+            if missing:
+                raise QuantityError(
+                    f"the inverse kinematics without a number for {listed(missing)}",
+                    allowed="numbers of all joints and parameters",
+                )
+            values = self._with_pose(known, known)
+            columns = []
+            for solution in self.solutions:
+                numbers = solution.numbers(values)
+                if numbers is not None and self._error(values, numbers) < CLOSE:
+                    columns.append([written(numbers.get(q, known[q])) for q in self._variables])
+        return sympy.ImmutableMatrix(len(columns), self.robot.n, list(chain.from_iterable(columns))).T
 
     @cached_property
     def verified(self) -> Verification:
@@ -228,29 +290,32 @@ class InverseKinematics:
     def _samples(self, poses: int) -> Iterator[tuple[Numbers, Numbers]]:
         """Numbers of parameters and of a reachable pose, and the configuration that it is made of."""
         rng = random.Random(12)
-        given = number_of(self.robot)
         for _ in range(poses):
-            values: Numbers = {}
-            for name in robot_symbols(self.robot):
-                number = expression_to_sympy(given[name]) if name in given else sympy.Rational(rng.randint(20, 90), 97)
-                values[sympy.Symbol(name)] = value_of(number, {})
-            q = {
-                sympy.Symbol(joint.variable): mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else 40) / 101
-                for joint in self.robot.joints
-            }
-            known = {**values, **q}
-            for (i, j), symbol in self._derivation.pose.items():
-                values[symbol] = value_of(self.T[i - 1, j - 1], known)
-            for joint in self.graph.given:
-                symbol = sympy.Symbol(self.robot.joints[joint].variable)
-                values[symbol] = q[symbol]
-            yield values, q
+            values = parameter_numbers(self.robot, rng)
+            q: Numbers = {}
+            for joint, symbol in zip(self.robot.joints, self._variables, strict=True):
+                q[symbol] = mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else rng.randint(20, 90)) / 101
+            yield self._with_pose(values, q), q
+
+    def _with_pose(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
+        """Numbers of parameters, of the pose at a configuration, and of the joints that are given."""
+        end = forward_kinematics(self._chain(values, q, domain))
+        found = {symbol: number for symbol, number in values.items() if symbol not in self._variables}
+        for (i, j), symbol in self._derivation.pose.items():
+            found[symbol] = end.position[i - 1] if j == 4 else end.rotation[i - 1][j - 1]
+        return found | {self._variables[k]: q[self._variables[k]] for k in self.graph.given}
+
+    def _chain(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Chain[Any]:
+        """The arm at a configuration."""
+        robot = replace(self.robot, links=(), gravity=None)
+        return build_chain(robot, domain(robot, [q[symbol] for symbol in self._variables], values))
 
     def _error(self, values: Numbers, numbers: Numbers) -> Any:
         """The largest difference between the pose of a solution and the one that was asked for."""
-        known = {**{s: v for s, v in values.items()}, **{s: v for s, v in numbers.items() if s.is_Symbol}}
-        places = self._derivation.pose.items()
-        return max(abs(value_of(self.T[i - 1, j - 1], known) - values[symbol]) for (i, j), symbol in places)
+        end = forward_kinematics(self._chain(values, {**values, **numbers}))
+        reached = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
+        wanted = self._derivation.pose
+        return max(abs(reached[i][j] - values[wanted[i + 1, j + 1]]) for i, j in self.graph.places)
 
     def _same(self, q: Numbers, numbers: Numbers) -> bool:
         """Whether two configurations are the same but for full turns."""
@@ -262,5 +327,42 @@ class InverseKinematics:
         return True
 
     def _names(self, branches: Sequence[Solution]) -> list[str]:
-        """Words for the branches where they hold at every sample, else their signs."""
-        return [branch.name for branch in branches]
+        """Words for the branches where they hold wherever the arm is looked at, else their signs."""
+        signs = [branch.name for branch in branches]
+        if len(branches) < 2:
+            return signs
+        rng = np.random.default_rng(12)
+        known = parameter_numbers(self.robot, random.Random(12))
+        q = {
+            symbol: rng.uniform(-3, 3, LOOKED_AT) if joint.is_revolute else rng.uniform(-1, 1, LOOKED_AT)
+            for joint, symbol in zip(self.robot.joints, self._variables, strict=True)
+        }
+        values = self._with_pose({symbol: float(x) for symbol, x in known.items()}, q, ArrayDomain)
+        seen = [self._placed(known, own) for own in (self._joint_arrays(branch, values, q) for branch in branches)]
+        if not all(seen):
+            return signs
+        return branch_names(Shape(self.robot, self._placed(known, q)[0], self._up()), seen, signs)
+
+    def _joint_arrays(self, branch: Solution, values: Numbers, q: Numbers) -> Numbers:
+        """The joint variables of a branch at those of many poses at which it is real."""
+        found = dict(values)
+        with np.errstate(all="ignore"):
+            for line in branch.lines:
+                found[line.symbol] = array_value(line.value, found)
+        joints = {symbol: np.broadcast_to(found.get(symbol, own), own.shape) for symbol, own in q.items()}
+        real = np.all(np.isfinite(list(joints.values())), axis=0)
+        return {symbol: own[real] for symbol, own in joints.items()}
+
+    def _placed(self, values: Numbers, q: Numbers) -> list[Placed]:
+        """The arm at many configurations."""
+        variables = [q[symbol] for symbol in self._variables]
+        return placed(self._chain(values, q, ArrayDomain), variables, len(variables[0]))
+
+    def _up(self) -> Vector | None:
+        """The direction against gravity, where the robot file has one; a symbol in it counts as positive."""
+        if self.robot.gravity is None:
+            return None
+        known = dict.fromkeys(map(sympy.Symbol, robot_symbols(self.robot)), mpmath.mpf(1))
+        down = [float(value_of(expression_to_sympy(cell), known)) for cell in self.robot.gravity]
+        length = float(np.linalg.norm(down))
+        return -np.array(down) / length if length else None

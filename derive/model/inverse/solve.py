@@ -453,9 +453,10 @@ class Derivation:
         used = {name for coefficient in terms.values() for name in _names(coefficient)}
         if not any(any(exponents) for exponents in terms) or not all(self._known(name, state) for name in used):
             return None
+        source = Source(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
         factor = _tidy_factor(terms)
         tidy = {exponents: factor * coefficient for exponents, coefficient in terms.items()}
-        return Equation(tidy, dimension(entry), Source(cut.first + 1, cut.last + 1, entry), abs(factor))
+        return Equation(tidy, dimension(entry), source, abs(factor))
 
     def _polynomial(self, number: int) -> Polynomial:
         cut, entry = self.evidence.equations[number]

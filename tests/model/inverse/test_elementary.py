@@ -84,7 +84,7 @@ def test_the_angle_of_two_equations_has_their_cosine_and_sine_but_for_a_positive
     equations: tuple[Sequence[Polynomial], ...],
 ) -> None:
     by = scribe()
-    (angle,) = values(by, Solved(by.two_equations("1", *map(tuple, equations))))  # type: ignore[arg-type]
+    (angle,) = values(by, Solved(by.two_equations(sympy.Symbol("q"), "1", *map(tuple, equations))))  # type: ignore[arg-type]
     (A, B, C), (D, E, F) = (map(number, equation) for equation in equations)
     solution = mpmath.lu_solve(mpmath.matrix([[A, B], [D, E]]), mpmath.matrix([C, F]))
     assert abs(mpmath.sin((angle - mpmath.atan2(solution[1], solution[0])) / 2)) < 1e-12

@@ -6,7 +6,6 @@ import pytest
 import sympy
 
 from derive.model.inverse.solutions import InverseKinematics
-from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.model.inverse.test_graph import PLANAR, planar_graph
 
@@ -14,7 +13,7 @@ from tests.model.inverse.test_graph import PLANAR, planar_graph
 @pytest.fixture(scope="module")
 def planar() -> InverseKinematics:
     robot = Robot.from_text(PLANAR)
-    return InverseKinematics(planar_graph(), robot, robot.style, Model(robot).T)
+    return InverseKinematics(planar_graph(), robot, robot.style)
 
 
 def test_there_is_one_solution_for_each_choice_of_signs(planar: InverseKinematics) -> None:
