@@ -82,7 +82,10 @@ def _quantity(context: Context, name: str) -> Section:
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
     if row.name == "inverse" and entry is None:
-        return Section("", "", tuple(inverse.formulas(context)))
+        blocks = tuple(inverse.formulas(context))
+        if not blocks:
+            raise QuantityError(f"formulas for {name} of {context.robot.name}", allowed="arms that have a closed form")
+        return Section("", "", blocks)
     dynamics, entries, lay_out = context.dynamics, context.entries, context.layouter.lay_out
     match row.name if entry is None and not indices else "":
         case "T":

@@ -327,10 +327,12 @@ def reason(found: InverseKinematics, step: Step) -> str:
 def _sources(robot: Robot, equations: Iterable[PrintedEquation]) -> str:
     """Entries of which product."""
     by_matrix: dict[str, list[str]] = {}
-    for equation in equations:
-        matrix, entry = _place(robot, equation.origin)
+    origins = [origin for equation in equations for origin in equation.origins]
+    for matrix, entry in (_place(robot, origin) for origin in origins):
         by_matrix.setdefault(matrix, []).append(entry)
-    return "; ".join(f"{_listed(tuple(dict.fromkeys(entries)))} {matrix}" for matrix, entries in by_matrix.items())
+    text = "; ".join(f"{_listed(tuple(dict.fromkeys(entries)))} {matrix}" for matrix, entries in by_matrix.items())
+    eliminated = any(len(equation.origins) > 1 for equation in equations)
+    return f"{text}; another unknown eliminated" if eliminated else text
 
 
 def _listed(entries: tuple[str, ...]) -> str:

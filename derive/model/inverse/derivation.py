@@ -56,12 +56,12 @@ class PrintedEquation:
     Attributes:
         left: What holds the unknown.
         right: What is known.
-        origin: Where it comes from.
+        origins: Where it comes from: two places where an unknown was eliminated from two equations.
     """
 
     left: Expr
     right: Expr
-    origin: Origin
+    origins: tuple[Origin, ...]
 
 
 @dataclass(frozen=True)
@@ -284,13 +284,13 @@ class Derivation:
             by = self._domain.constant(shift)
             slope, rest = slope + 2 * by * square, rest + by * slope + by * by * square
             left = sympy.Add(self._write(square) * symbol**2, self._write(slope) * symbol)
-            return PrintedEquation(left, self._write(-rest), self._origin(equation.source)), (square, slope, rest)
+            return PrintedEquation(left, self._write(-rest), self._origins(equation.source)), (square, slope, rest)
         cosine, sine = sympy.cos(symbol), sympy.sin(symbol)
         turn = (self._domain.ring.one, self._domain.ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
         c, s = turn
         if max((sum(exponents) for exponents in equation.terms), default=0) > 1:
             return PrintedEquation(
-                self._second_degree(equation, cosine, sine, turn), sympy.S.Zero, self._origin(equation.source)
+                self._second_degree(equation, cosine, sine, turn), sympy.S.Zero, self._origins(equation.source)
             ), ()
         a, b, known = map(self._composed, equation.linear)
         a, b = a * c + b * s, b * c - a * s
@@ -298,7 +298,7 @@ class Derivation:
         a, b, known = (p * (1 / size) for p in (a, b, known))
         whole, apart = self._whole(unknown, a, b), sympy.Add(self._write(a) * cosine, self._write(b) * sine)
         left = whole if 3 * whole.count_ops() <= 2 * apart.count_ops() else apart
-        return PrintedEquation(left, self._write(known), self._origin(equation.source)), (a, b, known)
+        return PrintedEquation(left, self._write(known), self._origins(equation.source)), (a, b, known)
 
     def _is_turned(self, a: Polynomial, b: Polynomial, known: Polynomial) -> bool:
         """Whether an equation reads better with all signs changed: one term on its left, or the pose's, positive."""
@@ -309,8 +309,8 @@ class Derivation:
         balance = sum(1 if coefficient > 0 else -1 for coefficient in signs)
         if balance:
             return balance < 0
-        signs = [sum(minus_signs(self._write(e * p)) for p in (a, b, known)) for e in (1, -1)]
-        return signs[0] > signs[1]
+        plain, turned = (sum(minus_signs(self._write(e * p)) for p in (a, b, known)) for e in (1, -1))
+        return bool(plain > turned)
 
     def _positive(self, p: Polynomial) -> Expr:
         """What is zero where a polynomial is: most coefficients are 1, and most terms positive."""
@@ -321,8 +321,10 @@ class Derivation:
         generators = zip(self._domain.generators, exponents, strict=True)
         return any(exponent and g.name in self._pose_names for g, exponent in generators)
 
-    def _origin(self, source: Source) -> Origin:
-        return origin(self._robot, source, to_end="orientation" not in self._graph.task)
+    def _origins(self, source: Source) -> tuple[Origin, ...]:
+        to_end = "orientation" not in self._graph.task
+        sources = (source, source.also) if source.also else (source,)
+        return tuple(origin(self._robot, each, to_end=to_end) for each in sources)
 
     def _whole(self, unknown: Unknown, a: Polynomial, b: Polynomial) -> Expr:
         """A cos + B sin as any other sum is written, ``a1*c1 + a2*c12``."""
@@ -342,7 +344,7 @@ class Derivation:
 
     def _condition(self, equation: Equation) -> PrintedEquation:
         p = self._composed(equation.coefficient(*(0,) * len(next(iter(equation.terms)))))
-        return PrintedEquation(self._write(p), sympy.S.Zero, self._origin(equation.source))
+        return PrintedEquation(self._write(p), sympy.S.Zero, self._origins(equation.source))
 
 
 _CONSTANTS = (

@@ -349,7 +349,7 @@ class InverseKinematics:
         with np.errstate(all="ignore"):
             for line in branch.lines:
                 found[line.symbol] = array_value(line.value, found)
-        joints = {symbol: np.broadcast_to(found.get(symbol, own), own.shape) for symbol, own in q.items()}
+        joints = {symbol: np.broadcast_to(np.asarray(found.get(symbol, own)), own.shape) for symbol, own in q.items()}
         real = np.all(np.isfinite(list(joints.values())), axis=0)
         return {symbol: own[real] for symbol, own in joints.items()}
 

@@ -256,7 +256,8 @@ class Derivation:
     def _paired(self, terms: Mapping[Exponents, Polynomial], i: int, j: int) -> Equation:
         """An equation from two."""
         sources = [
-            Source(cut.first + 1, cut.last + 1, entry) for cut, entry in (self.evidence.equations[k] for k in (i, j))
+            Source(cut.first + 1, cut.last + 1, entry, cut.outer_left, cut.outer_right)
+            for cut, entry in (self.evidence.equations[k] for k in (i, j))
         ]
         dimensions = [dimension(self.evidence.equations[k][1]) for k in (i, j)]
         factor = _tidy_factor(terms)
