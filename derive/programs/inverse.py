@@ -317,10 +317,8 @@ def count_text(graph: SolutionGraph) -> str:
         A sentence.
     """
     most = graph.count or graph.leaves
-    solutions = "one solution" if most == 1 else f"{most} solutions"
-    if not graph.complete:
-        return f"Up to {solutions} by closed form."
-    return f"A pose has up to {solutions}, and no more."
+    solutions = "one solution" if most == 1 else f"up to {most} solutions"
+    return f"A reachable pose has {solutions}{', and no more' if graph.complete else ' in closed form'}."
 
 
 def _without_given(interface: Interface) -> Interface:

@@ -118,7 +118,7 @@ def test_a_puma_takes_every_angle_once() -> None:
     assert inverse.function.operations.atan2 == 2 + 2 + 4 + 3 * 4
     assert inverse.function.operations.sin == inverse.function.operations.cos == 0
     assert inverse.branches == 8
-    assert inverse.summary == "A pose has up to 8 solutions, and no more."
+    assert inverse.summary == "A reachable pose has up to 8 solutions, and no more."
 
 
 def test_joints_that_are_free_are_zero_and_others_follow() -> None:
