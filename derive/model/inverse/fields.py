@@ -30,6 +30,10 @@ MERGED = 1e-14
 """Below this part of its size the two roots of a radicand are one."""
 
 
+NEARLY_REAL = 1e-5
+"""Roots of a quartic whose imaginary part is below this are real: a double root is known to half of the digits."""
+
+
 class FloatField:
     """Real numbers: arrays of floats, one entry per pose.
 
@@ -165,9 +169,14 @@ class FloatField:
         return [self._point(t, w, coefficients) for t, w in quartic_roots(np.stack(ascending, axis=-1))]
 
     def _point(self, t: Floats, w: Floats, coefficients: Sequence[Floats]) -> tuple[Floats, Floats, Masks]:
-        """Cosine and sine of the angle of half whose tangent is t/w, and whether it is real."""
+        """Cosine and sine of the angle of half whose tangent is t/w, and whether it is real.
+
+        Two roots that are nearly one come as a pair of conjugates, whose real part is exact to second order: one of
+        them stands for both.
+        """
         size = np.abs(t) ** 2 + np.abs(w) ** 2
-        real = np.abs((t * np.conj(w)).imag) <= 1e-6 * size
+        aside = (t * np.conj(w)).imag
+        real = (aside >= 0) & (aside <= NEARLY_REAL * size)
         half = np.arctan2((t * np.conj(w)).real, (w * np.conj(w)).real)
         return np.cos(2 * half), np.sin(2 * half), real
 

@@ -12,7 +12,7 @@ depend on theta_1, so that both together cost two evaluations and have four valu
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import product
@@ -244,10 +244,17 @@ class Run(Generic[N, M]):
     def _visit(self, node: Node) -> None:
         axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
         table: dict[tuple[int, ...], list[Value[N, M]]] = {}
+        no = self.field.truth(False)
         self.results.append(table)
         for branches in product(*(range(self.graph.nodes[axis].branches) for axis in axes)):
             chosen = dict(zip(axes, branches, strict=True))
-            table[branches] = self._solve(node, self._scope(node, chosen))
+            values = self._solve(node, self._scope(node, chosen))
+            if node.kind is Kind.SUM:
+                free = no
+                for need in node.needs:
+                    free = free | self._value(self.graph.nodes[need], chosen).free
+                values = [replace(values[0], free=free)]
+            table[branches] = values
 
     def _scope(self, node: Node, chosen: Mapping[int, int]) -> dict[str, N]:
         """Numbers of the pose and of the nodes that a node needs."""
