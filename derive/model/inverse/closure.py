@@ -35,66 +35,106 @@ import numpy.typing as npt
 Array = npt.NDArray[Any]
 
 
-def axis_action(frame: Array) -> Array:
+FEATURES = 35
+"""Numbers of a rigid motion in which all these maps are linear."""
+
+
+def pose_features(frame: Array) -> Array:
+    """The numbers 1, R, t, R^T t, t.t, t x R, (t.t) R - 2 t (R^T t)^T of a rigid motion x -> R x + t.
+
+    Args:
+        frame: (..., 4, 4).
+
+    Returns:
+        (..., 35), matrices row by row.
+    """
+    rotation, shift = frame[..., :3, :3], frame[..., :3, 3]
+    projected = (shift[..., None, :] @ rotation)[..., 0, :]
+    square = (shift * shift).sum(axis=-1, keepdims=True)
+    y, z = [1, 2, 0], [2, 0, 1]
+    crossed = shift[..., y, None] * rotation[..., z, :] - shift[..., z, None] * rotation[..., y, :]
+    mirrored = square[..., None] * rotation - 2 * shift[..., :, None] * projected[..., None, :]
+    flat = [matrix.reshape(*matrix.shape[:-2], 9) for matrix in (rotation, crossed, mirrored)]
+    return np.concatenate([np.ones_like(square), flat[0], shift, projected, square, *flat[1:]], axis=-1)
+
+
+def inverse_features(features: Array) -> Array:
+    """Those of the inverse motion: R^T, -R^T t, -t, t.t, and the last two matrices transposed.
+
+    Args:
+        features: (..., 35).
+    """
+    turned = [0, 3, 6, 1, 4, 7, 2, 5, 8]
+    places = [0, *(1 + k for k in turned), 13, 14, 15, 10, 11, 12, 16, *(17 + k for k in turned)]
+    places += [26 + k for k in turned]
+    sign = np.ones(FEATURES, dtype=int)
+    sign[10:16] = -1
+    return features[..., places] * sign
+
+
+def axis_action(features: Array) -> Array:
     """How a rigid motion maps the fifteen numbers of an axis.
 
     With l' = R l, p' = R p + t: p'.p' = p.p + 2 t.R p + t.t, p'.l' = p.l + t.R l, p' x l' = R (p x l) + t x R l and
     (p'.p') l' - 2 (p'.l') p' = R k - 2 t x R m + (t.t) R l - 2 t (t.R l) - 2 (p.l) t with k and m of p, l.
 
     Args:
-        frame: (..., 4, 4) rigid motions.
+        features: (..., 35) `pose_features`.
 
     Returns:
         (..., 15, 15), of the same type of numbers.
     """
-    rotation, shift = frame[..., :3, :3], frame[..., :3, 3]
-    result = np.zeros((*frame.shape[:-2], 15, 15), dtype=frame.dtype)
-    projected = (shift[..., None, :] @ rotation)[..., 0, :]
-    square = (shift * shift).sum(axis=-1, keepdims=True)
-    crossed = np.zeros(rotation.shape, dtype=frame.dtype)
-    for row, (y, z) in enumerate(((1, 2), (2, 0), (0, 1))):
-        crossed[..., row, :] = shift[..., y, None] * rotation[..., z, :] - shift[..., z, None] * rotation[..., y, :]
+    one, shift, projected, square = features[..., 0], features[..., 10:13], features[..., 13:16], features[..., 16]
+    rotation, crossed, mirrored = _matrices(features)
+    result = np.zeros((*features.shape[:-1], 15, 15), dtype=features.dtype)
     for start in (1, 4, 9, 12):
         result[..., start : start + 3, start : start + 3] = rotation
-    result[..., (0, 7, 8), (0, 7, 8)] = 1
-    result[..., 4:7, 0], result[..., 7, 0] = shift, square[..., 0]
+    for place in (0, 7, 8):
+        result[..., place, place] = one
+    result[..., 4:7, 0], result[..., 7, 0] = shift, square
     result[..., 7, 4:7], result[..., 8, 1:4] = 2 * projected, projected
     result[..., 9:12, 1:4], result[..., 12:15, 9:12] = crossed, -2 * crossed
-    result[..., 12:15, 1:4] = square[..., None] * rotation - 2 * shift[..., :, None] * projected[..., None, :]
-    result[..., 12:15, 8] = -2 * shift
+    result[..., 12:15, 1:4], result[..., 12:15, 8] = mirrored, -2 * shift
     return result
 
 
-def frame_action(frame: Array) -> Array:
+def frame_action(features: Array) -> Array:
     """How a rigid motion maps the fifteen numbers of a frame that may slide along its z axis.
 
     Args:
-        frame: (..., 4, 4) rigid motions.
+        features: (..., 35) `pose_features`.
 
     Returns:
         (..., 15, 15), of the same type of numbers.
     """
-    axis = axis_action(frame)
-    result = np.zeros_like(axis)
-    for start in (1, 4, 7):
-        result[..., start : start + 3, start : start + 3] = axis[..., 1:4, 1:4]
-    result[..., (0, 10, 11), (0, 10, 11)] = 1
-    result[..., 10, 1:4] = result[..., 11, 4:7] = axis[..., 8, 1:4]
-    result[..., 12:15, 12:15], result[..., 12:15, 7:10] = axis[..., 1:4, 1:4], axis[..., 9:12, 1:4]
+    rotation, crossed, _ = _matrices(features)
+    result = np.zeros((*features.shape[:-1], 15, 15), dtype=features.dtype)
+    for start in (1, 4, 7, 12):
+        result[..., start : start + 3, start : start + 3] = rotation
+    for place in (0, 10, 11):
+        result[..., place, place] = features[..., 0]
+    result[..., 10, 1:4] = result[..., 11, 4:7] = features[..., 13:16]
+    result[..., 12:15, 7:10] = crossed
     return result
 
 
-def point_action(frame: Array) -> Array:
+def point_action(features: Array) -> Array:
     """How a rigid motion maps the numbers 1, p, p.p of a point.
 
     Args:
-        frame: (..., 4, 4) rigid motions.
+        features: (..., 35) `pose_features`.
 
     Returns:
         (..., 5, 5), of the same type of numbers.
     """
     places = [0, 4, 5, 6, 7]
-    return axis_action(frame)[..., places, :][..., places]
+    return axis_action(features)[..., places, :][..., places]
+
+
+def _matrices(features: Array) -> tuple[Array, Array, Array]:
+    """R, t x R and (t.t) R - 2 t (R^T t)^T."""
+    shape = (*features.shape[:-1], 3, 3)
+    return features[..., 1:10].reshape(shape), features[..., 17:26].reshape(shape), features[..., 26:].reshape(shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +143,7 @@ class Carried:
 
     Attributes:
         start: Their values in the frame of the joint.
-        action: How a rigid motion maps them.
+        linear: How a rigid motion maps them, of its features.
         heights: Those that no rotation about z changes.
         crosswise: First places of the pairs that a rotation about z turns.
         along: Those that no motion along z changes.
@@ -111,16 +151,24 @@ class Carried:
     """
 
     start: Array
-    action: Callable[[Array], Array]
+    linear: Callable[[Array], Array]
     heights: tuple[int, ...]
     crosswise: tuple[int, ...]
     along: tuple[int, ...]
     shifted: tuple[int, ...]
 
+    def action(self, frame: Array) -> Array:
+        """How rigid motions map the numbers.
+
+        Args:
+            frame: (..., 4, 4).
+        """
+        return self.linear(pose_features(frame))
+
 
 _AXIS = Carried(
     start=np.array([1, 0, 0, 1, *[0] * 11]),
-    action=axis_action,
+    linear=axis_action,
     heights=(3, 6, 7, 8, 11, 14),
     crosswise=(1, 4, 9, 12),
     along=(1, 2, 3, 4, 5),
@@ -129,7 +177,7 @@ _AXIS = Carried(
 
 _FRAME = Carried(
     start=np.array([1, *np.eye(3, dtype=int).ravel(), *[0] * 5]),
-    action=frame_action,
+    linear=frame_action,
     heights=(3, 6, 9, 10, 11, 14),
     crosswise=(1, 4, 7, 12),
     along=(*range(1, 10), 14),
@@ -139,7 +187,7 @@ _FRAME = Carried(
 
 _POINT = Carried(
     start=np.array([1, 0, 0, 0, 0]),
-    action=point_action,
+    linear=point_action,
     heights=(3, 4),
     crosswise=(1,),
     along=(1, 2),
@@ -360,19 +408,14 @@ class Closure:
         """The same way around a loop of the dropped and the eliminated joints alone."""
         return Closure(3, 2 if self.direction < 0 else 0, self.direction)
 
-    def gap(self, loop: Loop, place: int, pose: Array) -> Array:
-        """What stands after a place of the order.
+    def gap(self, loop: Loop, place: int) -> Array:
+        """What stands after a place of the order, other than the pose.
 
         Args:
             loop: The arm.
             place: From 0.
-            pose: (..., 4, 4) T.
         """
-        joint, first, last = self.order[place], loop.gaps[0], loop.gaps[-1]
-        if place == self.pose_gap:
-            if self.direction > 0:
-                return loop.product(last, loop.inverse(pose), first)
-            return loop.product(loop.inverse(first), pose, loop.inverse(last))
+        joint = self.order[place]
         return loop.gaps[joint + 1] if self.direction > 0 else loop.inverse(loop.gaps[joint])
 
     def action(self, loop: Loop, frame: Array) -> Array:
@@ -393,38 +436,49 @@ class Closure:
         carried = loop.carried(self.dropped)
         forms = carried.start.astype(loop.gaps[0].dtype)[:, None]
         for place in range(self.eliminated):
-            back = self.action(loop, loop.inverse(self.gap(loop, place, loop.gaps[0])))
+            back = self.action(loop, loop.inverse(self.gap(loop, place)))
             motion = loop.joint_actions(carried, self.order[place + 1], -self.direction)
             turned = loop.settle(motion @ loop.product(back, forms)[..., None, :, :])
             forms = np.moveaxis(turned, -3, -2).reshape(*turned.shape[:-3], len(carried.start), -1)
         if self.aligned is None:
             return forms
-        return loop.product(self.action(loop, loop.inverse(self.gap(loop, self.eliminated, loop.gaps[0]))), forms)
+        return loop.product(self.action(loop, loop.inverse(self.gap(loop, self.eliminated))), forms)
 
-    def unknown_part(self, loop: Loop, pose: Array) -> Array:
-        """The same numbers as multilinear forms of the unknown joints, for each pose.
+    def unknown_part(self, loop: Loop, features: Array) -> Array:
+        """The same numbers as multilinear forms of the unknown joints, for each pose: linear in its features.
 
         Args:
             loop: The arm.
-            pose: (poses, 4, 4) T.
+            features: (poses, 35) those of T.
 
         Returns:
             (poses, numbers, 3, 3, ...) with an axis for each unknown joint, in their order.
         """
-        start, end = 1 + self.eliminated, self.joints - 1
-        carried = loop.carried(self.dropped)
-        size = len(carried.start)
-        forms = self.action(loop, self.gap(loop, end, pose)) @ carried.start.astype(loop.gaps[0].dtype)
-        forms = np.broadcast_to(loop.settle(forms), (len(pose), size))[..., None]
-        for place in range(end, start - 1, -1):
-            motion = loop.joint_actions(carried, self.order[place], self.direction)
-            turned = loop.settle(motion @ forms[:, None])
-            forms = np.moveaxis(turned, 1, 2).reshape(len(pose), size, -1)
-            if place > start or self.aligned is None:
-                forms = loop.product(self.action(loop, self.gap(loop, place - 1, pose)), forms)
+        carried, count = loop.carried(self.dropped), len(features)
+        start, end, size = 1 + self.eliminated, self.joints - 1, len(carried.start)
+        forms = np.broadcast_to(carried.start.astype(features.dtype)[:, None], (count, size, 1))
+        for place in range(end, self.eliminated - 1, -1):
+            if place > self.eliminated or self.aligned is None:
+                forms = self._across_gap(loop, place, features, forms)
+            if place < start:
+                break
+            turned = loop.settle(loop.joint_actions(carried, self.order[place], self.direction) @ forms[:, None])
+            forms = np.moveaxis(turned, 1, 2).reshape(count, size, -1)
         places = np.argsort(self.order[start:])
-        result: Array = forms.reshape(len(pose), size, *[3] * (self.joints - start)).transpose(0, 1, *(2 + places))
+        result: Array = forms.reshape(count, size, *[3] * (self.joints - start)).transpose(0, 1, *(2 + places))
         return result
+
+    def _across_gap(self, loop: Loop, place: int, features: Array, forms: Array) -> Array:
+        """Forms carried over what stands after a place of the order."""
+        if place != self.pose_gap:
+            return loop.product(self.action(loop, self.gap(loop, place)), forms)
+        ends = loop.gaps[-1], loop.gaps[0]
+        if self.direction < 0:
+            ends = loop.inverse(ends[1]), loop.inverse(ends[0])
+        else:
+            features = inverse_features(features)
+        between = loop.settle(loop.carried(self.dropped).linear(features))
+        return loop.product(self.action(loop, ends[0]), between, self.action(loop, ends[1]), forms)
 
 
 def closures(loop: Loop) -> list[Closure]:
@@ -449,7 +503,7 @@ def middle_part(loop: Loop, way: Closure) -> tuple[Array, Array, Array]:
     Returns:
         (..., 3, 15), and what stands between the first two and between the last two joints of the way back.
     """
-    near, far = (loop.inverse(way.gap(loop, k, loop.gaps[0])) for k in (1, 0))
+    near, far = (loop.inverse(way.gap(loop, k)) for k in (1, 0))
     carried = loop.carried(way.dropped)
     parts = loop.joint_actions(carried, 1, -way.direction) @ (carried.action(far) @ carried.start)[..., None, :, None]
     return (carried.action(near)[..., None, :, :] @ parts)[..., 0], near, far

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from derive.model.inverse.closure import Closure, Loop, closures, middle_part
+from derive.model.inverse.closure import FEATURES, Closure, Loop, closures, middle_part, pose_features
 
 Array = npt.NDArray[Any]
 
@@ -208,12 +208,15 @@ class EigenProblem:
         elimination: How M is made.
         equations: The numbers of each way around the loop that is used.
         mixers: For each degree the fixed combinations of rows that are kept.
+        tables: For each way around the loop (35, equations, 3, products): the coefficients are linear in the features
+            of the pose (`derive.model.inverse.closure.pose_features`). None where the arm differs from pose to pose.
     """
 
     loop: Loop
     elimination: Elimination
     equations: tuple[Equations, ...]
     mixers: tuple[Array, ...]
+    tables: tuple[Array, ...] = ()
 
     @classmethod
     def of(cls, loop: Loop, elimination: Elimination) -> EigenProblem:
@@ -227,7 +230,11 @@ class EigenProblem:
         factor = 1 if elimination.multiplied is None else 2
         available = _available(loop, elimination.reductions, elimination.hidden)
         mixers = tuple(_mixer(kept, factor * count) for kept, count in zip(elimination.rows, available, strict=True))
-        return cls(loop, elimination, equations, mixers)
+        problem = cls(loop, elimination, equations, mixers)
+        if any(gap.ndim > 2 for gap in loop.gaps):
+            return problem
+        unit = np.eye(FEATURES)
+        return replace(problem, tables=tuple(problem._of_features(each, unit) for each in equations))
 
     def matrices(self, forms: Sequence[Array], turn: Array | None) -> tuple[Array, Array, Array]:
         """The rows of M by degree, each as coefficients of powers of t.
@@ -252,18 +259,20 @@ class EigenProblem:
         Args:
             pose: (poses, 4, 4).
         """
-        axis = 2 + self.elimination.unknowns.index(self.elimination.hidden)
-        result = []
-        for each in self.equations:
-            part = each.reduction.closure.unknown_part(self.loop, pose)
-            shape = part.shape
-            part = (each.combinations @ part.reshape(*shape[:2], -1)).reshape(shape[0], -1, *shape[2:])
-            for joint in self.elimination.straight:
-                if joint != self.elimination.hidden:
-                    part = part.take([0, 1], axis=2 + self.elimination.unknowns.index(joint))
-            part = np.moveaxis(part, axis, 2)
-            result.append(part.reshape(*part.shape[:3], -1))
-        return result
+        features = pose_features(pose)
+        if self.tables:
+            return [np.tensordot(features, table, axes=1) for table in self.tables]
+        return [self._of_features(each, features) for each in self.equations]
+
+    def _of_features(self, equations: Equations, features: Array) -> Array:
+        elimination = self.elimination
+        part = equations.reduction.closure.unknown_part(self.loop, features)
+        part = (equations.combinations @ part.reshape(*part.shape[:2], -1)).reshape(len(part), -1, *part.shape[2:])
+        for joint in elimination.straight:
+            if joint != elimination.hidden:
+                part = part.take([0, 1], axis=2 + elimination.unknowns.index(joint))
+        part = np.moveaxis(part, 2 + elimination.unknowns.index(elimination.hidden), 2)
+        return part.reshape(*part.shape[:3], -1)
 
     @property
     def others(self) -> tuple[int, ...]:
@@ -433,7 +442,7 @@ def _is_straight(loop: Loop, pose: Array, group: Sequence[Closure], joint: int) 
     if loop.revolute[joint]:
         return False
     for way in group:
-        part, forms = way.eliminated_part(loop), way.unknown_part(loop, pose)
+        part, forms = way.eliminated_part(loop), way.unknown_part(loop, pose_features(pose))
         left = _left_null(part, part.shape[-2] - _rank(part.reshape(part.shape[-2:])))
         squares = forms.take(2, axis=2 + way.unknowns.index(joint)).reshape(*forms.shape[:2], -1)
         if np.abs(left @ squares).max(initial=0.0) > POLICY.rank:

@@ -14,12 +14,13 @@ import math
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from derive.model.inverse.closure import Closure, Loop, middle_part, motion_by, rigid_inverse
+from derive.model.inverse.closure import Closure, Loop, middle_part, motion_by, pose_features, rigid_inverse
 from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination, eliminations
 from derive.model.inverse.general_count import count_solutions
 from derive.model.inverse.numeric import POSE, POSITION, Entries, NumericChain, Problem, fit
@@ -107,7 +108,7 @@ def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidate
 def _last_joint(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
     """The one eliminated joint of an arm whose end's position is wanted, from linear equations."""
     way, loop = problem.elimination.finish, problem.loop
-    right = way.unknown_part(loop, pose)[found.place]
+    right = way.unknown_part(loop, pose_features(pose))[found.place]
     for joint in way.unknowns:
         value = found.joints[:, joint]
         line = (np.ones_like(value), *((np.cos(value), np.sin(value)) if loop.revolute[joint] else (value, value**2)))
@@ -285,7 +286,10 @@ class GeneralSolution:
         pose = scaled(poses, unit)
         if elimination.start:
             loop, pose = loop.rotated(elimination.start, pose)
-        problem = EigenProblem.of(loop, elimination)
+        constant = given is None and not elimination.start
+        problem = (
+            _constant_problem(chain, elimination, self.entries) if constant else EigenProblem.of(loop, elimination)
+        )
         found = candidates(problem, pose, real)
         values = finished(problem, found, pose)
         q = np.empty((len(values.place), chain.n))
@@ -314,6 +318,12 @@ class Attempt:
     doubtful: Array
     certain: int
     error: float
+
+
+@lru_cache(maxsize=64)
+def _constant_problem(chain: NumericChain, elimination: Elimination, entries: Entries) -> EigenProblem:
+    """The eigenvalue problem of an arm that is the same for all poses, made once."""
+    return EigenProblem.of(free_loop(chain, (), None, entries)[0], elimination)
 
 
 def scaled(poses: Array, unit: float) -> Array:
@@ -479,7 +489,7 @@ class GeneralFormula:
         Returns:
             For each branch the numbers of the unknowns, joint by joint, and where it exists.
         """
-        chain = NumericChain.of(self.robot, field.values)
+        chain = _chain(self.robot, tuple(sorted((name, float(value)) for name, value in field.values.items())))
         entries = [values[f"T[{i},{j}]"] for i in (1, 2, 3) for j in (1, 2, 3, 4)]
         known = [values[name] for names in self.given for name in names]
         *flat, last = np.broadcast_arrays(*entries, *known, np.float64(0.0))
@@ -500,6 +510,11 @@ class GeneralFormula:
             value = q[:, joint].reshape(shape)
             numbers.append((np.cos(value), np.sin(value)) if chain.revolute[joint] else (value,))
         return tuple(numbers), exists.reshape(shape)
+
+
+@lru_cache(maxsize=64)
+def _chain(robot: Robot, values: tuple[tuple[str, float], ...]) -> NumericChain:
+    return NumericChain.of(robot, dict(values))
 
 
 def general_formula(

@@ -24,7 +24,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.residues import ResidueDomain
 from derive.mechanics.chain import build_chain
 from derive.mechanics.vectors import Frame
-from derive.model.inverse.closure import Closure, Loop, closures, joint_motion, middle_part
+from derive.model.inverse.closure import Closure, Loop, closures, joint_motion, middle_part, pose_features
 from derive.model.inverse.elimination import HALF, POWERS, Elimination
 from derive.robot.description import Joint
 from derive.robot.robot import Robot
@@ -152,7 +152,7 @@ class _System:
             if way.unknowns == elimination.unknowns:
                 part = way.eliminated_part(loop)
                 left = self._left_null(part.reshape(*part.shape[-2:]))
-                forms = way.unknown_part(loop, pose)[0]
+                forms = way.unknown_part(loop, pose_features(pose))[0]
                 rows = loop.settle(left @ forms.reshape(len(forms), -1)).reshape(-1, *forms.shape[1:])
                 for joint in self.straight:
                     if joint != self.hidden:

@@ -8,9 +8,12 @@ from derive.model.inverse.closure import (
     axis_action,
     closures,
     frame_action,
+    inverse_features,
     joint_motion,
     middle_part,
     motion_by,
+    point_action,
+    pose_features,
     rigid_inverse,
 )
 
@@ -52,14 +55,17 @@ def test_axis_action_maps_the_numbers_of_an_axis_to_those_of_the_moved_axis():
     for frame in random_frames(random, 5):
         u, p = random.normal(size=3), random.normal(size=3)
         moved = axis_numbers(frame[:3, :3] @ u, frame[:3, :3] @ p + frame[:3, 3])
-        np.testing.assert_allclose(axis_action(frame) @ axis_numbers(u, p), moved, atol=1e-12)
+        np.testing.assert_allclose(axis_action(pose_features(frame)) @ axis_numbers(u, p), moved, atol=1e-12)
 
 
-@pytest.mark.parametrize("action", [axis_action, frame_action])
+@pytest.mark.parametrize("action", [axis_action, frame_action, point_action])
 def test_actions_of_motions_one_after_the_other_are_multiplied(action):
     first, second = random_frames(np.random.default_rng(2), 2)
-    np.testing.assert_allclose(action(first @ second), action(first) @ action(second), atol=1e-12)
-    np.testing.assert_allclose(action(rigid_inverse(first)) @ action(first), np.eye(15), atol=1e-12)
+    one, two, both = (action(pose_features(frame)) for frame in (first, second, first @ second))
+    np.testing.assert_allclose(both, one @ two, atol=1e-12)
+    back = action(inverse_features(pose_features(first)))
+    np.testing.assert_allclose(back @ one, np.eye(len(one)), atol=1e-12)
+    np.testing.assert_allclose(back, action(pose_features(rigid_inverse(first))), atol=1e-12)
 
 
 @pytest.mark.parametrize("types", ["RRRRRR", "RPRRRR", "PRRPRR", "RRRRR", "RRPR"])
@@ -71,7 +77,7 @@ def test_around_the_loop_both_ways_give_the_same_numbers(types):
     assert len(ways) >= loop.n
     for way in ways:
         left = way.eliminated_part(loop) @ products(loop, way.order[2:0:-1], q)
-        right = way.unknown_part(loop, pose).reshape(15, -1) @ products(loop, way.unknowns, q)
+        right = way.unknown_part(loop, pose_features(pose)).reshape(15, -1) @ products(loop, way.unknowns, q)
         if way.aligned is None:
             left = left.reshape(15)
         np.testing.assert_allclose(left, right, atol=1e-10)
@@ -99,7 +105,7 @@ def test_residues_follow_the_same_path_as_floats():
         for joint in way.unknowns:
             right = np.array([a * b for a in right for b in lines[joint]], dtype=object)
         carried = loop.settle(way.eliminated_part(loop).reshape(15, 9) @ left)
-        assert (carried == loop.settle(way.unknown_part(loop, pose).reshape(15, 27) @ right)).all()
+        assert (carried == loop.settle(way.unknown_part(loop, pose_features(pose)).reshape(15, 27) @ right)).all()
 
 
 def test_a_loop_read_from_another_joint_has_the_same_configurations():
