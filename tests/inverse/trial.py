@@ -159,7 +159,7 @@ class Trial:
         poses = forward_kinematics(self.arm, q)
         return Poses(q, poses, q[:, list(self.case.given)], true, kind)
 
-    def special(self, count=12):
+    def special(self, count=8):
         """Poses of configurations with right and zero angles: many of them singular. Isolated solutions alone count."""
         q = self.configurations(count)
         angles = self.random.choice([0.0, math.pi / 2, -math.pi / 2, math.pi], q.shape)
@@ -169,7 +169,7 @@ class Trial:
         true = [self._regular_ones(truth.by_many_starts(self.chain, one, starts=150)) for one in q]
         return self._poses(q, true, "singular")
 
-    def boundary(self, count=6, beyond=0.0):
+    def boundary(self, count=4, beyond=0.0):
         """Poses at which the determinant of J changes its sign: double roots. Only reproduction is asked."""
         chain, found = self.chain, []
         if len(chain.free) not in (len(chain.entries), 6 if self.case.task == "pose" else 3):
@@ -201,7 +201,7 @@ class Trial:
         rows = linear if self.case.task == "position" else np.concatenate([linear, turning], axis=-1)
         return np.linalg.det(rows[..., list(self.chain.free), :])
 
-    def unreachable(self, count=5):
+    def unreachable(self, count=4):
         """Poses that are far from every configuration's, as many starts tell."""
         q = self.configurations(count)
         poses = forward_kinematics(self.arm, q)
@@ -269,28 +269,8 @@ class Trial:
 def _nearest(chain, pose, q):
     """The smallest error that damped Newton reaches from many starts."""
     random = np.random.default_rng(4)
-    columns, target = list(chain.free), pose[chain.rows, chain.columns] * chain.weight
+    target = pose[chain.rows, chain.columns] * chain.weight
     wide = np.where(chain.arm.revolute, math.pi, 4.0) * chain.scale
     at = random.uniform(-wide, wide, (40, chain.arm.n))
     at[:, list(chain.given)] = q[list(chain.given)]
-    damping, best = np.full(40, 1e-2), np.full(40, np.inf)
-    value, slope = chain.values_and_slopes(at)
-    best = np.linalg.norm(value - target, axis=-1)
-    for _ in range(60):
-        j = slope[..., columns]
-        transposed = np.swapaxes(j, -1, -2)
-        normal = transposed @ j + (damping[:, None, None] + 1e-12) * np.eye(len(columns))
-        step = np.linalg.solve(normal, transposed @ (value - target)[..., None])[..., 0]
-        trial = at.copy()
-        trial[:, columns] -= step * chain.scale[columns]
-        new_value, new_slope = chain.values_and_slopes(trial)
-        cost = np.linalg.norm(new_value - target, axis=-1)
-        better = cost < best
-        damping = np.clip(damping * np.where(better, 0.1, 5.0), 1e-13, 1e5)
-        at[better], value[better], slope[better], best[better] = (
-            trial[better],
-            new_value[better],
-            new_slope[better],
-            cost[better],
-        )
-    return best.min()
+    return truth.descend(chain, at, target, 60)[1].min()

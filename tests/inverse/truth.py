@@ -177,24 +177,7 @@ class AllSolutions:
         chain = self.chain
         q = np.stack([self._complex() for _ in range(starts)])
         q[:, list(chain.given)] = self.start[list(chain.given)]
-        target = chain.values(self.start)
-        value, slope = chain.values_and_slopes(q)
-        cost, damping = np.linalg.norm(value - target, axis=-1), np.full(starts, 1e-2)
-        columns = list(chain.free)
-        for _ in range(60):
-            j = slope[..., columns]
-            adjoint = np.swapaxes(j.conj(), -1, -2)
-            normal = adjoint @ j + (damping[:, None, None] + 1e-14) * np.eye(len(columns))
-            step = np.linalg.solve(normal, adjoint @ (value - target)[..., None])[..., 0]
-            trial = q.copy()
-            trial[:, columns] -= step * chain.scale[columns]
-            wild = np.abs(trial.imag / chain.scale).max(axis=-1) > 6
-            new_value, new_slope = chain.values_and_slopes(np.where(wild[:, None], q, trial))
-            new_cost = np.linalg.norm(new_value - target, axis=-1)
-            better = (new_cost < cost) & ~wild
-            damping = np.clip(damping * np.where(better, 0.1, 5.0), 1e-15, 1e3)
-            q[better], value[better], slope[better] = trial[better], new_value[better], new_slope[better]
-            cost = np.where(better, new_cost, cost)
+        q, cost = descend(chain, q, chain.values(self.start), 60)
         return self._different(np.concatenate([known, q[cost < 1e-12]]))
 
     def _loop(self):
@@ -287,29 +270,48 @@ def follow(chain, q, start, end, bend, step=0.05):
     return final, arrived & (size < 1e-7)
 
 
+def descend(chain, q, target, steps=80):
+    """Damped Newton from each start, real or complex; starts that rest are left alone.
+
+    Returns:
+        (starts, n) where they ended, and the error there.
+    """
+    columns, q = list(chain.free), q.copy()
+    value, slope = chain.values_and_slopes(q)
+    cost, damping = np.linalg.norm(value - target, axis=-1), np.full(len(q), 1e-2)
+    refused = np.zeros(len(q), dtype=int)
+    for _ in range(steps):
+        i = np.flatnonzero((cost > 1e-15) & (refused < 12))
+        if not len(i):
+            break
+        j = slope[i][..., columns]
+        adjoint = np.swapaxes(j.conj(), -1, -2)
+        normal = adjoint @ j + (damping[i, None, None] + 1e-14) * np.eye(len(columns))
+        step = np.linalg.solve(normal, adjoint @ (value[i] - target)[..., None])[..., 0]
+        trial = q[i]
+        trial[:, columns] -= step * chain.scale[columns]
+        wild = np.abs(trial.imag / chain.scale).max(axis=-1) > 6
+        trial[wild] = q[i[wild]]
+        new_value, new_slope = chain.values_and_slopes(trial)
+        new_cost = np.linalg.norm(new_value - target, axis=-1)
+        better = (new_cost < cost[i]) & ~wild
+        damping[i] = np.clip(damping[i] * np.where(better, 0.1, 5.0), 1e-15, 1e4)
+        refused[i] = np.where(better, 0, refused[i] + 1)
+        kept = i[better]
+        q[kept], value[kept], slope[kept] = trial[better], new_value[better], new_slope[better]
+        cost[kept] = new_cost[better]
+    return q, cost
+
+
 def by_many_starts(chain, q, seed=0, starts=400):
     """Real solutions for the pose of one real configuration by damped Newton from real starts, none twice."""
     random = np.random.default_rng(seed)
-    columns, target = list(chain.free), chain.values(q)
+    target = chain.values(q)
     low = np.where(chain.arm.revolute, -math.pi, -1.5) * chain.scale
     at = random.uniform(low, -low, (starts, chain.arm.n))
     at[0] = q
     at[:, list(chain.given)] = q[list(chain.given)]
-    value, slope = chain.values_and_slopes(at)
-    cost, damping = np.linalg.norm(value - target, axis=-1), np.full(starts, 1e-2)
-    for _ in range(80):
-        j = slope[..., columns]
-        transposed = np.swapaxes(j, -1, -2)
-        normal = transposed @ j + (damping[:, None, None] + 1e-14) * np.eye(len(columns))
-        step = np.linalg.solve(normal, transposed @ (value - target)[..., None])[..., 0]
-        trial = at.copy()
-        trial[:, columns] -= step * chain.scale[columns]
-        new_value, new_slope = chain.values_and_slopes(trial)
-        new_cost = np.linalg.norm(new_value - target, axis=-1)
-        better = new_cost < cost
-        damping = np.clip(damping * np.where(better, 0.1, 5.0), 1e-14, 1e4)
-        at[better], value[better], slope[better] = trial[better], new_value[better], new_slope[better]
-        cost = np.where(better, new_cost, cost)
+    at, cost = descend(chain, at, target)
     kept = []
     for one in chain.folded(at[cost < 1e-12]):
         if not kept or chain.distance(np.array(kept), one).min() > APART:
