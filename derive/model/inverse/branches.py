@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import Run, SolutionGraph
-from derive.model.inverse.numeric import Array, Entries, NumericChain, Problem, Status, polish, solve
+from derive.model.inverse.numeric import Array, Entries, NumericChain, Problem, Status, fit, polish, solve
 from derive.robot.evaluate import parameter_values
 from derive.robot.robot import Robot
 
@@ -25,6 +26,12 @@ REPRODUCED = 1e-10
 
 ROUNDING = 1e-13
 """Below it a candidate is not polished."""
+
+NO_ROTATION = 1e-6
+"""From here on R^T R differs too much from 1."""
+
+RESCUED = 60
+"""Most steps of damped Newton from the leaves of a pose at which none is a solution."""
 
 SAME = 1e-7
 """Candidates closer than this [rad, or lengths relative to the reach] are one solution."""
@@ -87,15 +94,33 @@ class InverseSolver:
 
         Returns:
             (..., branches, n) and their status; angles in (-pi, pi].
+
+        Raises:
+            ValueError: Poses or given joints have another shape, are not finite, or a rotation is none.
         """
-        goal = np.asarray(poses, dtype=float)
+        goal = self._poses(poses)
         batch = goal.shape[:-2]
+        values = np.zeros((*batch, 0)) if given is None else np.asarray(given, dtype=float)
+        if values.shape[-1:] != (self._given,) or not np.isfinite(values).all():
+            raise ValueError(f"given joints: finite numbers of shape (..., {self._given}), not {values.shape}")
         flat = goal.reshape(-1, 4, 4)
-        known = np.broadcast_to(np.zeros((0,)) if given is None else np.asarray(given, float), (*batch, self._given))
-        values = known.reshape(len(flat), self._given)
-        found = self._closed(flat, values, near) if self.graph.is_closed else self._numeric(flat, values, near)
+        row = np.broadcast_to(values, (*batch, self._given)).reshape(len(flat), self._given)
+        found = self._closed(flat, row, near) if self.graph.is_closed else self._numeric(flat, row, near)
         shape = (*batch, found.q.shape[1])
         return Branches(found.q.reshape(*shape, self.chain.n), found.status.reshape(shape))
+
+    def _poses(self, poses: npt.ArrayLike) -> Array:
+        """The goals, if that is what they are."""
+        goal = np.asarray(poses, dtype=float)
+        if goal.shape[-2:] != (4, 4):
+            raise ValueError(f"a pose has shape (4, 4), or (..., 4, 4), not {goal.shape}")
+        if not np.isfinite(goal).all():
+            raise ValueError("a pose has finite entries")
+        turn = goal[..., :3, :3]
+        away = np.abs(np.swapaxes(turn, -1, -2) @ turn - np.eye(3)).max(initial=0.0)
+        if any(j < 3 for _, j in self.entries) and (away > NO_ROTATION or (np.linalg.det(turn) < 0).any()):
+            raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}, or is a reflection")
+        return goal
 
     @property
     def _given(self) -> int:
@@ -116,37 +141,49 @@ class InverseSolver:
             free = np.any([zero.astype(bool) | mask for mask in leaf.free], axis=0)
             status = np.where(free, Status.SINGULAR, np.where(leaf.boundary, Status.BOUNDARY, Status.EXACT))
             q = np.stack([zero + value for value in run.angles(leaf)], axis=-1)
-            statuses.append(np.where(exists & np.isfinite(q).all(axis=-1), status, Status.NONE))
-            candidates.append(q)
+            statuses.append(np.where(np.isfinite(q).all(axis=-1), np.where(exists, status, -status), Status.NONE))
+            candidates.append(np.where(np.isfinite(q), q, 0.0))
         q, status = np.stack(candidates, axis=1), np.stack(statuses, axis=1).astype(np.int8)
         q, status = self._checked(poses, q, status)
         return Branches(np.where((status == Status.NONE)[..., None], np.nan, self._folded(q)), status)
 
     def _checked(self, poses: Array, q: Array, status: Array) -> tuple[Array, Array]:
-        """Candidates polished, those dropped that do not reproduce their pose or repeat another one."""
-        branches = q.shape[1]
+        """Candidates polished, those dropped that do not reproduce their pose or repeat another one.
+
+        A negative status is that of a leaf that does not exist by its nodes. Where no leaf that exists is a solution,
+        because the pose leaves nodes without a formula, damped Newton goes on from all of them.
+        """
         pose, row = np.nonzero(status != Status.NONE)
-        problem = Problem(self.chain, poses[pose], self.entries, self._free)
-        residual = problem.residual(q[pose, row])
-        rough = np.flatnonzero(residual > ROUNDING)
-        if rough.size:
-            part = Problem(self.chain, poses[pose[rough]], self.entries, self._free)
-            q[pose[rough], row[rough]], residual[rough] = polish(part, q[pose[rough], row[rough]])
-        far = residual > REPRODUCED
-        status[pose[far], row[far]] = Status.NONE
-        scale = np.where(self.chain.revolute, 1.0, problem.unit)
-        for later in range(1, branches):
-            for before in range(later):
-                both = (status[:, before] != Status.NONE) & (status[:, later] != Status.NONE)
-                if not both.any():
-                    continue
+        refined, residual = (
+            q[pose, row],
+            Problem(self.chain, poses[pose], self.entries, self._free).residual(q[pose, row]),
+        )
+        rough = np.flatnonzero((residual > ROUNDING) & (status[pose, row] > 0))
+        part = Problem(self.chain, poses[pose[rough]], self.entries, self._free)
+        refined[rough], residual[rough] = polish(part, refined[rough])
+        residual[status[pose, row] < 0] = math.inf
+        solved = np.zeros(len(poses), dtype=bool)
+        solved[pose[residual <= REPRODUCED]] = True
+        lost = np.flatnonzero(~solved[pose])
+        part = Problem(self.chain, poses[pose[lost]], self.entries, self._free)
+        refined[lost], residual[lost] = fit(part, q[pose[lost], row[lost]], RESCUED)
+        status[pose[lost], row[lost]] = Status.SINGULAR
+        q[pose, row] = refined
+        status[pose, row] = np.where(residual <= REPRODUCED, np.abs(status[pose, row]), Status.NONE)
+        return q, self._once(poses, q, status)
+
+    def _once(self, poses: Array, q: Array, status: Array) -> Array:
+        """The status of candidates, `Status.NONE` for those that repeat an earlier one."""
+        scale = Problem(self.chain, poses, self.entries, self._free).scale
+        for before, later in combinations(range(q.shape[1]), 2):
+            both = (status[:, before] != Status.NONE) & (status[:, later] != Status.NONE)
+            if both.any():
                 apart = (q[:, later] - q[:, before]) / scale
                 turns = np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
-                distance = np.abs(apart - turns).max(axis=-1)
-                edge = (status[:, before] == Status.BOUNDARY) & (status[:, later] == Status.BOUNDARY)
-                same = both & (distance < np.where(edge, DOUBLE, SAME))
-                status[same, later] = Status.NONE
-        return q, status
+                edge = (status[:, before] != Status.EXACT) & (status[:, later] != Status.EXACT)
+                near = np.abs(apart - turns).max(axis=-1) < np.where(edge, DOUBLE, SAME)
+                status[both & near, later] = Status.NONE
+        return status
 
     def _numeric(self, poses: Array, given: Array, near: Sequence[float] | None) -> Branches:
         found = [

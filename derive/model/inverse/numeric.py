@@ -178,15 +178,15 @@ class Problem:
     free: Array = field(default_factory=lambda: np.array([], dtype=bool))
 
     @cached_property
-    def unit(self) -> float:
-        """Unit of length of this problem [m]: the reach, or how far the goal is."""
-        far = np.abs(self.poses[..., :3, 3]).max(initial=0.0)
-        return float(max(self.chain.reach, far if np.isfinite(far) else 0.0))
+    def unit(self) -> Array:
+        """Unit of length of each pose [m]: the reach, or how far the goal is."""
+        far = np.abs(self.poses[..., :3, 3]).max(axis=-1)
+        return np.maximum(self.chain.reach, np.where(np.isfinite(far), far, 0.0))
 
     @cached_property
     def scale(self) -> Array:
-        """(n,) unit of each joint variable: 1 rad, or the unit of length."""
-        return np.where(self.chain.revolute, 1.0, self.unit)
+        """(..., n) unit of each joint variable: 1 rad, or the unit of length."""
+        return np.where(self.chain.revolute, 1.0, self.unit[..., None])
 
     def errors(self, q: Array) -> tuple[Array, Array]:
         """How far the wanted entries are from the goal, and the derivatives by the free joints, without units.
@@ -199,10 +199,10 @@ class Problem:
         """
         pose, slope = self.chain.pose_and_jacobian(q)
         rows, columns = (list(index) for index in zip(*self.entries, strict=True))
-        weight = np.where(np.array(columns) == 3, 1.0 / self.unit, 1.0)
+        weight = np.where(np.array(columns) == 3, 1.0 / self.unit[..., None], 1.0)
         difference: Array = pose - self.poses
         error = difference[..., rows, columns] * weight
-        by_joint = slope[..., rows, columns] * weight * self.scale[:, None]
+        by_joint = slope[..., rows, columns] * weight[..., None, :] * self.scale[..., :, None]
         return error, np.swapaxes(by_joint[..., self.free, :], -1, -2)
 
     def moved(self, q: Array, step: Array) -> Array:
@@ -213,7 +213,7 @@ class Problem:
             step: (..., free joints), without units.
         """
         result = q.copy()
-        result[..., self.free] += step * self.scale[self.free]
+        result[..., self.free] += step * self.scale[..., self.free]
         return result
 
     def residual(self, q: Array) -> Array:
@@ -372,7 +372,7 @@ def solve(
 def _start_box(problem: Problem) -> tuple[Array, Array]:
     """Between which values starts are drawn: a full turn, a slide's limits or twice the unit of length."""
     low, high = problem.chain.limits.T
-    wide = 2.0 * problem.unit
+    wide = 2.0 * float(problem.unit)
     bounded = np.isfinite(low) & np.isfinite(high) & ~problem.chain.revolute
     turn = problem.chain.revolute
     margin = np.where(bounded, 0.5 * (high - low), 0.0)

@@ -87,3 +87,19 @@ def test_an_arm_without_closed_form_is_solved_by_newton_in_the_same_shape():
     for k in range(2):
         a, b = (np.sort_complex(np.exp(1j * found.q[k]).sum(axis=-1)) for found in (ours, theirs))
         assert np.allclose(a, b, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        (np.eye(3), "shape"),
+        (np.full((2, 4, 4), np.nan), "finite"),
+        (np.diag([1, 1, 1.1, 1]), r"R\^T R - 1\| up to 2.1e-01"),
+        (np.diag([1, 1, -1, 1]), "reflection"),
+    ],
+)
+def test_what_is_no_pose_is_refused(pose, message):
+    with pytest.raises(ValueError, match=message):
+        solver_and_arm("puma560-corke")[0].solve(pose)
+    with pytest.raises(ValueError, match=r"given joints: finite numbers of shape \(..., 0\)"):
+        solver_and_arm("puma560-corke")[0].solve(np.eye(4), given=[0.3])
