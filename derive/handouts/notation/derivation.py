@@ -284,10 +284,10 @@ def derivation_python(found: InverseKinematics) -> list[str]:
     Args:
         found: The inverse kinematics.
     """
-    write, named = PlainPrinter().doprint, found.sums
+    write = PlainPrinter().doprint
     lines, parts = [], dict[Any, Any]()
-    for line in found.lines:
-        symbol, value = line.symbol, line.value.xreplace({**named, **parts})
+    for line in found.named_lines:
+        symbol, value = line.symbol, line.value.xreplace(parts)
         if symbol.is_Function:  # the sine or cosine of what comes next
             parts[symbol] = sympy.Symbol(f"{symbol.func.__name__}_{symbol.args[0]}")
             symbol = parts[symbol]
@@ -305,8 +305,11 @@ def headline(found: InverseKinematics) -> str:
     """
     if not found.graph.is_closed:
         return f"no closed form: {found.graph.why_not}"
-    count = f"{found.count} solution{'s' if found.count != 1 else ''}"
-    return f"{count}, and no more" if found.complete else f"at most {found.graph.leaves} solutions"
+    if not found.complete:
+        return f"at most {found.graph.leaves} solutions"
+    count = f"{found.count} solution{'s' if found.count != 1 else ''}, and no more"
+    leaves = found.graph.leaves
+    return count if leaves == found.count else f"{count}; {leaves} choices of signs, some of which miss the pose"
 
 
 def reason(found: InverseKinematics, step: Step) -> str:

@@ -31,7 +31,7 @@ SMALL = 1e-9
 """Sines and lengths (in parts of the reach) below it are zero."""
 
 
-MOSTLY = 0.8
+MOSTLY = 2 / 3
 """Part of the poses at which a word has to hold: the elbow of an arm that reaches behind its shoulder hangs down."""
 
 
@@ -102,7 +102,7 @@ class Shape:
         revolute = [joint.is_revolute for joint in robot.joints]
         axes = example.axes
         self.wrist: int | None = None
-        if (n == 6 or (n == 3 and _meet(example))) and all(revolute[-3:]):
+        if (n >= 6 or (n == 3 and _meet(example))) and all(revolute[-3:]):
             self.wrist = n - 2
         before = n if self.wrist is None else n - 3
         self.elbow: int | None = None
@@ -128,6 +128,17 @@ class Shape:
             if not joint.is_revolute
         ]
         return (self._shoulder_word(arm), self._elbow_word(arm), *slides, self._wrist_word(arm))
+
+    def signs(self, arm: Placed) -> tuple[str | None, ...]:
+        """On which side of zero each joint angle is, for branches that words do not tell apart.
+
+        Args:
+            arm: The arm in one of its solutions.
+        """
+        return tuple(
+            f"{joint.variable} {'>' if np.sin(value) > 0 else '<'} 0" if joint.is_revolute else None
+            for joint, value in zip(self._robot.joints, arm.q, strict=True)
+        )
 
     def _centre(self, arm: Placed) -> Vector:
         """The centre of the wrist, or the end effector."""
@@ -182,18 +193,21 @@ def branch_names(shape: Shape, seen: Sequence[Sequence[Placed]], otherwise: Sequ
         otherwise: Names of the branches by their signs.
 
     Returns:
-        The words that hold and tell branches apart; signs besides where words do not suffice.
+        The words that hold and tell branches apart; signs of joint angles, or of roots, where they do not suffice.
     """
-    columns = []
-    for part in zip(*(zip(*map(shape.words, arms), strict=True) for arms in seen), strict=True):
-        counted = [Counter(words).most_common(1)[0] for words in part]
-        holds = all(
-            word is not None and count >= MOSTLY * len(words)
-            for (word, count), words in zip(counted, part, strict=True)
-        )
-        if holds and len({word for word, _ in counted}) > 1:
-            columns.append([str(word) for word, _ in counted])
-    names = [", ".join(words) for words in zip(*columns, strict=True)] if columns else [""] * len(seen)
+    names = [""] * len(seen)
+    for words in (shape.words, shape.signs):
+        for part in zip(*(zip(*map(words, arms), strict=True) for arms in seen), strict=True):
+            counted = [Counter(found).most_common(1)[0] for found in part]
+            holds = all(
+                word is not None and count >= MOSTLY * len(found)
+                for (word, count), found in zip(counted, part, strict=True)
+            )
+            longer = [
+                ", ".join(filter(None, (name, str(word)))) for name, (word, _) in zip(names, counted, strict=True)
+            ]
+            if holds and len(set(longer)) > len(set(names)):
+                names = longer
     return [
         name if names.count(name) == 1 else ", ".join(filter(None, (name, signs)))
         for name, signs in zip(names, otherwise, strict=True)

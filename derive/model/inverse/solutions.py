@@ -30,7 +30,7 @@ from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.style import Style
 
-LOOKED_AT = 40
+LOOKED_AT = 60
 """Random poses at which the arm is looked at for the names of its branches."""
 
 POSES = 3
@@ -164,6 +164,16 @@ class InverseKinematics:
         """All formulas in order."""
         return (*self.definitions, *(line for step in self.steps for line in step.lines))
 
+    @cached_property
+    def named_lines(self) -> tuple[Line, ...]:
+        """The same with the names of sums of angles, ``cos(q23)``, from where these are found."""
+        names: dict[Expr, Expr] = {}
+        found = []
+        for line in self.lines:
+            found.append(Line(line.symbol, line.value.xreplace(names)))
+            names.update({total: name for total, name in self.sums.items() if name == line.symbol})
+        return tuple(found)
+
     @property
     def expressions(self) -> tuple[Expr, ...]:
         """Everything that is printed of it."""
@@ -233,7 +243,7 @@ class InverseKinematics:
         for choice in product((1, -1), repeat=len(signs)):
             chosen = dict(zip(signs, choice, strict=True))
             put_in = {sign: sympy.Integer(e) for sign, e in chosen.items()}
-            own = tuple(Line(line.symbol, line.value.xreplace(put_in).xreplace(self.sums)) for line in self.lines)
+            own = tuple(Line(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
             values = {line.symbol: line.value for line in own}
             joints = {q: values[q] for q in self._variables if q in values}
             yield Solution(", ".join(f"{s}={e:+d}" for s, e in chosen.items()), chosen, own, joints)
