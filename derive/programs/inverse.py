@@ -18,7 +18,7 @@ from derive.model.inverse.graph import Leaf, Run, SolutionGraph, pose_of
 from derive.model.inverse.nodes import Formula, Kind
 from derive.model.inverse.solve import solve
 from derive.programs.formulation_choice import Formulation
-from derive.programs.program import GIVEN, POSE, POSE_ENTRIES, Function, Interface, Inverse, Status
+from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse, Status
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, Value, node_of
 from derive.programs.tape.scalars import TapeDomain
@@ -30,7 +30,7 @@ CLOSED = Fraction(1, 10**7)
 
 INTERFACE = Interface(
     "inverse_kinematics",
-    (POSE, GIVEN),
+    (POSE, GIVEN, NEAR),
     ("branches", "n"),
     "q",
     "Joint variables of a pose of the end effector, every branch.",
@@ -292,7 +292,8 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     domain, n = trace.domain, trace.n
     field = TapeField(domain)
     pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
-    run = Run(_programmed(graph), field, pose, [domain.argument(GIVEN, i) for i in range(len(graph.given))])
+    given = [domain.argument(GIVEN, i) for i in range(len(graph.given))]
+    run = Run(_programmed(graph), field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
     angles: list[Value] = []
     codes: list[Value] = []
     for leaf in run.leaves():
@@ -302,7 +303,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else _without_given(INTERFACE)
-    widths = {POSE: POSE_ENTRIES, GIVEN: len(graph.given)}
+    widths = {POSE: POSE_ENTRIES, GIVEN: len(graph.given), NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     return Inverse(function, len(codes), n, graph.given, count_text(graph))
 
@@ -322,7 +323,9 @@ def count_text(graph: SolutionGraph) -> str:
 
 
 def _without_given(interface: Interface) -> Interface:
-    return Interface(interface.name, (POSE,), interface.shape, interface.symbol, interface.summary, interface.result)
+    return Interface(
+        interface.name, (POSE, NEAR), interface.shape, interface.symbol, interface.summary, interface.result
+    )
 
 
 def _closes(trace: Trace, run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Mask:
@@ -347,4 +350,4 @@ def _status(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask]) -> Value:
     for free in leaf.free:
         singular = singular | free
     kind = singular.value.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
-    return exists.value.select(kind, Status.NONE)
+    return exists.value.select(kind, singular.value.select(Status.NONE_HERE, Status.NONE))

@@ -18,8 +18,9 @@ ARGUMENTS: Mapping[str, str] = {
 }
 """The arguments that a function may take, in words; each has one entry per joint."""
 
-POSE, GIVEN = "T", "given"
-"""The arguments of inverse kinematics: the pose of the end effector, and the variables of joints that are given."""
+POSE, GIVEN, NEAR = "T", "given", "near"
+"""The arguments of inverse kinematics: the pose of the end effector, the variables of joints that are given, and where
+joints are that no equation determines."""
 
 POSE_ENTRIES = 16
 """Of a pose, a 4x4 matrix row by row."""
@@ -35,7 +36,9 @@ class Status(IntEnum):
     BOUNDARY = 2
     """Two branches coincide: the pose is on the boundary of what the arm reaches, and only one is listed."""
     SINGULAR = 3
-    """A solution in which some joints are free: they are zero, and others follow from them."""
+    """A solution in which some joints are free: they are where the caller has them, and others follow from them."""
+    NONE_HERE = -1
+    """It does not exist with the free joints where the caller has them, within a program alone."""
 
 
 class Magnitude(Enum):

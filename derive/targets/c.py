@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, prod
 
-from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Inverse, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Inverse, joint_lines
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.robot.robot import Robot
 from derive.targets.escape import c_comment, c_prefix
@@ -20,7 +20,7 @@ from derive.targets.templating import render
 
 HEADER, CODE = "model.h", "model.c"
 
-_ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, "sines", "cosines", "k", "params")
+_ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, NEAR, "sines", "cosines", "k", "params")
 """In the order in which they are read and declared; ``k`` holds the constants from the parameters."""
 
 _LANES = ((128, 32), (256, 16))
@@ -249,10 +249,12 @@ class Load:
     Attributes:
         name: Its name.
         width: Number of its entries.
+        is_optional: Whether it may be NULL, which stands for zeros.
     """
 
     name: str
     width: int
+    is_optional: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,6 +279,8 @@ class CInverse:
         given_array: Declares the variables of the given joints, if there are any.
         given_lines: Statements that take them from a configuration.
         nearest_call: Arguments of the call of the first function in the third.
+        start_call: Arguments of a call with the free joints elsewhere.
+        row_call: Inputs of a call for one row of a batch.
         documentation: Lines of the comment of the first.
     """
 
@@ -297,6 +301,8 @@ class CInverse:
     given_array: str
     given_lines: tuple[str, ...]
     nearest_call: str
+    start_call: str
+    row_call: str
     documentation: tuple[str, ...]
 
 
@@ -314,7 +320,9 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
     hoisted = ["k"] if function.constant_count else []
     inputs = [*function.arguments, *hoisted]
     limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
-    nearest = [POSE, "near", *hoisted]
+    nearest = [POSE, NEAR, *hoisted]
+    rows = [f"{name} + {inverse.function.widths[name]} * row" for name in function.arguments if name != NEAR]
+    rows.append(f"{NEAR} ? {NEAR} + {inverse.joints} * row : NULL")
 
     def _declared(names: Iterable[str], qualifier: str, *, status: bool = True) -> str:
         return _pointers(names, "q", qualifier) + (f", int *{qualifier}status" if status else "")
@@ -323,7 +331,7 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
         function=function,
         branches=inverse.branches,
         size=inverse.branches * inverse.joints,
-        loads=tuple(Load(name, inverse.function.widths[name]) for name in function.used),
+        loads=tuple(Load(name, inverse.function.widths[name], name == NEAR) for name in function.used),
         declaration=_declared(inputs, "restrict "),
         batch_declaration=f"size_t count, {_declared(inputs, 'restrict ')}",
         nearest_declaration=_declared(nearest, "restrict ", status=False),
@@ -337,6 +345,8 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
         given_array=f", given[{len(inverse.given)}]" if inverse.given else "",
         given_lines=tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
         nearest_call=", ".join([*inputs, "solutions", "status"]),
+        start_call=", ".join([*("start" if name == NEAR else name for name in inputs), "q", "status"]),
+        row_call=", ".join([*rows, *hoisted]),
         documentation=_inverse_documentation(inverse, robot, function.constant_count),
     )
 
@@ -357,6 +367,8 @@ def _inverse_documentation(inverse: Inverse, robot: Robot, constant_count: int) 
         "",
         "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
         *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),
+        "@param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others",
+        "                    have no solution with them there, they are elsewhere.",
         *([constants] if constant_count else []),
         f"@param[out] q       joint variables, {inverse.branches} x {inverse.joints}: {interface.result}.",
         f"@param[out] status  what each branch is, {inverse.branches}; may be NULL.",

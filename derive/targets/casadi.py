@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.algebra.constants import to_float
-from derive.programs.program import Function, Inverse
+from derive.programs.program import NEAR, Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.targets.c import c_heading
 from derive.targets.numpy import python_context
@@ -121,7 +121,7 @@ def casadi_inverse(inverse: Inverse, parameters: int) -> list[Any]:
     for branch in range(inverse.branches):
         start, code = branch * inverse.joints, values[inverse.branches * inverse.joints + branch]
         q = casadi.vertcat(*values[start : start + inverse.joints])
-        outputs = [casadi.if_else(code > 0, q, casadi.DM.nan(inverse.joints, 1)), casadi.SX(code)]
+        outputs = [casadi.if_else(code > 0, q, casadi.DM.nan(inverse.joints, 1)), casadi.fmax(code, 0)]
         name = f"inverse_kinematics_{branch + 1}"
         functions.append(casadi.Function(name, inputs, outputs, names, ["q", "status"]))
     return functions
@@ -131,13 +131,14 @@ def _evaluated(function: Function, joints: int, parameters: int) -> tuple[list[s
     """Names and symbols of a function's inputs, and its results."""
     import casadi
 
-    names = [*function.arguments, *(["params"] if parameters else [])]
+    names = [*(name for name in function.arguments if name != NEAR), *(["params"] if parameters else [])]
     widths = {"params": parameters, **function.widths}
     inputs = [casadi.SX.sym(name, widths.get(name, joints)) for name in names]
     entries = {
         PARAMETER if name == "params" else name: casadi.vertsplit(column)
         for name, column in zip(names, inputs, strict=True)
     }
+    entries[NEAR] = [casadi.SX(0)] * joints  # where joints are free, they are zero
     arithmetic = {
         "number": lambda value: casadi.SX(to_float(value)),
         "sin": casadi.sin,

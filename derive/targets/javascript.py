@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Program, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Program, joint_lines
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
@@ -60,6 +60,7 @@ class JavaScriptInverse:
         kernel: The texts of its program.
         documentation: Lines of its comment.
         entries: Lines of the names of the entries of a pose.
+        near_entries: Lines of those of ``near``.
         size: Joint variables of all branches.
         given_count: Number of given joints.
         unpack_given: Statements that check their variables and name them.
@@ -70,6 +71,7 @@ class JavaScriptInverse:
     kernel: JavaScriptFunction
     documentation: tuple[str, ...]
     entries: tuple[str, ...]
+    near_entries: tuple[str, ...]
     size: int
     given_count: int
     unpack_given: tuple[str, ...]
@@ -183,6 +185,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         "@param {number[][]} T Pose of the end effector in the world frame, 4 x 4.",
         *([f"@param {{number[]}} given Variables of {words}."] if names else []),
         "@param {Object|number[]} [params] Numbers of the free parameters.",
+        "@param {number[]} [near] Where joints are that are free at a pose, by default zero.",
         f"@returns {{Object}} `q`, for each of {inverse.branches} branches the joint variables [rad, m], or null where",
         "it does not exist, and `status`: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
         "",
@@ -194,6 +197,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         kernel=_function(function, program.parameters, robot.n),
         documentation=tuple(f" * {line}".rstrip() for line in documentation),
         entries=wrapped(entry_names(function, POSE, 0)),
+        near_entries=wrapped(entry_names(function, NEAR, 0)),
         size=inverse.branches * inverse.joints,
         given_count=count,
         unpack_given=(given,) if count else (),

@@ -104,6 +104,8 @@ class InverseLoop:
     """NumPy's inner loop of inverse kinematics, whose results are joint variables and what the branches are.
 
     Attributes:
+        inputs: All inputs, the constants included.
+        row_call: Inputs of a call for one row.
         loads: The inputs that are read.
         cores: Place of the bytes between the entries of the results, among all steps.
         constants_place: Place of the constants.
@@ -115,6 +117,8 @@ class InverseLoop:
         starts: Inputs of the call for one pose.
     """
 
+    inputs: tuple[Input, ...]
+    row_call: str
     loads: tuple[Input, ...]
     cores: int
     constants_place: int
@@ -131,13 +135,12 @@ def _inverse_loop(inverse: Inverse, text: CFunction) -> InverseLoop:
     widths = [function.widths[name] for name in function.arguments]
     widths += [text.constant_count] if text.constant_count else []
     count, size = len(widths), inverse.branches * inverse.joints
-    loads = (
-        Input(name, function.widths[name], i, count + 2 + i)
-        for i, name in enumerate(function.arguments)
-        if name in text.used
-    )
+    names = [*function.arguments, *(["k"] if text.constant_count else [])]
+    inputs = tuple(Input(name, widths[i], i, count + 2 + i) for i, name in enumerate(names))
     return InverseLoop(
-        loads=tuple(loads),
+        inputs=inputs,
+        row_call=", ".join(f"{name}_row" for name in names),
+        loads=tuple(entry for entry in inputs if entry.name in text.used),
         cores=2 * count + 2,
         constants_place=count - 1,
         constants_core=2 * count + 1,

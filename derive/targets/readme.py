@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from derive.errors import Location
-from derive.programs.program import ARGUMENTS, cost_text, joint_lines
+from derive.programs.program import ARGUMENTS, NEAR, cost_text, joint_lines
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.parser import parse_expression
@@ -63,7 +63,7 @@ def render(source: Source) -> dict[str, str]:
     if inverse is not None:
         functions.append(
             {
-                "call": f"inverse_kinematics({', '.join(inverse.function.arguments)})",
+                "call": f"inverse_kinematics({', '.join(name for name in inverse.function.arguments if name != NEAR)})",
                 "shape": shape_text((inverse.branches, inverse.joints)),
                 "summary": inverse.function.interface.summary,
                 "cost": cost_text(inverse.function.operations),

@@ -319,6 +319,7 @@ class CModel:
             getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
             arrays.append(constants)
         pointers = [_pointer(array) for array in (*arrays, q, status)]
+        pointers.insert(1 + bool(given.shape[-1]), ctypes.c_void_p())  # free joints at zero
         if count > 1:
             getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(count), *pointers)
         elif getattr(self.shared, name)(*pointers) != (status > 0).sum():

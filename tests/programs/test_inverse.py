@@ -13,9 +13,9 @@ from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import Run
 from derive.model.inverse.solve import solve
 from derive.programs.inverse import Mask, inverse_function, reason_without_program, solved
-from derive.programs.program import POSE, Inverse
+from derive.programs.program import NEAR, POSE, Inverse
 from derive.programs.tape.graph import ONE, ZERO, Graph, Value
-from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.tape.tape import PARAMETER, Op, evaluate
 from derive.programs.trace import Trace
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
@@ -65,11 +65,11 @@ def poses_of(robot: Robot, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
 def run(robot: Robot, inverse: Inverse, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Joint variables and what the branches are, straight from the tape."""
     entries = [poses[:, i, j] for i in range(4) for j in range(4)]
-    inputs = {POSE: entries, PARAMETER: list(numbers_of(robot).values())}
+    inputs = {POSE: entries, NEAR: [0.0] * robot.n, PARAMETER: list(numbers_of(robot).values())}
     with np.errstate(all="ignore"):
         values = np.array([v + 0.0 * entries[0] for v in evaluate(inverse.function.tape, inputs, ARITHMETIC)])
     size = inverse.branches * inverse.joints
-    return values[:size].T.reshape(-1, inverse.branches, inverse.joints), values[size:].T
+    return values[:size].T.reshape(-1, inverse.branches, inverse.joints), np.maximum(values[size:].T, 0)
 
 
 @pytest.mark.parametrize("name", ["planar-3r", "puma560-corke", pytest.param("thumb", marks=pytest.mark.sweep)])
@@ -116,7 +116,9 @@ def test_a_puma_takes_every_angle_once() -> None:
     """2 of joint 1, 2 of joint 3, 4 of joint 2, and one for each pair of opposite wrists."""
     _, inverse = program_of("puma560-corke")
     assert inverse.function.operations.atan2 == 2 + 2 + 4 + 3 * 4
-    assert inverse.function.operations.sin == inverse.function.operations.cos == 0
+    nodes = inverse.function.tape.nodes
+    angles = {nodes[node.operands[0]].source for node in nodes if node.op in (Op.SINE, Op.COSINE)}
+    assert {source.kind for source in angles if source is not None} == {NEAR}  # where free joints are, and no others
     assert inverse.branches == 8
     assert inverse.summary == "A reachable pose has up to 8 solutions, and no more."
 
@@ -183,4 +185,4 @@ def test_given_joints_are_arguments() -> None:
     robot = Robot.load("planar-3r")
     graph = solve(robot, ("x", "y"), (2,))
     inverse = inverse_function(Trace(robot), graph)
-    assert (inverse.given, inverse.function.arguments) == ((2,), ("T", "given"))
+    assert (inverse.given, inverse.function.arguments) == ((2,), ("T", "given", "near"))

@@ -257,6 +257,48 @@ def test_on_the_boundary_one_branch_is_listed() -> None:
     np.testing.assert_allclose(again, np.broadcast_to(pose, again.shape), atol=1e-10)
 
 
+UR5 = Robot.from_text(
+    "name: ur5\nconvention: standard\njoints:\n"
+    "  - {type: revolute, d: 0.089159, alpha: pi/2}\n  - {type: revolute, a: -0.425}\n"
+    "  - {type: revolute, a: -0.39225}\n  - {type: revolute, d: 0.10915, alpha: pi/2}\n"
+    "  - {type: revolute, d: 0.09465, alpha: -pi/2}\n  - {type: revolute, d: 0.0823}\n"
+)
+STUCK = [-1.5409894385291336, np.pi, 0.7, -2.451063785379106, np.pi, -2.0214145260521557]
+"""A wrist in line with the others: the last joint is free, but for most of its values the elbow does not reach."""
+
+
+def test_free_joints_are_where_the_caller_has_them_or_elsewhere() -> None:
+    model = model_of(UR5)
+    q = np.array([0.4, -1.0, 1.2, 0.3, 0.0, 0.8])
+    pose = model.forward_kinematics(q)
+    found, status = model.inverse_kinematics(pose, status=True, near=q)
+    free = status == model.SINGULAR
+    assert free.any()
+    np.testing.assert_allclose(model.inverse_kinematics_nearest(pose, q), q, atol=1e-6)
+    for rows in (model.inverse_kinematics(pose), found):
+        there = rows[~np.isnan(rows).any(axis=1)]
+        np.testing.assert_allclose(
+            model.forward_kinematics(there), np.broadcast_to(pose, (len(there), 4, 4)), atol=1e-10
+        )
+
+
+@needs_compiler
+def test_no_reachable_pose_is_without_a_solution_for_the_place_of_free_joints() -> None:
+    model, compiled = model_of(UR5), c_model(UR5, program_of(UR5))
+    poses = model.forward_kinematics(np.array([STUCK, [0.4, -1.0, 1.2, 0.3, 0.5, 0.8]] * 20))
+    solutions = {
+        "one": np.array([model.inverse_kinematics(pose) for pose in poses]),
+        "batch": model.inverse_kinematics(poses),
+        "c": compiled.inverse(poses, poses[:, :0, 0], {})[0],
+        "c one": np.array([compiled.inverse(pose[None], pose[None, :0, 0], {})[0][0] for pose in poses]),
+    }
+    for way, found in solutions.items():
+        exists = ~np.isnan(found).any(axis=2)
+        assert exists.any(axis=1).all(), way
+        errors = np.abs(model.forward_kinematics(np.nan_to_num(found)) - poses[:, None]).max(axis=(2, 3))
+        assert errors[exists].max() < 1e-10, way
+
+
 def test_readme_says_what_there_is_and_why_not() -> None:
     text = render_readme(source_of(elbow(), program_of(elbow())))["README.md"]
     assert "## Inverse kinematics" in text
