@@ -324,7 +324,26 @@ def reason(found: InverseKinematics, step: Step) -> str:
             return "given"
         case Kind.SUM:
             return "by the angles that are known"
+        case Kind.GENERAL:
+            return _general_reason(found, step)
     return _sources(found.robot, step.equations)
+
+
+def _general_reason(found: InverseKinematics, step: Step) -> str:
+    """What a joint of an eigenvalue problem follows from."""
+    formula = next(node.formulas[0] for node in found.graph.nodes if node.kind is Kind.GENERAL).payload
+    hidden, others, eliminated = formula.joints
+    (joint,) = step.joints
+    if joint in eliminated:
+        return "by linear equations with the joints that are known"
+    if joint in others:
+        return "from the eigenvector"
+    variables = [row.variable for row in found.robot.joints]
+    between, without = (", ".join(variables[k] for k in sorted(joints)) for joints in ((hidden, *others), eliminated))
+    size = formula.solution.eliminations[0].eigenvalues
+    return (
+        f"by the eigenvalues of a {size}x{size} matrix, of equations between {between} that hold whatever {without} are"
+    )
 
 
 def _sources(robot: Robot, equations: Iterable[PrintedEquation]) -> str:

@@ -479,6 +479,22 @@ class GeneralFormula:
         """The number of values of the node."""
         return self.solution.branches
 
+    @property
+    def joints(self) -> tuple[int, tuple[int, ...], tuple[int, ...]]:
+        """The joint that the eigenvalues give, those of the eigenvectors, and those that are eliminated, from 0."""
+        elimination = self.solution.eliminations[0]
+        free = [i for i in range(self.robot.n) if i not in self.solution.given]
+        own = free[elimination.start :] + free[: elimination.start]
+        hidden = own[elimination.hidden]
+        between = {own[k] for k in elimination.unknowns}
+        return hidden, tuple(sorted(between - {hidden})), tuple(i for i in free if i not in between)
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """All joints that are not given, in the order in which they follow."""
+        hidden, others, eliminated = self.joints
+        return (hidden, *others, *eliminated)
+
     def solve(self, field: Any, values: Mapping[str, Any]) -> list[tuple[tuple[tuple[Any, ...], ...], Any]]:
         """The branches of the node over floats.
 
@@ -487,7 +503,7 @@ class GeneralFormula:
             values: Entries of the pose, cosines and sines or lengths of given joints, each one number or one per pose.
 
         Returns:
-            For each branch the numbers of the unknowns, joint by joint, and where it exists.
+            For each branch the numbers of the unknowns, in the `order` of the joints, and where it exists.
         """
         chain = _chain(self.robot, tuple(sorted((name, float(value)) for name, value in field.values.items())))
         entries = [values[f"T[{i},{j}]"] for i in (1, 2, 3) for j in (1, 2, 3, 4)]
@@ -506,7 +522,7 @@ class GeneralFormula:
         exists = np.isfinite(found[:, k, 0]) if k < found.shape[1] else np.zeros(len(found), dtype=bool)
         q = np.nan_to_num(found[:, k] if k < found.shape[1] else np.zeros((len(found), chain.n)))
         numbers: list[tuple[Any, ...]] = []
-        for joint in (i for i in range(chain.n) if i not in self.solution.given):
+        for joint in self.order:
             value = q[:, joint].reshape(shape)
             numbers.append((np.cos(value), np.sin(value)) if chain.revolute[joint] else (value,))
         return tuple(numbers), exists.reshape(shape)

@@ -18,6 +18,7 @@ from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.model.inverse.branch_names import Placed, Shape, Vector, branch_names, placed
+from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.derivation import Derivation, PrintedEquation, Step
 from derive.model.inverse.elementary import Line, Sign
 from derive.model.inverse.graph import SolutionGraph
@@ -272,12 +273,22 @@ class InverseKinematics:
                     allowed="numbers of all joints and parameters",
                 )
             values = self._with_pose(known, known)
-            columns = []
+            columns = [] if self.is_explicit else list(self._columns_in_floats(known, values))
             for solution in self.solutions:
                 numbers = solution.numbers(values)
                 if numbers is not None and self._error(values, numbers) < CLOSE:
                     columns.append([written(numbers.get(q, known[q])) for q in self._variables])
         return sympy.ImmutableMatrix(len(columns), self.robot.n, list(chain.from_iterable(columns))).T
+
+    def _columns_in_floats(self, known: Numbers, values: Numbers) -> Iterator[list[Expr]]:
+        """All configurations by the graph run over floats, or by Newton's method where there is none."""
+        pose = np.array([[float(values[symbol]) for symbol in row] for row in self.pose[:3, :].tolist()])
+        numbers = {str(symbol): float(x) for symbol, x in known.items() if symbol not in self._variables}
+        given = [float(known[self._variables[k]]) for k in self.graph.given]
+        solver = InverseSolver.of(self.robot, self.graph, numbers)
+        found = solver.solve(np.vstack([pose, [0.0, 0.0, 0.0, 1.0]]), given)
+        for q in found.q[np.isfinite(found.q).all(axis=-1)]:
+            yield [written(mpmath.mpf(float(x))) for x in q]
 
     @cached_property
     def verified(self) -> Verification:

@@ -307,7 +307,7 @@ class Derivation:
         self.homes.clear()
         for unknown in given:
             self._append((unknown,), (Formula(Kind.GIVEN),))
-        free = tuple(self.domain.unknown(i) for i in range(self.robot.n) if i not in self.given)
+        free = tuple(map(self.domain.unknown, formula.order))
         node = Node(len(given), free, (Formula(Kind.GENERAL, payload=formula),), tuple(range(len(given))))
         self.nodes.append(replace(node, branches=formula.branches))
         count = formula.solution.count

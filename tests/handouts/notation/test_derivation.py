@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
 
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
 from derive.model.inverse.solutions import InverseKinematics
+from derive.model.inverse.solve import solve
+from derive.robot.expression import Number
 from derive.robot.robot import Robot
+from tests.inverse.arms import PUBLISHED
 from tests.model.inverse.test_graph import PLANAR, planar_graph
 
 
@@ -41,3 +46,21 @@ def test_in_python_every_line_is_an_assignment_of_what_is_known(planar: InverseK
         compile(value.strip(), "<line>", "eval")
         known.add(name)
     assert {"D", "q1", "q2"} <= known
+
+
+@pytest.mark.sweep
+def test_a_general_arm_says_which_joints_the_eigenvalues_give_and_reaches_the_pose_of_a_configuration() -> None:
+    case = next(case for case in PUBLISHED if case.name == "manseur-doty")
+    robot = case.robot(choice=False)
+    found = InverseKinematics(solve(robot), robot, robot.style)
+    lines = derivation_lines(found, "text", Notation.of(robot))
+    assert lines[0] == "16 solutions, and no more"
+    first = next(line for line in lines if line.startswith("1. "))
+    assert "by the eigenvalues of a 16x16 matrix, of equations between q" in first
+    assert sum("from the eigenvector" in line for line in lines) == 2
+    assert sum("by linear equations" in line for line in lines) == 3
+    q = (Fraction(1, 3), Fraction(1, 2), Fraction(-1, 5), Fraction(1), Fraction(-2, 3), Fraction(1, 7))
+    columns = found.at({f"q{i}": Number(x) for i, x in enumerate(q, 1)})
+    assert columns.shape[1] % 2 == 0
+    errors = [max(abs(float(a) - b) for a, b in zip(columns.col(k), q, strict=True)) for k in range(columns.shape[1])]
+    assert min(errors) < 1e-9
