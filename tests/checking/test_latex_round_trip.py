@@ -32,6 +32,8 @@ def quantities(model: Model) -> Iterator[str]:
     """Every quantity that the robot has, with indices where it takes some."""
     n = model.robot.n
     for row in REGISTRY.values():
+        if row.name == "inverse":  # solutions are lines, no entries
+            continue
         for indices in ("", "[1]", f"[0,{n}]", "[1,2]", "[1,1,2]"):
             name = row.name + indices
             if indices.count(",") + bool(indices) not in row.indices:

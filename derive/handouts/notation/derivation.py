@@ -124,9 +124,11 @@ class SignLatexPrinter(LatexPrinter):
     Args:
         notation: The robot's notation, see `with_names`.
         found: Its inverse kinematics.
+        widest: The widest sum above a divisor [pt].
     """
 
-    def __init__(self, notation: Notation, found: InverseKinematics) -> None:
+    def __init__(self, notation: Notation, found: InverseKinematics, widest: float = WIDEST_QUOTIENT) -> None:
+        self._widest = widest
         sign = Glyph(Box("\\pm ", 8.0))
         signs = {symbol.name: sign for line in found.lines for symbol in line.signs}
         sums = {name.name: _subscripted(name.name, notation) for name in found.sums.values()}
@@ -150,7 +152,7 @@ class SignLatexPrinter(LatexPrinter):
         above, below = sympy.fraction(expression) if expression.is_Mul else (expression, sympy.S.One)
         if above.is_Add and not below.is_Integer:
             top, bottom = joined(super().pieces(above)), joined(super().pieces(below))
-            if top.width <= WIDEST_QUOTIENT:
+            if top.width <= self._widest:
                 return [Piece(fraction(top, bottom))]
         return super().pieces(expression)
 

@@ -11,6 +11,9 @@ from derive.handouts.notation.derivation import SignLatexPrinter, with_names, wi
 from derive.handouts.notation.pieces import Box, concatenate, joined
 from derive.model.inverse.elementary import Line
 
+WIDEST_QUOTIENT = 170.0
+"""Widest sum above a divisor [pt], which a narrow column holds."""
+
 _LETTER_WIDTH = 6.0
 """Of running text in mathematics [pt]."""
 
@@ -25,7 +28,7 @@ def formulas(context: Context) -> Iterator[Formula]:
         The blocks.
     """
     found = context.entries.model.inverse
-    printer = SignLatexPrinter(with_names(context.notation, found), found)
+    printer = SignLatexPrinter(with_names(context.notation, found), found, WIDEST_QUOTIENT)
     for lines in (found.definitions, *(step.lines for step in found.steps)):
         rows = [row for line in lines for row in _rows(context, printer, line)]
         if rows:

@@ -343,8 +343,19 @@ class Derivation:
         return sympy.Add(*terms)
 
     def _condition(self, equation: Equation) -> PrintedEquation:
+        """``r33 = -1``, ``r12 = r21``: what holds nothing of the pose stands on the right, or one of two terms."""
         p = self._composed(equation.coefficient(*(0,) * len(next(iter(equation.terms)))))
-        return PrintedEquation(self._write(p), sympy.S.Zero, self._origins(equation.source))
+        whole = self._positive(p)
+        posed = {symbol.name for symbol in (*self.pose.values(), *(line.symbol for line in self.definitions))}
+        terms = sorted(whole.args if whole.is_Add else (whole,), key=str)
+        held = [term for term in terms if not posed.isdisjoint(symbol.name for symbol in term.free_symbols)]
+        if len(held) == len(terms) == 2:
+            held = held[:1]
+        left = sympy.Add(*held)
+        right = left - whole
+        if is_negative(left):
+            left, right = -left, -right
+        return PrintedEquation(left, right, self._origins(equation.source))
 
 
 _CONSTANTS = (

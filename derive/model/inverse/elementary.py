@@ -17,7 +17,7 @@ import sympy
 from derive.algebra.ring import Polynomial
 from derive.lecture.sympy_conversion import Expr
 
-LONGEST_ARGUMENTS = 14
+LONGEST_ARGUMENTS = 12
 """Operations of both arguments of an atan2 together; longer ones stand on lines of their own."""
 
 LONGEST_INLINE = 3
@@ -119,7 +119,7 @@ class Scribe:
             label: That of the joint that is solved for.
             longest: Operations of a short one.
         """
-        if value.count_ops() <= longest:
+        if operations(value) <= longest:
             return value
         symbol = sympy.Symbol(self.name(letters, label))
         self.lines.append(Line(symbol, value))
@@ -179,9 +179,12 @@ class Scribe:
             return Solved(_atan2(root, known) if a else _atan2(known, root), sympy.Abs(known) <= 1)
         a, minus_b, common = _common(a, minus_b)
         along = self.named(self.ratio(c, common), ("K", "k", "L"), label)
-        square = self.write(a * a + minus_b * minus_b)
+        square, (y, x) = self.write(a * a + minus_b * minus_b), (self.write(a), self.write(minus_b))
+        if operations(square) > LONGEST_ARGUMENTS:
+            y, x = self.named(y, ("A", "M", "G"), label), self.named(x, ("B", "N", "H"), label)
+            square = x**2 + y**2
         root = self.named(sign * sympy.sqrt(square - along**2), ("r", "rho", "h"), label, longest=LONGEST_ARGUMENTS)
-        towards, apart = _atan2(self.write(a), self.write(minus_b)), _atan2(along, root)
+        towards, apart = _atan2(y, x), _atan2(along, root)
         if is_negative(along):
             apart = -_atan2(-along, root)
         return Solved(towards - apart, square >= along**2)
@@ -231,7 +234,7 @@ class Scribe:
         if exact:
             sine, cosine = ((p * (1 / q.constant_term), one) for p, q in (sine, cosine))
         values = [self.ratio(*sine), self.ratio(*cosine)]
-        if sum(value.count_ops() for value in values) <= LONGEST_ARGUMENTS:
+        if sum(map(operations, values)) <= LONGEST_ARGUMENTS:
             return _atan2(*values)
         if exact:
             names = (sympy.sin(unknown), sympy.cos(unknown))
@@ -313,6 +316,15 @@ def content(p: Polynomial) -> Fraction:
     """
     coefficients = [c for _, c in p.terms()]
     return Fraction(gcd(*(c.numerator for c in coefficients)), lcm(*(c.denominator for c in coefficients)))
+
+
+def operations(e: Expr) -> int:
+    """How many operations an expression has; sines and cosines, which are known by then, are none.
+
+    Args:
+        e: An expression.
+    """
+    return int(e.count_ops()) - len(e.atoms(sympy.sin, sympy.cos))
 
 
 def minus_signs(e: Expr) -> int:
