@@ -55,6 +55,7 @@ class EliminationPolicy:
         trials: Poses at which eliminations are compared.
         options: Eliminations that are compared, those with the fewest eigenvalues.
         shared: Angles tan^-1 t closer than this are one eigenvalue, as where solutions share the hidden joint.
+        singular: Entries of the inverse of the leading rows from which on M is singular for every t.
         far: Slides beyond this many reaches are no solutions but rounding of infinite ones.
         approach: Most steps from poor candidates at poses with infinitely many solutions.
         near: Error of a pose before refinement below which a candidate should have become a solution.
@@ -70,6 +71,7 @@ class EliminationPolicy:
     trials: int = 24
     options: int = 24
     shared: float = 1e-5
+    singular: float = 1e8
     far: float = 1e3
     approach: int = 60
     near: float = 1e-4
@@ -311,14 +313,15 @@ class EigenProblem:
         product: Array = np.einsum("nrpxay,kae->nrkpxey", split, factors)
         return product.reshape(n, 2 * count, powers, rows.shape[3] // own * (own + 1))
 
-    def eigen(self, pose: Array) -> tuple[Array, Array, Array]:
+    def eigen(self, pose: Array) -> tuple[Array, Array, Array, Array]:
         """Eigenvalues and vectors.
 
         Args:
             pose: (poses, 4, 4).
 
         Returns:
-            t (poses, k), v (poses, columns, k), both complex, and the turn that t is counted from (poses,).
+            t (poses, k), v (poses, columns, k), both complex, the turn that t is counted from (poses,), and where M is
+            singular for every t (poses,): where solutions are infinitely many.
         """
         forms, count = self.forms(pose), len(pose)
         turns = self.loop.revolute[self.elimination.hidden]
@@ -336,11 +339,11 @@ class EigenProblem:
             better = size < best[0]
             for old, new in zip(best, (size, turn, inverse, *rows), strict=True):
                 old[better] = new[better]
-        _, turn, inverse, _, first, second = best
+        size, turn, inverse, _, first, second = best
         values, vectors = np.linalg.eig(_companion(first, second, inverse))
         n1, n2 = first.shape[1], second.shape[1]
         shift = inverse.shape[-1] - n1 - n2
-        return values, inverse[:, :, shift:] @ vectors[:, : n1 + n2], turn
+        return values, inverse[:, :, shift:] @ vectors[:, : n1 + n2], turn, size > POLICY.singular
 
 
 def _companion(first: Array, second: Array, inverse: Array) -> Array:

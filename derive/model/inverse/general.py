@@ -59,13 +59,13 @@ def candidates(problem: EigenProblem, pose: Array, real: float = POLICY.real) ->
         pose: (poses, 4, 4).
         real: Imaginary part, relative to 1 + |t|^2, up to which an eigenvalue is nearly real.
     """
-    values, vectors, turn = problem.eigen(pose)
+    values, vectors, turn, singular = problem.eigen(pose)
     loop, hidden = problem.loop, problem.elimination.hidden
     size = 1.0 + np.abs(values) ** 2
     near = (np.abs(values.imag) <= real * size) & np.isfinite(values)
     place, which = np.nonzero(near)
     line = np.sort(np.where(near, np.arctan(values.real), np.nan), axis=1)
-    doubtful: Array = np.any(np.diff(line, axis=1) < POLICY.shared, axis=1)
+    doubtful: Array = singular | np.any(np.diff(line, axis=1) < POLICY.shared, axis=1)
     joints = np.full((len(place), loop.n), np.nan)
     t, v = values[place, which].real, vectors[place, :, which]
     joints[:, hidden] = turn[place] + 2.0 * np.arctan(t) if loop.revolute[hidden] else t

@@ -29,7 +29,8 @@ def test_the_hidden_joint_is_among_the_eigenvalues_and_the_others_in_the_eigenve
     assert tried
     for elimination in tried:
         problem = EigenProblem.of(loop, elimination)
-        values, vectors, turn = problem.eigen(pose)
+        values, vectors, turn, singular = problem.eigen(pose)
+        assert not singular.any()
         assert values.shape == (1, elimination.eigenvalues)
         hidden = q[elimination.hidden]
         wanted = np.tan((hidden - turn[0]) / 2) if loop.revolute[elimination.hidden] else hidden
