@@ -629,15 +629,37 @@ class Value:
         return Value(self.graph, self.graph.sign(self.ref))
 
     def arctangent(self, x: Value | int) -> Value:
-        """The angle of the point whose ordinate this is and whose abscissa is x, atan2 [rad]."""
+        """The angle of the point whose ordinate this is.
+
+        Args:
+            x: The abscissa.
+
+        Returns:
+            atan2 of this and x [rad].
+        """
         return Value(self.graph, self.graph.arctangent(self.ref, self._other(x)))
 
     def less(self, other: Value | int | Fraction) -> Value:
-        """1 where this is less than another value, else 0."""
+        """A comparison.
+
+        Args:
+            other: Another value.
+
+        Returns:
+            1 where this is less than it, else 0.
+        """
         return Value(self.graph, self.graph.less(self.ref, self._other(other)))
 
     def select(self, a: Value | int | Fraction, b: Value | int | Fraction) -> Value:
-        """a where this is 1, b where it is 0."""
+        """One of two values, this being the case.
+
+        Args:
+            a: The value where this is 1.
+            b: The value where this is 0.
+
+        Returns:
+            a or b.
+        """
         return Value(self.graph, self.graph.select(self.ref, self._other(a), self._other(b)))
 
     def opposite(self) -> Value:
@@ -645,11 +667,25 @@ class Value:
         return Value(self.graph, self.graph.opposite(self.ref))
 
     def maximum(self, other: Value | int | Fraction) -> Value:
-        """The larger of this and another value."""
+        """The larger of two values.
+
+        Args:
+            other: The second.
+
+        Returns:
+            Their maximum.
+        """
         return Value(self.graph, self.graph.maximum(self.ref, self._other(other)))
 
     def minimum(self, other: Value | int | Fraction) -> Value:
-        """The smaller of this and another value."""
+        """The smaller of two values.
+
+        Args:
+            other: The second.
+
+        Returns:
+            Their minimum.
+        """
         return Value(self.graph, self.graph.minimum(self.ref, self._other(other)))
 
     @property
