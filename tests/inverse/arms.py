@@ -215,9 +215,60 @@ P 30 0 0.2 45
 """
 
 
-def _published() -> tuple[ArmCase, ...]:
+HARD_TABLES = """
+equal-lengths standard hard | PUMA-like, every length the same
+R 0 0.3 0.3 90; R 0 0.3 0.3 0; R 0 0.3 0.3 90; R 0 0.3 0 -90; R 0 0 0 90; R 0 0.3 0 0
+equal-lengths-general standard hard | general 6R, every length the same, all axes at right angles
+R 0 0.3 0.3 90; R 0 0.3 0.3 90; R 0 0.3 0.3 90; R 0 0.3 0.3 90; R 0 0.3 0.3 90; R 0 0.3 0.3 90
+equal-lengths-parallel standard hard | three parallel axes, every length the same
+R 0 0.2 0 90; R 0 0 0.2 0; R 0 0 0.2 0; R 0 0.2 0 90; R 0 0.2 0 -90; R 0 0.2 0 0
+equal-planar-3r standard hard | planar, every link the same
+R 0 0 0.4 0; R 0 0 0.4 0; R 0 0 0.4 0
+equal-anthropomorphic standard hard task=position | equal links: the folded arm turns freely about its shoulder
+R 0 0 0 90; R 0 0 0.4 0; R 0 0 0.4 0
+tiny-link standard hard | a link of 1e-6 m
+R 0 0 0.000001 90; R 0 0 0.4 0; R 0 0 0 90; R 0 0.4 0 -90; R 0 0 0 90; R 0 0.1 0 0
+tiny-wrist-offset standard hard | a wrist that misses its centre by 1e-4 m
+R 0 0.35 0.1 90; R 0 0 0.4 0; R 0 0 0.1 90; R 0 0.4 0 -90; R 0 0.0001 0 90; R 0 0.1 0 0
+small-wrist-offset standard hard | a wrist that misses its centre by 1 mm
+R 0 0.35 0.1 90; R 0 0 0.4 0; R 0 0 0.1 90; R 0 0.4 0.001 -90; R 0 0 0 90; R 0 0.1 0 0
+tiny-twist standard hard | axes 2 and 3 almost parallel: 0.06 degrees
+R 0 0.3 0 90; R 0 0 0.4 0.06; R 0 0 0.1 90; R 0 0.4 0 -90; R 0 0 0 90; R 0 0.1 0 0
+tiny-twist-ur standard hard | a UR whose parallel axes are calibrated: 0.06 degrees apart
+R 0 0.0892 0 90; R 0 0 -0.425 0.06; R 0 0 -0.39225 -0.06; R 0 0.10915 0 90; R 0 0.09465 0 -90; R 0 0.0823 0 0
+tiny-twist-scara standard hard | a SCARA whose axes are 0.06 degrees apart
+R 0 0.3 0.3 0.06; R 0 0 0.25 180; P 0 0 0 0; R 0 0.1 0 0
+large-offsets standard hard | offsets of 100 m on links of 0.3 m
+R 0 100 0 90; R 0 0 0.3 0; R 0 0 0 90; R 0 0.3 0 -90; R 0 0 0 90; R 0 100 0 0
+millimetres standard hard | lengths as numbers of millimetres, taken for metres
+R 0 400 25 -90; R 0 0 455 0; R -90 0 35 -90; R 0 420 0 90; R 0 0 0 -90; R 0 80 0 0
+micrometres standard hard | an arm of a few micrometres
+R 0 0.000004 0 90; R 0 0 0.000003 0; R 0 0 0 90; R 0 0.000003 0 -90; R 0 0 0 90; R 0 0.000001 0 0
+no-shoulder standard hard | nothing but forearm and wrist: axes 1, 2 and 3 concurrent
+R 0 0 0 90; R 0 0 0 -90; R 0 0.4 0 90; R 0 0 0 -90; R 0 0.4 0 90; R 0 0 0.1 0
+no-tool-no-base standard hard | a wrist centre in frame 6
+R 0 0 0 90; R 0 0 0.4 0; R 0 0 0 90; R 0 0.4 0 -90; R 0 0 0 90; R 0 0 0 0
+five-parallel-p standard hard | planar arm on a slide with a tilted wrist
+P 0 0 0 0; R 0 0 0.4 0; R 0 0 0.3 0; R 0 0 0.1 90; R 0 0.1 0 0
+four-parallel standard hard | two pairs of parallel axes
+R 0 0.2 0.3 0; R 0 0 0.3 90; R 0 0.1 0.2 0; R 0 0 0.2 90; R 0 0.1 0 90; R 0 0.1 0 0
+two-triples standard hard | three parallel axes and a wrist on them
+R 0 0.1 0 90; R 0 0 0.3 0; R 0 0 0.3 0; R 0 0 0 90; R 0 0 0 90; R 0 0.2 0 0
+opposed-parallel standard hard | three axes, every second one opposed
+R 0 0.1 0.1 90; R 0 0.1 0.3 180; R 0 0.2 0.3 180; R 0 0.1 0.1 90; R 0 0.1 0 90; R 0 0.2 0 0
+slides-parallel-to-axes standard hard | each slide along the axis before it
+R 0 0 0 0; P 0 0 0.3 90; R 0 0 0.2 0; P 0 0 0.1 90; R 0 0.1 0.1 90; R 0 0.1 0 0
+forty-five standard hard | twists of 45 degrees, a wrist that is not orthogonal
+R 0 0.3 0.1 45; R 0 0.1 0.4 45; R 0 0.1 0.1 -45; R 0 0.4 0 45; R 0 0 0 45; R 0 0.1 0 0
+cuspidal standard hard task=position | Wenger: an orthogonal cuspidal arm, d2 = 1, d3 = 2, d4 = 1.5
+R 0 0 1 -90; R 0 1 2 90; R 0 0 1.5 0
+"""
+"""Arms on which solvers stumble."""
+
+
+def _of_tables(tables: str) -> tuple[ArmCase, ...]:
     cases = []
-    lines = [line for line in PUBLISHED_TABLES.strip().splitlines() if line]
+    lines = [line for line in tables.strip().splitlines() if line]
     for head, table in zip(lines[::2], lines[1::2], strict=True):
         words, source = (part.strip() for part in head.split("|"))
         name, convention, kind, *options = words.split()
@@ -231,8 +282,11 @@ def _published() -> tuple[ArmCase, ...]:
     return tuple(cases)
 
 
-PUBLISHED = _published()
+PUBLISHED = _of_tables(PUBLISHED_TABLES)
 """Arms of books, manuals and papers."""
+
+HARD = _of_tables(HARD_TABLES)
+"""Arms on which solvers stumble: equal, vanishing, huge lengths, axes almost parallel, several structures at once."""
 
 TURNS = ("0", "90", "-90", "180")
 ODD_TURNS = ("30", "-45", "60", "20", "-70", "105", "12.5")

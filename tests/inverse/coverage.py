@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.inverse.arms import CLASSES, PUBLISHED, ArmCase, random_arm
+from tests.inverse.arms import CLASSES, HARD, PUBLISHED, ArmCase, random_arm
 from tests.inverse.solvers import Refused, numeric_solver, solver_of
 from tests.inverse.trial import Trial, Verdict
 
@@ -23,12 +23,12 @@ from tests.inverse.trial import Trial, Verdict
 def main(arguments: list[str] | None = None) -> int:
     """Run, print, and return 1 where something failed."""
     options = _options(arguments)
-    kinds = options.kinds or sorted({case.kind for case in PUBLISHED} | set(CLASSES), key=_order)
+    kinds = options.kinds or sorted({case.kind for case in PUBLISHED + HARD} | set(CLASSES), key=_order)
     head = f"{'class':<24} {'arms':>9} {'poses':>11} {'solutions':>13} {'singular':>9} {'bound.':>7} {'unreach.':>8}"
     print(f"{head} {'residual':>8} {'spur.':>5} {'dupl.':>5} {'empty':>5} {'derive s':>8} {'us/pose':>8}")
     failures: list[tuple[int, str]] = []
     for kind in kinds:
-        cases = [case for case in PUBLISHED if case.kind == kind] if not options.random_only else []
+        cases = [case for case in PUBLISHED + HARD if case.kind == kind] if not options.random_only else []
         if kind in CLASSES:
             cases += [random_arm(kind, i) for i in range(options.first, options.first + options.arms)]
         if options.arm:
