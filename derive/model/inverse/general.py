@@ -451,7 +451,8 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
         for option in options[: POLICY.options]:
             found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
             doubts = int(found.doubtful.sum()) > POLICY.trials // 10
-            results.append(((-found.certain, doubts, option.eigenvalues, found.error), option))
+            order = (-found.certain, doubts, option.eigenvalues, len(option.reductions), found.error)
+            results.append((order, option))
         if results and not min(results, key=lambda each: each[0])[0][1]:
             break
     best: dict[tuple[int, int], Elimination] = {}
