@@ -7,6 +7,7 @@ one unknown and what is known, and made the formulas of nodes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, cached_property, partial
@@ -422,6 +423,8 @@ class Derivation:
             for k, (choice, unknown) in enumerate(product(alike, self._candidates(step.group, step.parts)))
             if (formula := self._formula(choice, state, unknown)) is not None
         ]
+        if not written:
+            raise CoincidenceError
         *_, first, unknown, choice = min(written, key=lambda row: row[:3])
         found = [first]
         if first.degenerate:
@@ -605,13 +608,25 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
     if given is not None:
         freedom.check(given)
     choices = [tuple(given)] if given is not None else list(freedom.choices())[:_TRIED]
+    wanted = sum(FREEDOMS.get(row, 1) for row in task)
+    for arm in (robot, _with_numbers(robot, _baked(robot))):
+        with suppress(CoincidenceError):
+            return _solved(arm, task, choices, wanted - freedom.rank)
+    return refusal(robot, task, choices[0], "parameters whose numbers coincide with what no symbol says")
+
+
+class CoincidenceError(Exception):
+    """An equation that is as short as it seems for the numbers of the parameters alone, not for all of them."""
+
+
+def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missing: int) -> SolutionGraph:
+    """The graph of an arm by the simplest way that leads anywhere, with its conditions and count."""
     for way, deep in ((Derivation.graph, False), (Derivation.graph, True), (Derivation.graph_by_pairs, False)):
         for choice in choices:
             derivation = Derivation(robot, task, choice, deep=deep)
             graph = way(derivation)
             if graph is not None:
-                wanted = sum(FREEDOMS.get(row, 1) for row in task)
-                graph = derivation.with_conditions(graph, wanted - freedom.rank)
+                graph = derivation.with_conditions(graph, missing)
                 return counted(graph, derivation.sampled, derivation.numbers)
     general = Derivation(robot, task, choices[0]).general_graph()
     if general is not None:

@@ -147,3 +147,23 @@ def test_a_given_joint_may_have_an_offset() -> None:
     given = [np.float64(x) for x in q[2:]]
     run = Run(graph, FloatField({}), [[np.float64(x) for x in row] for row in pose], given)
     assert min(np.abs(np.array(run.angles(leaf)) - q).max() for leaf in run.leaves() if leaf.exists) < 1e-9
+
+
+COINCIDENCE = """
+name: coincidence
+convention: standard
+joints:
+  - {type: revolute, d: h, alpha: pi/2}
+  - {type: revolute, a: b1}
+  - {type: revolute, a: 0.05, alpha: pi/2}
+  - {type: revolute, d: 0.4, alpha: -pi/2}
+  - {type: revolute, d: b1 - b2, alpha: pi/2}
+  - {type: revolute, d: 0.1}
+parameters: {h: 0.3, b1: 0.35, b2: 0.35}
+"""
+
+
+def test_a_wrist_that_is_one_by_the_numbers_of_its_parameters_alone_is_solved_with_these_numbers() -> None:
+    graph = solve(Robot.from_text(COINCIDENCE))
+    assert (graph.count, graph.leaves) == (8, 8)
+    assert all(node.kind != "general" for node in graph.nodes)
