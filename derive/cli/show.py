@@ -30,6 +30,10 @@ Indices count from 1; further indices pick an entry: 'B[1,2]', 'T[][1,4]'. A mat
 fits, else entry by entry. Without QUANTITY, the quantities that the robot has are listed. Names of books are
 understood too: M, 'mass matrix', T06, 'det(J)', coriolis.
 
+'inverse' prints the inverse kinematics as textbooks derive it, for the task of the file or of --task:
+
+  derive show planar-2r-perugia inverse --task x,y
+
 With --at it prints numbers; symbols without a number stay:
 
   derive show puma560-corke T J --at '0, 45, 0, 0, 90, 0'
@@ -65,6 +69,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)")
     short = "short names for Christoffel symbols or for constants, with their definitions (B, C, N, Bdot, g, tau)"
     add("--abbreviate", choices=ABBREVIATIONS, help=short)
+    add("--task", metavar="ROWS", help="task of the inverse kinematics: pose, position, or rows such as x,y,phi")
+    add("--given", metavar="JOINTS", help="joints that the inverse kinematics is given, such as q3")
     point = "joint values in the order of the table and in the units of the robot file, and name=value of anything else"
     add("--at", action="append", default=[], metavar="V1,V2,...", help=point)
     add("--rates", metavar="V1,V2,...", help="joint velocities, in the units of the robot file per second")
@@ -89,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
     form = arguments.format
     if arguments.digits and form in EXACT_FORMATS:
         raise QuantityError(f"--digits with --format {form}", allowed="text and latex; Python and JSON have all digits")
-    robot = load(arguments.robot)
+    robot = _asked(load(arguments.robot), arguments)
     with_numbers = any((arguments.at, arguments.rates, arguments.accelerations))
     if not (arguments.quantities or with_numbers):
         _list(robot, form)
@@ -123,6 +129,23 @@ def run(arguments: argparse.Namespace) -> int:
             lines += _zeros(model, name, printer)
     print("\n\n".join(map("\n".join, blocks)))
     return 0
+
+
+def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:
+    """The robot with the task and the given joints of the command line."""
+    from derive.robot.inverse_options import chosen_given, chosen_task
+
+    options = robot.inverse
+    variables = [joint.variable for joint in robot.joints]
+    if arguments.given is not None:
+        words = [word.strip() for word in arguments.given.split(",")]
+        options = replace(options, given=chosen_given(list(filter(None, words)), variables))
+    if arguments.task is not None:
+        words = [word.strip() for word in arguments.task.split(",")]
+        options = replace(
+            options, task=chosen_task(list(filter(None, words)), len(variables) - len(options.given or ()))
+        )
+    return robot if options == robot.inverse else replace(robot, inverse=options)
 
 
 def _zeros(model: Model, name: str, printer: Printer) -> list[str]:

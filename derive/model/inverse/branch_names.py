@@ -6,7 +6,8 @@ have no such words.
 
 - shoulder: on which side of axis 1 the arm stands, seen towards the wrist; that of the offset along axis 2, or of axis
   2 itself where there is none;
-- elbow: above or below the line from the shoulder to the wrist; left or right of it where axes are vertical;
+- elbow: above or below the line from the shoulder to the wrist, left or right of it where axes are vertical; of a planar
+  arm as it is drawn reaching to the right;
 - wrist: flipped where the angle from the axis before to the axis behind its middle joint is negative.
 """
 
@@ -170,11 +171,11 @@ class Shape:
             hand = self._centre(arm)
         line, bend = (v - (v @ axis) * axis for v in (hand - shoulder, elbow - shoulder))
         side = float(np.cross(line, bend) @ axis)
+        if self._planar:  # as an arm is drawn that reaches to the right
+            return _either(side, Word.ELBOW_UP, Word.ELBOW_DOWN)
         if abs(axis @ self._up) < 1 - SMALL:
             above = bend - (bend @ line) / (line @ line) * line
             return _either(above @ self._up, Word.ELBOW_UP, Word.ELBOW_DOWN)
-        if self._planar:
-            return _either(side * (axis @ self._up), Word.ELBOW_UP, Word.ELBOW_DOWN)
         return _either(side * (axis @ self._up), Word.ELBOW_LEFT, Word.ELBOW_RIGHT)
 
     def _wrist_word(self, arm: Placed) -> Word | None:

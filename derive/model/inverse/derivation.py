@@ -196,6 +196,7 @@ class Derivation:
                 solved = Solved(sympy.Add(*(sign * self._named(part) for part, sign in formula.parts)))
             elif formula.equations and unknown is node.unknown:
                 printed = [self._equation(unknown, equation) for equation in formula.equations]
+                printed.sort(key=lambda pair: [origin.entries for origin in pair[0].origins])
                 equations = tuple(equation for equation, _ in printed)
                 solved = self._solved(formula.kind, symbol, self._label(unknown), [values for _, values in printed])
             if solved is not None:
@@ -244,6 +245,8 @@ class Derivation:
         (a, b, c), (d, e, g) = (equation.linear for equation in formula.equations)
         if not b or not a or not ((e == a and d == -b) or (e == -a and d == b)):
             return [formula.degenerate]
+        if (a * a + b * b).is_constant:
+            return [()]
         return [(a, b), (c, g)] if self._holds_pose(a, b) and not self._holds_pose(c, g) else [(c, g), (a, b)]
 
     def _holds_pose(self, *polynomials: Polynomial) -> bool:

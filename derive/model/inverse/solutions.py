@@ -265,7 +265,7 @@ class InverseKinematics:
         """
         with mpmath.workdps(DIGITS):
             known = {sympy.Symbol(name): value_of(expression_to_sympy(value), {}) for name, value in point.items()}
-            symbols = [*map(sympy.Symbol, robot_symbols(self.robot)), *self._variables]
+            symbols = [*map(sympy.Symbol, robot_symbols(replace(self.robot, links=(), gravity=None))), *self._variables]
             missing = [str(symbol) for symbol in symbols if symbol not in known]
             if missing:
                 raise QuantityError(

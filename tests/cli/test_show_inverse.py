@@ -1,0 +1,57 @@
+"""``derive show ROBOT inverse``: the task of the command line, every form of output, all configurations of a pose."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from derive.cli.main import main
+
+ARM = "planar-2r-perugia"
+
+
+def shown(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(["show", ARM, "inverse", *arguments]) == 0
+    return capsys.readouterr().out
+
+
+def test_the_task_of_the_command_line_is_solved(capsys: pytest.CaptureFixture[str]) -> None:
+    assert shown(capsys).startswith("1 solution, and no more\n")
+    text = shown(capsys, "--task", "x,y")
+    assert text.startswith("2 solutions, and no more\n")
+    assert "q1 = atan2(py, px) - atan2(a2*s2, a1 + a2*c2)" in text
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--task", "x,y,z"], "a task of 3 coordinates for 2 joints"),
+        (["--task", "x,w"], "unknown row of a task 'w'"),
+        (["--given", "q7"], "'q7' is no joint variable"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_refused_in_one_message(
+    options: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["show", ARM, "inverse", *options]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert "Traceback" not in error
+
+
+def test_json_has_the_steps_and_the_branches(capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(shown(capsys, "--task", "x,y", "--format", "json"))["quantities"]["inverse"]
+    assert found["count"] == 2
+    assert found["complete"] is True
+    assert [step["unknown"] for step in found["steps"]] == ["q2", "q1"]
+    assert [branch["name"] for branch in found["solutions"]] == ["elbow down", "elbow up"]
+    assert found["steps"][1]["free_where_zero"] == ["px", "py"]
+
+
+def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    """A column each; the two elbows of an arm with links of equal length are mirrored."""
+    text = shown(capsys, "--task", "x,y", "--at", "0.5, 1, a1=1, a2=1", "--format", "json")
+    rows = json.loads(text)["quantities"]["inverse"]
+    columns = sorted(zip(*([float(x) for x in row] for row in rows), strict=True))
+    assert columns == [pytest.approx((0.5, 1.0)), pytest.approx((1.5, -1.0))]

@@ -1,0 +1,79 @@
+"""The inverse kinematics that document 004 prints is derived in its form, and its two errata are not."""
+
+from __future__ import annotations
+
+import pytest
+import sympy
+
+from derive.errors import Location
+from derive.lecture.shorthand import read_formula
+from derive.lecture.sympy_conversion import Expr, expression_to_sympy
+from derive.model.inverse.solutions import InverseKinematics
+from derive.model.model import Model
+from derive.robot.expression import Name
+from tests.lectures.results import document
+from tests.lectures.robot_results import corpus_file
+
+FILE = "004-scara-perugia.yaml"
+POSE = {"ox": "px", "oy": "py", "oz": "pz", "r11": "r11", "r12": "r21", "sgn": "epsilon_2"}
+"""Our names of what is printed; of the admissible orientation r12 = r21."""
+
+FORMULAS = {item["unknown"]: item for item in document(FILE)["inverse_kinematics"]["formulas"]}
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    return Model(corpus_file(FILE).robot)
+
+
+@pytest.fixture(scope="module")
+def found(model: Model) -> InverseKinematics:
+    return model.inverse
+
+
+def read(model: Model, text: str) -> Expr:
+    names = {printed: Name(ours) for printed, ours in POSE.items()}
+    return expression_to_sympy(read_formula(text, model.robot, Location("inverse kinematics"), names))
+
+
+def derived(found: InverseKinematics, unknown: str) -> Expr:
+    """A line of ours, with what it names besides joint variables put in and c2 for the cosine that is called D."""
+    known: dict[Expr, Expr] = {}
+    for line in found.lines:
+        value = line.value.xreplace(known | {sign: sympy.Symbol(sign.name) for sign in line.signs})
+        if str(line.symbol) == unknown:
+            return value
+        if str(line.symbol) == "D":
+            known[line.symbol] = sympy.cos(sympy.Symbol("q2"))
+        elif str(line.symbol) not in ("q1", "q2", "q3", "q4"):
+            known[line.symbol] = value
+    raise KeyError(unknown)
+
+
+OURS = {"alpha": "alpha", "cos_theta2": "D", "theta2": "q2", "theta1": "q1", "theta4": "q4", "d3": "q3"}
+
+
+@pytest.mark.parametrize("unknown", FORMULAS)
+def test_every_printed_formula_is_derived_as_it_is_printed_or_corrected(
+    unknown: str, model: Model, found: InverseKinematics
+) -> None:
+    item = FORMULAS[unknown]
+    ours = derived(found, OURS[unknown])
+    printed = read(model, item["printed"])
+    if item["status"] == "ok":
+        assert sympy.expand(ours - printed) == 0
+    else:
+        assert sympy.expand(ours - read(model, item["correct"])) == 0
+        assert sympy.expand(ours - printed) != 0
+
+
+def test_the_admissible_orientation_is_a_condition_of_the_pose(model: Model, found: InverseKinematics) -> None:
+    conditions = {str(condition.left): str(condition.right) for condition in found.conditions}
+    assert conditions.items() >= {"r13": "0", "r23": "0", "r33": "-1"}.items()
+    assert model.T[0, 1] == model.T[1, 0]
+
+
+def test_there_are_two_solutions_and_the_elbow_tells_them_apart(found: InverseKinematics) -> None:
+    assert found.count == len(found.solutions) == 2
+    assert found.complete
+    assert {solution.name for solution in found.solutions} == {"elbow left", "elbow right"}
