@@ -1,13 +1,13 @@
 """What the branches of a solution are called: shoulder left or right, elbow up or down, wrist flipped or not.
 
 The words are found by looking: at random poses the arm stands in each of its solutions, and a word is given where it
-holds at nearly all of them. Arms that change their posture without meeting a singularity (cuspidal arms, Wenger, 2007)
+holds at most of them. Arms that change their posture without meeting a singularity (cuspidal arms, Wenger, 2007)
 have no such words.
 
 - shoulder: on which side of axis 1 the arm stands, seen towards the wrist; that of the offset along axis 2, or of axis
   2 itself where there is none;
-- elbow: above or below the line from the shoulder to the wrist, left or right of it where axes are vertical; of a planar
-  arm as it is drawn reaching to the right;
+- elbow: above or below the line from the shoulder to the wrist, left or right of it where axes are vertical; of a
+  planar arm as it is drawn, reaching to the right;
 - wrist: flipped where the angle from the axis before to the axis behind its middle joint is negative.
 """
 
