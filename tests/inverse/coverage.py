@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.inverse.arms import CLASSES, HARD, PUBLISHED, ArmCase, random_arm
-from tests.inverse.solvers import Refused, numeric_solver, solver_of
+from tests.inverse.solvers import Refused, generated_solver, numeric_solver, solver_of
 from tests.inverse.trial import Trial, Verdict
 
 
@@ -50,11 +50,16 @@ def _options(arguments):
     parser.add_argument("--poses", type=int, default=10, help="regular poses of each arm")
     parser.add_argument("--random-only", action="store_true", help="no published arms")
     parser.add_argument("--numeric", action="store_true", help="the numeric solver instead of the closed form")
+    parser.add_argument("--generated", action="store_true", help="the generated NumPy module")
     parser.add_argument("--cache", type=Path, help="folder that keeps true solutions")
     parser.add_argument("--failures", type=Path, metavar="FILE", help="where failures are listed")
     parser.add_argument("--robots", type=Path, metavar="FOLDER", help="where robot files of failures are written")
     parser.add_argument("--verbose", action="store_true")
     return parser.parse_args(arguments)
+
+
+def _solver(options):
+    return numeric_solver if options.numeric else generated_solver if options.generated else solver_of
 
 
 def _order(kind):
@@ -68,7 +73,7 @@ def _one_class(kind, cases, options):
     for case in cases:
         begin = time.perf_counter()
         try:
-            solver = numeric_solver(case) if options.numeric else solver_of(case)
+            solver = _solver(options)(case)
         except Refused as error:
             reasons.append(f"    {case.name}: {error}")
             failures.append(_failure(case, options, f"no closed form: {error}"))

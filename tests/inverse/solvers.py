@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
+import tempfile
+
 import numpy as np
 
+import derive
 from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.numeric import POSE, POSITION, NumericChain, solve
 from derive.model.inverse.solve import solve as solve_symbolically
@@ -49,4 +53,21 @@ def solver_of(case: ArmCase):
         return found.q, found.status
 
     run.count = graph.count if graph.complete else 0
+    return run
+
+
+def generated_solver(case: ArmCase):
+    """The function of the generated NumPy module, as a user gets it by ``derive build``."""
+    with tempfile.TemporaryDirectory() as folder:
+        built = derive.build(case.robot(), folder, targets=["numpy"], only=True, effort="quick")
+        spec = importlib.util.spec_from_file_location("generated_inverse", built.folder / "model_numpy.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    if not hasattr(module, "inverse_kinematics"):
+        raise Refused("no inverse_kinematics is generated")
+    params = {name: case.values[name] for name in getattr(module, "PARAMETERS", ()) if name in case.values} or None
+
+    def run(poses, given):
+        return module.inverse_kinematics(poses, params, given if given.shape[1] else None, status=True)
+
     return run
