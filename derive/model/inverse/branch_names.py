@@ -174,7 +174,7 @@ class Shape:
         if self._planar:  # as an arm is drawn that reaches to the right
             return _either(side, Word.ELBOW_UP, Word.ELBOW_DOWN)
         if abs(axis @ self._up) < 1 - SMALL:
-            above = bend - (bend @ line) / (line @ line) * line
+            above = (line @ line) * bend - (bend @ line) * line
             return _either(above @ self._up, Word.ELBOW_UP, Word.ELBOW_DOWN)
         return _either(side * (axis @ self._up), Word.ELBOW_LEFT, Word.ELBOW_RIGHT)
 

@@ -6,7 +6,7 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, product
+from itertools import chain, combinations, product
 from typing import Any
 
 import mpmath
@@ -168,11 +168,18 @@ class InverseKinematics:
     @cached_property
     def named_lines(self) -> tuple[Line, ...]:
         """The same with the names of sums of angles, ``cos(q23)``, from where these are found."""
-        names: dict[Expr, Expr] = {}
+        given = {self._variables[k] for k in self.graph.given}
+        known: dict[Expr, Expr] = {
+            symbol: symbol for symbol in given
+        }  # what is found, by the sum of variables that it is
+        totals = {name: total for total, name in self.sums.items()}
         found = []
         for line in self.lines:
-            found.append(Line(line.symbol, line.value.xreplace(names)))
-            names.update({total: name for total, name in self.sums.items() if name == line.symbol})
+            calls = [(call, _from_known(call.args[0], known)) for call in line.value.atoms(sympy.sin, sympy.cos)]
+            put_in = {call: call.func(angle) for call, angle in calls if angle is not None}
+            found.append(Line(line.symbol, line.value.xreplace(put_in)))
+            if line.symbol in self._variables or line.symbol in totals:
+                known[totals.get(line.symbol, line.symbol)] = line.symbol
         return tuple(found)
 
     @property
@@ -387,3 +394,15 @@ class InverseKinematics:
         down = [float(value_of(expression_to_sympy(cell), known)) for cell in self.robot.gravity]
         length = float(np.linalg.norm(down))
         return -np.array(down) / length if length else None
+
+
+def _from_known(angle: Expr, known: Mapping[Expr, Expr]) -> Expr | None:
+    """A sum of joint variables in the names of what is found, up to three of them; None where nothing need be done."""
+    if all(symbol in known for symbol in angle.free_symbols):
+        return None
+    for size in (1, 2, 3):
+        for parts in combinations(known.items(), size):
+            for signs in product((1, -1), repeat=size):
+                if sympy.Add(*(e * total for e, (total, _) in zip(signs, parts, strict=True))) == angle:
+                    return sympy.Add(*(e * name for e, (_, name) in zip(signs, parts, strict=True)))
+    return None
