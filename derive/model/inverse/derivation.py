@@ -201,6 +201,7 @@ class Derivation:
                 solved = self._solved(formula.kind, symbol, self._label(unknown), [values for _, values in printed])
             if solved is not None:
                 self._scribe.lines.append(Line(symbol, solved.value))
+                self._scribe.sums.update({total: name for total, name in self.sums.items() if name == symbol})
             lines = tuple(self._scribe.lines[first:])
             fails, free = self._free(node.formulas[:1]), self._free(node.formulas)
             others = node.formulas[1:] if fails and len(self._lost(formula)) == 1 else ()

@@ -82,11 +82,13 @@ class Scribe:
         write: Writes a polynomial.
         taken: Names that are in use: those of the robot, of the pose, and what has been named.
         lines: The lines so far.
+        sums: Names of the sums of angles that have been found.
     """
 
     write: Write
     taken: set[str]
     lines: list[Line] = field(default_factory=list)
+    sums: dict[Expr, Expr] = field(default_factory=dict)
 
     def name(self, letters: Iterable[str], label: str = "") -> str:
         """A name that nothing has yet: the first free letter, else one with a label, else with a number.
@@ -222,8 +224,13 @@ class Scribe:
     def _turned(self, sine: Polynomial, cosine: Polynomial) -> Expr:
         """An atan2; of a sine with a minus sign it has the minus sign in front."""
         if is_negative(self.write(sine)):
-            return -_atan2(self.write(-sine), self.write(cosine))
-        return _atan2(self.write(sine), self.write(cosine))
+            return -self._arc(self.write(-sine), self.write(cosine))
+        return self._arc(self.write(sine), self.write(cosine))
+
+    def _arc(self, sine: Expr, cosine: Expr) -> Expr:
+        """An atan2; that of the sine and cosine of an angle is the angle, by its name."""
+        arc = _atan2(sine, cosine)
+        return self.sums.get(arc, arc)
 
     def _quotients(
         self, unknown: Expr, label: str, sine: tuple[Polynomial, Polynomial], cosine: tuple[Polynomial, Polynomial]
