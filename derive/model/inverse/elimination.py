@@ -19,14 +19,15 @@ An elimination is used only where M is regular at generic poses: then every solu
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from derive.model.inverse.closure import FEATURES, Closure, Loop, closures, middle_part, pose_features
+from derive.model.inverse.closure import Closure, Loop
+from derive.model.inverse.rigid_motion import FEATURES, pose_features
 
 Array = npt.NDArray[Any]
 
@@ -130,6 +131,16 @@ class Elimination:
         """The joints between which the equations hold."""
         return self.finish.unknowns
 
+    def available(self, loop: Loop) -> tuple[int, int, int]:
+        """How many equations are of degree 0, 1 and 2, before they are multiplied.
+
+        Args:
+            loop: The arm.
+        """
+        constant = sum(each.constant for each in self.reductions)
+        linear = sum(each.linear for each in self.reductions) * (2 if loop.revolute[self.hidden] else 1)
+        return constant, linear, sum(each.equations for each in self.reductions) - constant - linear
+
 
 @dataclass(frozen=True, eq=False)
 class Equations:
@@ -159,7 +170,7 @@ class Equations:
             hidden: The hidden joint.
         """
         m = reduction.equations
-        left = _left_null(reduction.closure.eliminated_part(loop), m)
+        left = left_null(reduction.closure.eliminated_part(loop), m)
         none = np.zeros((*left.shape[:-2], 0, m))
         unit = np.broadcast_to(np.eye(m), (*left.shape[:-2], m, m))
         if not reduction.constant + reduction.linear:
@@ -170,11 +181,11 @@ class Equations:
         _, first, second = loop.joint_actions(loop.carried(closure.dropped), hidden, closure.direction)
         moved, moved_twice = left @ first, left @ second
         turns = loop.revolute[hidden]
-        constant = _left_null(np.concatenate([moved, moved_twice], axis=-1), reduction.constant)
+        constant = left_null(np.concatenate([moved, moved_twice], axis=-1), reduction.constant)
         top = moved - 1j * moved_twice if turns else moved_twice
-        free = _left_null(np.concatenate([top, _adjoint(constant)], axis=-1), reduction.linear)
+        free = left_null(np.concatenate([top, _adjoint(constant)], axis=-1), reduction.linear)
         taken = np.concatenate([constant, free.real, free.imag] if turns else [constant, free], axis=-2)
-        rest = _left_null(_adjoint(taken), m - taken.shape[-2])
+        rest = left_null(_adjoint(taken), m - taken.shape[-2])
         return cls(reduction, left, constant, free, rest)
 
     def rows(self, forms: Array, turn: Array | None) -> tuple[Array, Array, Array]:
@@ -211,7 +222,8 @@ class EigenProblem:
         equations: The numbers of each way around the loop that is used.
         mixers: For each degree the fixed combinations of rows that are kept.
         tables: For each way around the loop (35, equations, 3, products): the coefficients are linear in the features
-            of the pose (`derive.model.inverse.closure.pose_features`). None where the arm differs from pose to pose.
+            of the pose (`derive.model.inverse.rigid_motion.pose_features`). None where the arm differs from pose to
+            pose.
     """
 
     loop: Loop
@@ -230,8 +242,8 @@ class EigenProblem:
         """
         equations = tuple(Equations.of(loop, each, elimination.hidden) for each in elimination.reductions)
         factor = 1 if elimination.multiplied is None else 2
-        available = _available(loop, elimination.reductions, elimination.hidden)
-        mixers = tuple(_mixer(kept, factor * count) for kept, count in zip(elimination.rows, available, strict=True))
+        counts = zip(elimination.rows, elimination.available(loop), strict=True)
+        mixers = tuple(_mixer(kept, factor * count) for kept, count in counts)
         problem = cls(loop, elimination, equations, mixers)
         if any(gap.ndim > 2 for gap in loop.gaps):
             return problem
@@ -375,8 +387,16 @@ def _adjoint(matrix: Array) -> Array:
     return np.swapaxes(matrix, -1, -2).conj()
 
 
-def _left_null(matrix: Array, count: int) -> Array:
-    """(..., count, rows): orthonormal rows w with w M = 0."""
+def left_null(matrix: Array, count: int) -> Array:
+    """Orthonormal rows w with w M = 0.
+
+    Args:
+        matrix: (..., rows, columns) M.
+        count: How many there are.
+
+    Returns:
+        (..., count, rows).
+    """
     left = np.linalg.svd(matrix, full_matrices=True)[0]
     return _adjoint(left[..., left.shape[-1] - count :])
 
@@ -386,99 +406,3 @@ def _mixer(kept: int, available: int) -> Array:
     if kept == available:
         return np.eye(kept)
     return np.linalg.qr(np.random.default_rng(kept).normal(size=(available, available)))[0][:kept]
-
-
-def _available(loop: Loop, reductions: Sequence[Reduction], hidden: int) -> tuple[int, int, int]:
-    """How many equations are of degree 0, 1 and 2."""
-    constant = sum(each.constant for each in reductions)
-    linear = sum(each.linear for each in reductions) * (2 if loop.revolute[hidden] else 1)
-    return constant, linear, sum(each.equations for each in reductions) - constant - linear
-
-
-def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
-    """Every way to make a regular eigenvalue problem of a loop.
-
-    Args:
-        loop: The arm of floats, already read from the joint at which it begins.
-        pose: (1, 4, 4) a generic pose.
-        start: That joint.
-    """
-    ways = closures(loop)
-    groups: dict[tuple[int, ...], list[Closure]] = {}
-    for way in ways:
-        groups.setdefault(way.unknowns, []).append(way)
-    for unknowns, group in groups.items():
-        finish = max(group, key=lambda way: _determined(loop, way))
-        for hidden in unknowns:
-            straight = tuple(joint for joint in unknowns if _is_straight(loop, pose, group, joint))
-            reductions = [_reduction(loop, way, hidden, straight) for way in group]
-            reductions.sort(key=lambda each: each.closure.aligned != hidden)
-            choices = [(each,) for each in reductions] + ([tuple(reductions)] if len(reductions) > 1 else [])
-            others = [joint for joint in unknowns if joint != hidden]
-            for chosen in choices:
-                for multiplied in (None, *others):
-                    rows = _rows(
-                        loop, pose, Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
-                    )
-                    if rows is not None:
-                        yield Elimination(chosen, hidden, multiplied, rows, finish, start, straight)
-
-
-def _determined(loop: Loop, way: Closure) -> float:
-    """How well the eliminated joints follow from the others by linear equations."""
-    if loop.tip:
-        return 1.0
-    first = min(way.order[:3])
-    three = Loop(loop.revolute[first : first + 3], loop.gaps[first : first + 4])
-    inner, carried = way.alone, loop.carried(way.dropped)
-    kept = list(carried.heights if three.revolute[inner.order[2]] else carried.along)
-    return float(np.linalg.svd(middle_part(three, inner)[0][..., 1:, kept])[1].min())
-
-
-def _rank(matrix: Array) -> int:
-    sizes = np.linalg.svd(matrix, compute_uv=False)
-    return int((sizes > POLICY.rank * sizes.max(initial=1e-3)).sum())
-
-
-def _is_straight(loop: Loop, pose: Array, group: Sequence[Closure], joint: int) -> bool:
-    """Whether a joint is a slide whose square occurs in no equation."""
-    if loop.revolute[joint]:
-        return False
-    for way in group:
-        part, forms = way.eliminated_part(loop), way.unknown_part(loop, pose_features(pose))
-        left = _left_null(part, part.shape[-2] - _rank(part.reshape(part.shape[-2:])))
-        squares = forms.take(2, axis=2 + way.unknowns.index(joint)).reshape(*forms.shape[:2], -1)
-        if np.abs(left @ squares).max(initial=0.0) > POLICY.rank:
-            return False
-    return True
-
-
-def _reduction(loop: Loop, way: Closure, hidden: int, straight: tuple[int, ...]) -> Reduction:
-    part = way.eliminated_part(loop)
-    part = part[0] if part.ndim == 3 else part
-    products = _rank(part)
-    m = len(part) - products
-    if way.aligned != hidden:
-        return Reduction(way, m, 0, m if hidden in straight else 0)
-    _, first, second = loop.joint_actions(loop.carried(way.dropped), hidden, way.direction)
-    constant = m + products - _rank(np.concatenate([part, first, second], axis=1))
-    top = first - 1j * second if loop.revolute[hidden] else second
-    linear = m + products - _rank(np.concatenate([part, top], axis=1)) - constant
-    return Reduction(way, m, constant, linear)
-
-
-def _rows(loop: Loop, pose: Array, elimination: Elimination) -> tuple[int, int, int] | None:
-    """How many rows of each degree a square regular system takes; None where there is none."""
-    hidden, factor = elimination.hidden, 1 if elimination.multiplied is None else 2
-    zero, one, two = (factor * count for count in _available(loop, elimination.reductions, hidden))
-    trial = EigenProblem.of(loop, replace(elimination, rows=(zero, one, two)))
-    turn = np.array([0.37]) if loop.revolute[hidden] else None
-    columns = math.prod(trial.shape)
-    kept: list[int] = []
-    stacked = np.zeros((0, columns))
-    for part in trial.matrices(trial.forms(pose), turn):
-        values = (part[0] * 0.83 ** np.arange(part.shape[2])[:, None]).sum(axis=1)
-        size = np.linalg.norm(values, axis=1, keepdims=True)
-        stacked = np.concatenate([stacked, values / np.where(size > POLICY.rank, size, np.inf)])
-        kept.append(_rank(stacked) - sum(kept) if len(stacked) else 0)
-    return (kept[0], kept[1], kept[2]) if sum(kept) == columns and kept[0] < columns else None

@@ -1,17 +1,13 @@
 """Joints that no order of one-joint equations yields: up to sixteen solutions from one eigenvalue problem.
 
-The eigenvalues and vectors of an elimination (`derive.model.inverse.elimination`) give the joints between which the
-equations hold; the three that were eliminated follow from the motion that is left between them. Every candidate is
-refined by Newton's method on the whole pose; what does not reach the pose is dropped. Double roots appear as pairs of
-nearly real eigenvalues and are refined like the others.
-
-Which of the many possible eliminations serves an arm best is found by trying them at random poses.
+Every candidate that an elimination gives (`derive.model.inverse.candidates`) is refined by Newton's method on the whole
+pose; what does not reach the pose is dropped. Double roots appear as pairs of nearly real eigenvalues and are refined
+like the others. Where an elimination leaves a doubt, the next one is asked.
 """
 
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -20,11 +16,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from derive.model.inverse.closure import Closure, Loop, middle_part, motion_by, pose_features, rigid_inverse
-from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination, eliminations
-from derive.model.inverse.general_count import count_solutions
+from derive.model.inverse.candidates import candidates, finished
+from derive.model.inverse.closure import Loop
+from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination
 from derive.model.inverse.numeric import POSE, POSITION, Entries, NumericChain, Problem, fit
-from derive.robot.names import free_symbols
+from derive.model.inverse.rigid_motion import motion_by
 from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
@@ -34,158 +30,6 @@ PAIR = 2
 
 FULL = {POSE: 6, POSITION: 3}
 """With as many joints as a task has dimensions the number of real solutions is even at regular poses."""
-
-
-@dataclass(frozen=True, eq=False)
-class Candidates:
-    """Values of the unknown joints that may belong to solutions.
-
-    Attributes:
-        place: (candidates,) the pose that each belongs to.
-        joints: (candidates, joints of the loop), NaN for the joints that are not known yet.
-        doubtful: (poses,) where eigenvalues coincide: solutions may share one, and its vectors mix.
-    """
-
-    place: Array
-    joints: Array
-    doubtful: Array
-
-
-def candidates(problem: EigenProblem, pose: Array, real: float = POLICY.real) -> Candidates:
-    """Values of the unknown joints from eigenvalues that are nearly real.
-
-    Args:
-        problem: The eigenvalue problem of the arm.
-        pose: (poses, 4, 4).
-        real: Imaginary part, relative to 1 + |t|^2, up to which an eigenvalue is nearly real.
-    """
-    values, vectors, turn, singular = problem.eigen(pose)
-    loop, hidden = problem.loop, problem.elimination.hidden
-    size = 1.0 + np.abs(values) ** 2
-    near = (np.abs(values.imag) <= real * size) & np.isfinite(values)
-    place, which = np.nonzero(near)
-    line = np.sort(np.where(near, np.arctan(values.real), np.nan), axis=1)
-    doubtful: Array = singular | np.any(np.diff(line, axis=1) < POLICY.shared, axis=1)
-    joints = np.full((len(place), loop.n), np.nan)
-    t, v = values[place, which].real, vectors[place, :, which]
-    joints[:, hidden] = turn[place] + 2.0 * np.arctan(t) if loop.revolute[hidden] else t
-    largest = np.take_along_axis(v, np.abs(v).argmax(axis=1)[:, None], axis=1)
-    v = (v / np.where(largest == 0, 1.0, largest)).real.reshape(len(v), *problem.shape)
-    for axis, joint in enumerate(problem.others):
-        length = problem.shape[axis]
-        lines = np.moveaxis(v, 1 + axis, -1).reshape(len(v), math.prod(problem.shape) // length, length)
-        line = np.take_along_axis(lines, (lines**2).sum(axis=-1).argmax(axis=1)[:, None, None], axis=1)[:, 0]
-        joints[:, joint] = _position(line, loop.revolute[joint])
-    return Candidates(place, joints, doubtful)
-
-
-def finished(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
-    """The same with the eliminated joints, which the motion between them determines.
-
-    Args:
-        problem: The eigenvalue problem of the arm.
-        found: Values of the unknown joints.
-        pose: (poses, 4, 4).
-
-    Returns:
-        One or two candidates for each.
-    """
-    way, loop = problem.elimination.finish, problem.loop
-    if loop.tip:
-        return _last_joint(problem, found, pose)
-    motions = [
-        None if joint in way.order[:3] else motion_by(loop.revolute[joint], found.joints[:, joint])
-        for joint in range(loop.n)
-    ]
-    gaps = tuple(gap if gap.ndim == 2 else np.broadcast_to(gap, (len(pose), 4, 4))[found.place] for gap in loop.gaps)
-    left = Loop(loop.revolute, gaps).locked(motions)
-    values = _three_joints(left, way.alone, pose[found.place])
-    joints = np.repeat(found.joints[None], len(values), axis=0)
-    joints[:, :, np.sort(way.order[:3])] = values
-    return Candidates(np.tile(found.place, len(values)), joints.reshape(-1, loop.n), found.doubtful)
-
-
-def _last_joint(problem: EigenProblem, found: Candidates, pose: Array) -> Candidates:
-    """The one eliminated joint of an arm whose end's position is wanted, from linear equations."""
-    way, loop = problem.elimination.finish, problem.loop
-    right = way.unknown_part(loop, pose_features(pose))[found.place]
-    for joint in way.unknowns:
-        value = found.joints[:, joint]
-        line = (np.ones_like(value), *((np.cos(value), np.sin(value)) if loop.revolute[joint] else (value, value**2)))
-        right = np.einsum("nmk...,nk->nm...", right, np.stack(line, axis=-1))
-    part = np.broadcast_to(way.eliminated_part(loop), (len(pose), right.shape[1], 3))[found.place]
-    values = _middle_joint(loop.revolute[way.order[1]], part[..., 1:], right - part[..., 0])
-    joints = np.repeat(found.joints[None], len(values), axis=0)
-    for own, value in zip(joints, values, strict=True):
-        own[:, way.order[1]], own[:, -1] = value, 0.0
-    return Candidates(np.tile(found.place, len(values)), joints.reshape(-1, loop.n), found.doubtful)
-
-
-def _three_joints(loop: Loop, way: Closure, pose: Array) -> Array:
-    """The positions of three joints that reach poses, (1 or 2, poses, 3).
-
-    What the last one, c, does not change, seen from the first one, a: what a does not change either is linear in
-    (1, cos, sin) of the middle one, b; the rest then gives a.
-    """
-    c, b, a = way.order
-    sign, carried = -way.direction, loop.carried(c)
-    motion = loop.product(loop.inverse(loop.gaps[0]), pose, loop.inverse(loop.gaps[-1]))
-    motion = motion if sign > 0 else loop.inverse(motion)
-    parts, near, far = middle_part(loop, way)
-    seen = carried.action(motion) @ carried.start
-    kept = list(carried.heights if loop.revolute[a] else carried.along)
-    forms = np.broadcast_to(np.swapaxes(parts[..., 1:, kept], -1, -2), (len(pose), len(kept), 2))
-    middle = _middle_joint(loop.revolute[b], forms, seen[:, kept] - parts[..., 0, kept])
-    result = np.empty((len(middle), len(pose), 3))
-    for value, row in zip(middle, result, strict=True):
-        before = near @ motion_by(loop.revolute[b], sign * value) @ far
-        reference = carried.action(before) @ carried.start
-        x, y = list(carried.crosswise), [k + 1 for k in carried.crosswise]
-        if loop.revolute[a]:
-            crosswise = reference[:, x] * seen[:, y] - reference[:, y] * seen[:, x]
-            along = reference[:, x] * seen[:, x] + reference[:, y] * seen[:, y]
-            first = np.arctan2(crosswise.sum(axis=1), along.sum(axis=1))
-        else:
-            moved = list(carried.shifted)
-            rate = (loop.joint_actions(carried, a, 1)[1] @ reference[..., None])[:, moved, 0]
-            difference = (seen - reference)[:, moved]
-            first = (rate * difference).sum(axis=1) / np.maximum((rate * rate).sum(axis=1), 1e-300)
-        last = rigid_inverse(motion_by(loop.revolute[a], first) @ before) @ motion
-        turned = np.arctan2(last[:, 1, 0] - last[:, 0, 1], last[:, 0, 0] + last[:, 1, 1])
-        final = turned if loop.revolute[c] else last[:, 2, 3]
-        row[:, a], row[:, b], row[:, c] = sign * first, value, sign * final
-    return result
-
-
-def _middle_joint(turns: bool, forms: Array, wanted: Array) -> list[Array]:
-    """The joint from equations X c + Y s = Z or X d + Y d^2 = Z; two values where all are multiples of one."""
-    left, sizes, right = np.linalg.svd(forms, full_matrices=False)
-    known = (np.swapaxes(left, -1, -2) @ wanted[..., None])[..., 0] / np.maximum(sizes, 1e-100)
-    if not len(sizes) or sizes[:, 1].max() > 1e-7 * max(1.0, sizes[:, 0].max()):
-        first, second = np.moveaxis((np.swapaxes(right, -1, -2) @ known[..., None])[..., 0], -1, 0)
-        return [np.arctan2(second, first) if turns else first]
-    x, y, z = right[:, 0, 0], right[:, 0, 1], known[:, 0]
-    if turns:
-        middle, off = np.arctan2(y, x), np.arccos(np.clip(z, -1.0, 1.0))
-        return [middle + off, middle - off]
-    root = np.sqrt(np.maximum(x * x + 4.0 * y * z, 0.0))
-    # r^2 y + r x = z by the stable form; the second root is infinite where y = 0
-    large = x + np.where(x < 0, -root, root)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return [2.0 * z / large, np.where(np.abs(y) > 1e-12, -large / (2.0 * y), 2.0 * z / large)]
-
-
-def _position(line: Array, turns: bool) -> Array:
-    """The joint from a multiple of (1, c, s), of (1, d, ...), or of cosines and sines of 3/2 and 1/2 of its angle."""
-    if turns and line.shape[1] == 4:
-        position: Array = 2.0 * np.arctan2(line[:, 3], line[:, 2])
-    elif turns:
-        sign = np.where(line[:, 0] < 0, -1.0, 1.0)
-        position = np.arctan2(line[:, 2] * sign, line[:, 1] * sign)
-    else:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            position = np.nan_to_num(line[:, 1] / line[:, 0])
-    return position
 
 
 @dataclass(frozen=True, eq=False)
@@ -426,41 +270,6 @@ def _distinct(table: Array, chain: NumericChain) -> Array:
     return np.take_along_axis(turned, order[..., None], axis=1) * kept
 
 
-def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entries = POSE) -> tuple[Elimination, ...]:
-    """The eliminations that find all solutions of an arm, compared at random poses.
-
-    Args:
-        chain: The arm's numbers.
-        given: Joints that are arguments.
-        entries: The entries of T that are wanted.
-
-    Returns:
-        For each hidden joint the best, the best of all first; none where there is none.
-    """
-    draw = np.random.default_rng(7)
-    span = np.where(chain.revolute, math.pi, chain.reach)
-    q = draw.uniform(-span, span, (POLICY.trials, chain.n))
-    poses, values = chain.pose_and_jacobian(q)[0], q[:, list(given)] if given else None
-    loop, free = free_loop(chain, given, None if values is None else values[:1], entries)
-    pose, results = scaled(poses[:1], chain.reach), []
-    if not 3 <= len(free) <= FULL[entries] or (entries == POSE and len(free) == 3):
-        return ()
-    for start in (0,) if loop.tip else range(0, loop.n, 3):
-        turned, goal = loop.rotated(start, pose) if start else (loop, pose)
-        options = sorted(eliminations(turned, goal, start), key=lambda each: each.eigenvalues)
-        for option in options[: POLICY.options]:
-            found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
-            doubts = int(found.doubtful.sum()) > POLICY.trials // 10
-            order = (-found.certain, doubts, option.eigenvalues, len(option.reductions), found.error)
-            results.append((order, option))
-        if results and not min(results, key=lambda each: each[0])[0][1]:
-            break
-    best: dict[tuple[int, int], Elimination] = {}
-    for _, option in sorted(results, key=lambda each: each[0]):
-        best.setdefault((option.start, option.hidden), option)
-    return tuple(best.values())
-
-
 @dataclass(frozen=True, eq=False)
 class GeneralFormula:
     """What a general node solves (`derive.model.inverse.nodes.Formula.payload`): all joints that are not given.
@@ -532,29 +341,3 @@ class GeneralFormula:
 @lru_cache(maxsize=64)
 def _chain(robot: Robot, values: tuple[tuple[str, float], ...]) -> NumericChain:
     return NumericChain.of(robot, dict(values))
-
-
-def general_formula(
-    robot: Robot, specimen: Robot, given: Sequence[int], generators: Sequence[tuple[str, ...]], entries: Entries = POSE
-) -> GeneralFormula | None:
-    """The general node of an arm.
-
-    Args:
-        robot: The arm, its joint variables the unknowns of the graph.
-        specimen: The same with numbers in place of the parameters that have numbers: its solutions are counted.
-        given: Joints that are arguments.
-        generators: The generators of their unknowns.
-        entries: The entries of T that are wanted: all, or the position.
-
-    Returns:
-        The node; None where there is no elimination.
-    """
-    missing = sorted(set(free_symbols(specimen)))
-    draw = random.Random(5)
-    chain = NumericChain.of(robot, {name: draw.uniform(0.3, 1.1) for name in missing})
-    found = find_general(chain, given, entries)
-    if not found:
-        return None
-    counts = (count_solutions(specimen, each, given, tip=entries != POSE) for each in found)
-    count = next((number for number in counts if number), 0)
-    return GeneralFormula(robot, GeneralSolution(tuple(given), entries, found, count), tuple(generators))

@@ -24,8 +24,9 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.residues import ResidueDomain
 from derive.mechanics.chain import build_chain
 from derive.mechanics.vectors import Frame
-from derive.model.inverse.closure import Closure, Loop, closures, joint_motion, middle_part, pose_features
+from derive.model.inverse.closure import Closure, Loop, closures, middle_part
 from derive.model.inverse.elimination import HALF, POWERS, Elimination
+from derive.model.inverse.rigid_motion import joint_motion, pose_features
 from derive.robot.description import Joint
 from derive.robot.robot import Robot
 
@@ -36,9 +37,21 @@ class _AtRest(ResidueDomain):
     """Residues of an arm whose joint variables are zero."""
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
+        """Cosine and sine of a joint's constant angle.
+
+        Args:
+            index: Its place in the chain.
+            joint: The joint.
+        """
         return self.cosine_sine(joint.theta)
 
     def joint_offset(self, index: int, joint: Joint) -> Any:
+        """A joint's constant displacement.
+
+        Args:
+            index: Its place in the chain.
+            joint: The joint.
+        """
         return self.constant(joint.d)
 
 

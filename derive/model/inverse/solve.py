@@ -25,8 +25,8 @@ from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.vectors import Frame, Matrix, column, cross, dot, hat, matmul, multiply, outer, transpose
 from derive.model.inverse.completeness import counted
 from derive.model.inverse.conditions import conditions
+from derive.model.inverse.elimination_choice import general_formula
 from derive.model.inverse.evidence import Evidence
-from derive.model.inverse.general import general_formula
 from derive.model.inverse.graph import Node, Plan, SolutionGraph, horner, turned
 from derive.model.inverse.nodes import Equation, Exponents, Formula, Kind, Source, Unknown
 from derive.model.inverse.numeric import POSE, POSITION

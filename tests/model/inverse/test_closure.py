@@ -3,36 +3,21 @@
 import numpy as np
 import pytest
 
-from derive.model.inverse.closure import (
-    Loop,
-    axis_action,
-    closures,
-    frame_action,
-    inverse_features,
-    joint_motion,
-    middle_part,
-    motion_by,
-    point_action,
-    pose_features,
-    rigid_inverse,
-)
+from derive.model.inverse.closure import Loop, closures, middle_part
+from derive.model.inverse.rigid_motion import joint_motion, motion_by, pose_features
+from tests.model.inverse.test_rigid_motion import random_frames
 
 PRIME = 2147483647
-
-
-def random_frames(random, count):
-    """Rigid motions, (count, 4, 4)."""
-    frames = np.tile(np.eye(4), (count, 1, 1))
-    for k in range(count):
-        rotation = np.linalg.qr(random.normal(size=(3, 3)))[0]
-        frames[k, :3, :3] = rotation * np.linalg.det(rotation)
-        frames[k, :3, 3] = random.normal(size=3)
-    return frames
 
 
 def random_loop(types, seed=0):
     """An arm of floats with general gaps."""
     return Loop(tuple(t == "R" for t in types), tuple(random_frames(np.random.default_rng(seed), len(types) + 1)))
+
+
+def pose_of(loop, q):
+    """T at a configuration, (1, 4, 4)."""
+    return loop.pose([motion_by(turns, x) for turns, x in zip(loop.revolute, q, strict=True)])[None]
 
 
 def products(loop, joints, q):
@@ -45,34 +30,11 @@ def products(loop, joints, q):
     return result
 
 
-def axis_numbers(u, p):
-    """The fifteen numbers by their definition."""
-    return np.concatenate([[1], u, p, [p @ p, p @ u], np.cross(p, u), (p @ p) * u - 2 * (p @ u) * p])
-
-
-def test_axis_action_maps_the_numbers_of_an_axis_to_those_of_the_moved_axis():
-    random = np.random.default_rng(1)
-    for frame in random_frames(random, 5):
-        u, p = random.normal(size=3), random.normal(size=3)
-        moved = axis_numbers(frame[:3, :3] @ u, frame[:3, :3] @ p + frame[:3, 3])
-        np.testing.assert_allclose(axis_action(pose_features(frame)) @ axis_numbers(u, p), moved, atol=1e-12)
-
-
-@pytest.mark.parametrize("action", [axis_action, frame_action, point_action])
-def test_actions_of_motions_one_after_the_other_are_multiplied(action):
-    first, second = random_frames(np.random.default_rng(2), 2)
-    one, two, both = (action(pose_features(frame)) for frame in (first, second, first @ second))
-    np.testing.assert_allclose(both, one @ two, atol=1e-12)
-    back = action(inverse_features(pose_features(first)))
-    np.testing.assert_allclose(back @ one, np.eye(len(one)), atol=1e-12)
-    np.testing.assert_allclose(back, action(pose_features(rigid_inverse(first))), atol=1e-12)
-
-
 @pytest.mark.parametrize("types", ["RRRRRR", "RPRRRR", "PRRPRR", "RRRRR", "RRPR"])
 def test_around_the_loop_both_ways_give_the_same_numbers(types):
     loop = random_loop(types)
     q = np.random.default_rng(3).uniform(-2, 2, loop.n)
-    pose = loop.pose([motion_by(turns, x) for turns, x in zip(loop.revolute, q, strict=True)])[None]
+    pose = pose_of(loop, q)
     ways = closures(loop)
     assert len(ways) >= loop.n
     for way in ways:

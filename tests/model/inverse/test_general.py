@@ -6,8 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from derive.model.inverse.elimination_choice import find_general
 from derive.model.inverse.fields import FloatField
-from derive.model.inverse.general import GeneralSolution, find_general, free_loop, scaled
+from derive.model.inverse.general import GeneralSolution, free_loop, scaled
 from derive.model.inverse.graph import Run
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.numeric import POSE, NumericChain

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from derive.model.inverse.elimination import eliminations
-from derive.model.inverse.general import GeneralSolution, find_general, free_loop, scaled
+from derive.model.inverse.elimination_choice import eliminations, find_general
+from derive.model.inverse.general import GeneralSolution, free_loop, scaled
 from derive.model.inverse.general_count import count_solutions, residue_loop
 from derive.model.inverse.numeric import POSITION, NumericChain
 from tests.inverse.arms import PUBLISHED, random_arm
