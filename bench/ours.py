@@ -12,7 +12,7 @@ from bench.peers.peer import Counted, Peer
 from bench.quantities import QUANTITIES, Quantity
 from bench.robots import Array, Case
 from derive.algebra.constants import to_float
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.program import Function, Program
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.robot.robot import Robot

@@ -13,7 +13,7 @@ from derive.handouts.document import Document
 from derive.handouts.exercise import exercise, solutions
 from derive.handouts.latex_writer import latex
 from derive.handouts.pdf import compile_latex
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
 from derive.robot.handout_options import HandoutOptions
 from derive.robot.robot import Robot

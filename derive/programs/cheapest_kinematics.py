@@ -33,7 +33,8 @@ from derive.mechanics.vectors import (
 from derive.programs.optimise.choice import choose
 from derive.programs.parallel_axes import Placement, Run, about_z
 from derive.programs.search_policy import POLICY
-from derive.programs.tape.graph import ZERO, Ref, Value
+from derive.programs.tape.graph import ZERO, Ref
+from derive.programs.tape.value import Value
 
 
 class Stations:

@@ -20,8 +20,8 @@ from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.programs.search_policy import POLICY
-from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, QDD, Q, TapeDomain
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.robot.style import Contraction
 

@@ -15,8 +15,9 @@ from derive.programs.optimise.improve import Improvement
 from derive.programs.search_policy import POLICY, Effort
 from derive.programs.tape.build import Replacements, bake, copy, cut
 from derive.programs.tape.cost import Cost, program_cost
-from derive.programs.tape.graph import Graph, Ref, Value
+from derive.programs.tape.graph import Graph, Ref
 from derive.programs.tape.tape import PARAMETER, Source, Tape
+from derive.programs.tape.value import Value
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
 

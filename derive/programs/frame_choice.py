@@ -27,7 +27,8 @@ from derive.mechanics.vectors import Frame, Vector, add, scale
 from derive.programs.parallel_axes import SumOfTurns, Turn, about_z
 from derive.programs.search_policy import POLICY
 from derive.programs.tape.cost import Cost
-from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref, Value
+from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
+from derive.programs.tape.value import Value
 
 FrameChoices = tuple[FrameChoice, ...]
 """What is chosen at each joint."""

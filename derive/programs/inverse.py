@@ -19,9 +19,11 @@ from derive.model.inverse.nodes import Formula, Kind
 from derive.model.inverse.solve import solve
 from derive.programs.formulation_choice import Formulation
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse, Status
+from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
-from derive.programs.tape.graph import Ref, Value, node_of
+from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import TapeDomain
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, has_exact_rotations
 from derive.robot.expression import Expression, Pi
 
@@ -132,7 +134,7 @@ class TapeField:
             a: The radicand.
             scale: The size of what it is the difference of.
         """
-        if a.graph.is_nowhere_negative(a.ref):
+        if is_nowhere_negative(a.graph, a.ref):
             return self.truth(True)
         return ~Mask(a.less(abs(scale) * -Fraction(BEYOND)))
 

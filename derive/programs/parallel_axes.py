@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.vectors import Frame, Matrix, Vector, add, column, identity, matmul, multiply, scale
-from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Value
+from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO
+from derive.programs.tape.value import Value
 
 
 class Turn(NamedTuple):

@@ -20,8 +20,9 @@ from derive.programs.frame_choice import (
 )
 from derive.programs.parallel_axes import Run, Turn, parallel_runs
 from derive.programs.search_policy import POLICY, Effort
-from derive.programs.tape.graph import Graph, Ref, Value
+from derive.programs.tape.graph import Graph, Ref
 from derive.programs.tape.scalars import QD, TapeDomain
+from derive.programs.tape.value import Value
 from derive.robot.description import Matrix
 from derive.robot.evaluate import evaluate
 from derive.robot.names import free_symbols, number_of, robot_symbols

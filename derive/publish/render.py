@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from derive.errors import OutputError, TargetError
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.programs.search_policy import Effort
 from derive.publish.manifest import FILE as MANIFEST

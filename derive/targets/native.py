@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from math import prod
 
 from derive.programs.program import Function, Inverse
-from derive.targets.c import CFunction, c_context, c_function
+from derive.targets.c import c_context
+from derive.targets.c_function import CFunction, c_function
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
 from derive.targets.templating import render

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from derive.errors import Location
-from derive.programs.program import ARGUMENTS, NEAR, cost_text, joint_lines
+from derive.programs.program import ARGUMENTS, NEAR, Program, cost_text, joint_lines
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.parser import parse_expression
@@ -50,25 +50,7 @@ def render(source: Source) -> dict[str, str]:
     free, numbers = free_symbols(robot), number_of(robot)
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     written = {column.name: _formulas(column.formula, robot) for column in base}
-    functions = [
-        {
-            "call": f"{function.name}({', '.join(function.arguments)})",
-            "shape": shape_text(function.shape),
-            "summary": function.interface.summary,
-            "cost": cost_text(function.operations),
-        }
-        for function in program
-    ]
     inverse = program.inverse
-    if inverse is not None:
-        functions.append(
-            {
-                "call": f"inverse_kinematics({', '.join(name for name in inverse.function.arguments if name != NEAR)})",
-                "shape": shape_text((inverse.branches, inverse.joints)),
-                "summary": inverse.function.interface.summary,
-                "cost": cost_text(inverse.function.operations),
-            }
-        )
     context = {
         "title": markdown_text(robot.title),
         "name": robot.name,
@@ -82,7 +64,7 @@ def render(source: Source) -> dict[str, str]:
         "has_numpy": "model_numpy.py" in source.files,
         "has_casadi": "model_casadi.py" in source.files,
         "has_dynamics": robot.has_dynamics,
-        "functions": functions,
+        "functions": _functions(program),
         "inverse": inverse.summary if inverse is not None else "",
         "branches": inverse.branches if inverse is not None else 0,
         "given": ", ".join(robot.joints[i].variable for i in inverse.given) if inverse is not None else "",
@@ -102,6 +84,23 @@ def render(source: Source) -> dict[str, str]:
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }
     return {"README.md": templating.render("readme/README.md.jinja", **context)}
+
+
+def _functions(program: Program) -> list[dict[str, str]]:
+    """The rows of the table of functions; inverse kinematics, with all its branches, is the last."""
+    shown = [(function, function.arguments, function.shape) for function in program]
+    if (inverse := program.inverse) is not None:
+        arguments = tuple(name for name in inverse.function.arguments if name != NEAR)
+        shown.append((inverse.function, arguments, (inverse.branches, inverse.joints)))
+    return [
+        {
+            "call": f"{function.name}({', '.join(arguments)})",
+            "shape": shape_text(shape),
+            "summary": function.interface.summary,
+            "cost": cost_text(function.operations),
+        }
+        for function, arguments, shape in shown
+    ]
 
 
 def _formulas(formula: str, robot: Robot) -> tuple[str, str]:

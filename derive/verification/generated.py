@@ -1,18 +1,17 @@
 """Generated modules as callables.
 
 Python is imported by path, without leaving a trace in this process or in its folder; C is compiled for the occasion and
-called through ctypes (``model.c``) or ``casadi.external`` (``model_casadi.c``).
+called through ctypes (`derive.verification.c_model`) or ``casadi.external`` (``model_casadi.c``).
 """
 
 from __future__ import annotations
 
-import ctypes
 import importlib.util
 import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
@@ -23,19 +22,12 @@ import numpy as np
 from derive.errors import TargetError, VerificationError
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compile_shared
+from derive.verification.c_model import load_c_model
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS
-
-C_OPTIONS = ("-std=c99", "-O0", "-Dalways_inline=unused")
-"""What is right without optimisation is right; compiling is most of the time spent here.
-
-Every kernel is compiled once, and not once more for each function that it is to be inlined into.
-"""
+from derive.verification.samples import Parameters
 
 CASADI_OPTIONS = ("-O0",)
-
-Parameters = Mapping[str, Any]
-"""A number, or an array that broadcasts against the batch, for every free symbol."""
 
 
 class GeneratedModel(Protocol):
@@ -234,122 +226,6 @@ class CasadiModel:
         return tuple(self.function(name) if isinstance(name, str) else name for name in listed)
 
 
-@dataclass(frozen=True)
-class CModel:
-    """The compiled ``model.c``: functions of one configuration and of a batch.
-
-    Attributes:
-        shared: The library.
-        header: Text of ``model.h``, in which shapes and numbers are read.
-    """
-
-    shared: ctypes.CDLL
-    header: str
-    target = "c"
-    file = "model.c"
-    ways = ("one", "batch", "blocks")
-
-    @property
-    def constants(self) -> Mapping[str, Any]:
-        """``DOF`` and ``PARAMETERS``, as the header has them, and the shapes of the functions by name."""
-        start = f"{self._prefix}index_of_"
-        names = [name.removeprefix(start) for name in self._numbers if name.startswith(start)]
-        functions = {name.removeprefix(self._prefix): shape for name, shape in self._shapes.items()}
-        if f"{self._prefix}branches" in self._numbers:
-            functions["inverse_kinematics"] = ()
-        return {**functions, "DOF": self._numbers[f"{self._prefix}dof"], "PARAMETERS": tuple(names)}
-
-    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
-        """The value of a function, by the batch function for more than one configuration.
-
-        Args:
-            function: Its name.
-            arguments: (..., n) each.
-            parameters: Numbers of the free symbols.
-
-        Returns:
-            (..., *shape).
-        """
-        name = f"{self._prefix}{function}"
-        inputs = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
-        batch = inputs[0].shape[:-1] if inputs else ()
-        result = np.full((*batch, *self._shapes[name]), np.nan)
-        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
-        if constants.size:
-            params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
-            getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
-            inputs.append(constants)
-        pointers = [_pointer(array) for array in (*inputs, result)]
-        if batch:
-            getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(int(np.prod(batch))), *pointers)
-        else:
-            getattr(self.shared, name)(*pointers)
-        return result
-
-    def given_names(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the joints whose variables inverse kinematics is given.
-
-        Args:
-            robot: The robot.
-        """
-        start = f"{self._prefix}given_joint_"
-        places = [number for name, number in self._numbers.items() if name.startswith(start)]
-        return tuple(robot.joints[place].variable for place in places)
-
-    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, of one pose where there is one, else of a batch.
-
-        Args:
-            poses: (poses, 4, 4).
-            given: Variables of the given joints, (poses, k).
-            parameters: Numbers of the free symbols.
-
-        Returns:
-            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
-        """
-        name, count = f"{self._prefix}inverse_kinematics", len(poses)
-        branches = self._numbers[f"{self._prefix}branches"]
-        q = np.zeros((count, branches, self._numbers[f"{self._prefix}dof"]))
-        status = np.full((count, branches), -1, dtype=np.intc)
-        arrays = [np.ascontiguousarray(poses, dtype=float)]
-        arrays += [np.ascontiguousarray(given, dtype=float)] if given.shape[-1] else []
-        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
-        if constants.size:
-            params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
-            getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
-            arrays.append(constants)
-        pointers = [_pointer(array) for array in (*arrays, q, status)]
-        pointers.insert(1 + bool(given.shape[-1]), ctypes.c_void_p())  # free joints at zero
-        if count > 1:
-            getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(count), *pointers)
-        elif getattr(self.shared, name)(*pointers) != (status > 0).sum():
-            raise VerificationError(f"{name} of {self.file} returns another number of solutions than it marks")
-        return q, status
-
-    @cached_property
-    def _numbers(self) -> dict[str, int]:
-        """The enumerators of the header."""
-        return {name: int(number) for name, number in re.findall(r"^ +(\w+) = (\d+),", self.header, re.MULTILINE)}
-
-    @cached_property
-    def _prefix(self) -> str:
-        return next(iter(self._numbers)).removesuffix("dof")
-
-    @cached_property
-    def _shapes(self) -> dict[str, tuple[int, ...]]:
-        """Shapes of the results, from the functions' comments."""
-        shapes = {}
-        for comment, name in re.findall(r"/\*\*\n((?: \*.*\n)+?) \*/\nvoid (\w+)\(", self.header):
-            shape = re.search(r"@param\[out\] result +\S+, (scalar|[0-9]+(?: x [0-9]+)*)", comment)
-            if shape:
-                shapes[name] = tuple(map(int, re.findall("[0-9]+", shape[1])))
-        return shapes
-
-
-def _pointer(array: Array) -> Any:
-    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
-
-
 def load_models(folder: Path, *, needing_library: bool | None = None) -> tuple[GeneratedModel, ...]:
     """The generated modules in Python.
 
@@ -413,29 +289,6 @@ def _import(path: Path) -> ModuleType:
     except Exception as error:
         raise VerificationError(f"{path.name} cannot be imported: {type(error).__name__}: {error}") from error
     return module
-
-
-def load_c_model(path: Path, compiler: Command) -> CModel:
-    """Compile and load a C model.
-
-    Args:
-        path: ``model.c``, beside its header.
-        compiler: The compiler's command.
-
-    Returns:
-        Its functions.
-
-    Raises:
-        VerificationError: It does not compile.
-    """
-    with tempfile.TemporaryDirectory(prefix="derive-") as temporary:
-        library = Path(temporary, "model.so")
-        try:
-            compile_shared(compiler, [path], library, C_OPTIONS)
-            shared = ctypes.CDLL(str(library))
-        except (TargetError, OSError) as error:
-            raise VerificationError(f"{path.name} cannot be compiled: {error}") from error
-    return CModel(shared, path.with_suffix(".h").read_text(encoding="utf-8"))
 
 
 def load_casadi_c(path: Path, compiler: Command) -> CasadiModel:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,10 @@ SPECIAL = 2
 
 GENERIC = 3
 """Fewest other states of a set: at the special ones most wrong terms vanish."""
+
+
+Parameters = Mapping[str, Any]
+"""A number, or an array that broadcasts against the batch, for every free symbol."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,10 +8,10 @@ from functools import cache, partial
 
 import numpy as np
 
-from derive.verification.generated import GeneratedModel, Parameters
+from derive.verification.generated import GeneratedModel
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS
-from derive.verification.samples import SampleSet
+from derive.verification.samples import Parameters, SampleSet
 
 BLOCK_ROWS = 8231
 """More configurations than generated code handles at once, and no multiple of anything: faults between blocks show."""

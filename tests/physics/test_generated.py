@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 
 from derive.model.identification.base_parameters import base_set
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi

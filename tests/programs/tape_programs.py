@@ -9,8 +9,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
+from derive.programs.tape.value import Value
 
 INPUTS = 3
 PARAMETERS = 2
@@ -23,6 +24,11 @@ RATIONAL = {
     "sign": lambda x: Fraction((x > 0) - (x < 0)),
 }
 """Rational points of the unit circle stand for sine and cosine: then every identity can be tested exactly."""
+
+
+def variables(graph: Graph, count: int = 3) -> list[Value]:
+    """q1, q2, ..."""
+    return [Value(graph, graph.input("q", i)) for i in range(count)]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian, link_transforms
+from derive.programs.build import build_program
 from derive.programs.cheapest_kinematics import cheapest_jacobian, cheapest_links, cheapest_pose
-from derive.programs.functions import build_program
 from derive.programs.tape.tape import Operations
 from derive.programs.trace import Trace, flat
 from derive.robot.robot import Robot

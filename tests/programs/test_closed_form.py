@@ -12,11 +12,11 @@ from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
+from derive.programs.build import build_program
 from derive.programs.closed_form import CLOSED_FORMS, ClosedForm
-from derive.programs.functions import build_program
 from derive.programs.search_policy import POLICY
-from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, QDD
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, flat
 from derive.robot.robot import Robot
 from tests.programs.parallel_arms import numbers

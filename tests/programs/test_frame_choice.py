@@ -21,8 +21,8 @@ from derive.programs.frame_choice import (
     starting_choices,
 )
 from derive.programs.tape.build import bake, cut
-from derive.programs.tape.graph import Value
 from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, flat
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot

@@ -14,8 +14,9 @@ from derive.model.inverse.graph import Run
 from derive.model.inverse.solve import solve
 from derive.programs.inverse import Mask, inverse_function, reason_without_program, solved
 from derive.programs.program import NEAR, POSE, Inverse
-from derive.programs.tape.graph import ONE, ZERO, Graph, Value
+from derive.programs.tape.graph import ONE, ZERO, Graph
 from derive.programs.tape.tape import PARAMETER, Op, evaluate
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols

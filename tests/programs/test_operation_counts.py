@@ -13,7 +13,7 @@ from bench.operations_report import best_other
 from bench.quantities import QUANTITIES
 from bench.results import read_json
 from bench.robots import COUNTED, load
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.program import Program
 
 RESULTS = read_json("operations")["robots"]

@@ -10,8 +10,8 @@ import pytest
 from derive.mechanics.forward_kinematics import joint_poses
 from derive.mechanics.vectors import Frame, Vector, add, column, identity, multiply
 from derive.programs.tape.build import bake, cut
-from derive.programs.tape.graph import Value
 from derive.programs.tape.tape import Operations
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace
 from derive.robot.robot import Robot
 from tests.programs.parallel_arms import numbers, parallel_arm

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import pytest
 
 from derive.errors import DeriveError
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.search_policy import POLICY, Effort, Policy, effort_named
 from derive.robot.robot import Robot
 from tests.programs.thresholds import measured, values_tried

@@ -50,7 +50,8 @@ def _measure(thresholds: dict[str, float], robots: Sequence[str], functions: Seq
     """Put a policy in place before anything has taken it, and search."""
     assert "derive.programs.functions" not in sys.modules, "this process has taken the usual policy already"
     search_policy.POLICY = search_policy.Policy(**thresholds)  # type: ignore[arg-type]
-    from derive.programs.functions import INTERFACES, build_program
+    from derive.programs.build import build_program
+    from derive.programs.functions import INTERFACES
 
     loaded = {name: Robot.load(name) for name in robots}
     started = time.process_time()

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.publish.processes import in_another_process, in_two_processes
 from derive.robot.robot import Robot
 

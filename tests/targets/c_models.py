@@ -12,7 +12,7 @@ from derive.programs.program import Program
 from derive.robot.robot import Robot
 from derive.targets.c import render_c
 from derive.targets.compiler import find_compiler
-from derive.verification.generated import CModel, load_c_model
+from derive.verification.c_model import CModel, load_c_model
 from tests.targets.generated_models import source_of
 
 REQUIRED = os.environ.get("DERIVE_REQUIRE_COMPILER") == "1"

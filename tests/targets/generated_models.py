@@ -9,10 +9,12 @@ from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-from derive.programs.functions import INTERFACES, build_program
+from derive.programs.build import build_program
+from derive.programs.functions import INTERFACES
 from derive.programs.program import Function, Program
 from derive.programs.tape.build import cut
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy

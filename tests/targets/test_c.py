@@ -13,12 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.c import render_c
 from derive.targets.compiler import compile_shared, find_compiler
 from derive.targets.escape import c_prefix
-from derive.verification.generated import CModel
+from derive.verification.c_model import CModel
 from tests.random_robots import random_robot, seeds
 from tests.targets.c_models import c_model, needs_compiler, write_c_model
 from tests.targets.generated_models import PARAMETERS, numpy_model, planar, small_program, source_of

@@ -8,7 +8,7 @@ import random
 import subprocess
 import sys
 
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot

@@ -15,8 +15,9 @@ import pytest
 
 from derive.algebra import constants
 from derive.programs.program import Program
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import Op
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
 from derive.targets.kernel import JAVASCRIPT, PYTHON, C, Language, Piece, wrapped, write_kernel

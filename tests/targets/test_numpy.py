@@ -17,8 +17,9 @@ import pytest
 from derive.programs.functions import INTERFACES
 from derive.programs.program import Function, Program
 from derive.programs.tape.build import cut
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
+from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.numpy import render_numpy
 from tests.random_robots import random_robot, seeds

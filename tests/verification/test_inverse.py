@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from derive.errors import VerificationError
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
-from derive.verification.generated import NumpyModel, Parameters
+from derive.verification.generated import NumpyModel
 from derive.verification.inverse import CLOSED, inverse_errors
 from derive.verification.oracle.frames import Array
-from derive.verification.samples import SampleSet, sample_sets
+from derive.verification.samples import Parameters, SampleSet, sample_sets
 from tests.targets.generated_models import numpy_model
 
 Change = Callable[[Array, Array], tuple[Array, Array]]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from derive.errors import VerificationError
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy

@@ -20,8 +20,8 @@ from derive.programs.formulation_choice import Formulation
 from derive.programs.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
 from derive.programs.search_policy import POLICY
 from derive.programs.tape.derivative import gradient_columns
-from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, QDD, TAU, Q
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, flat
 
 Recursion = Callable[[FrameChoices], list[Value]]

@@ -11,8 +11,8 @@ from derive.programs.cheapest_kinematics import cheapest_end_jacobian, cheapest_
 from derive.programs.formulation_choice import Formulation
 from derive.programs.optimise.improve import improved_values
 from derive.programs.tape.derivative import derivative
-from derive.programs.tape.graph import Value
 from derive.programs.tape.scalars import QD, Q
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, flat
 
 Matrix = list[list[Value]]

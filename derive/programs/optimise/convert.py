@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from derive.programs.optimise.coefficients import Coefficients
 from derive.programs.optimise.network import ROOT, Definition, Monomial, Network, Opaque, Operand, Polynomial
-from derive.programs.tape.build import copy_leaf, reachable
+from derive.programs.tape.build import apply, copy_leaf, reachable
 from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, node_of, signed
 from derive.programs.tape.tape import LEAVES, Layer, Op
 
@@ -67,7 +67,7 @@ class _Reader:
             if op in LEAVES:
                 return Operand(None, coefficients.same(copy_leaf(old, i, coefficients.graph)))
             operands = [self._values[k].coefficient for k in old.operands[i]]
-            return Operand(None, coefficients.same(coefficients.graph.apply(op, operands)))
+            return Operand(None, coefficients.same(apply(coefficients.graph, op, operands)))
         if op in LEAVES:
             return Operand(self.network.create(Opaque(None, (), i)), ONE)
         definition: Definition
@@ -148,7 +148,7 @@ def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
         elif definition.op is None:
             refs[variable] = copy_leaf(old, definition.source, graph)
         else:
-            refs[variable] = graph.apply(definition.op, [_ref_of(operand) for operand in definition.operands])
+            refs[variable] = apply(graph, definition.op, [_ref_of(operand) for operand in definition.operands])
     root = network.definition[ROOT]
     assert isinstance(root, Opaque)
     return graph, tuple(_ref_of(operand) for operand in root.operands)

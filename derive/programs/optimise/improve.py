@@ -12,8 +12,9 @@ from derive.programs.optimise.search import Search
 from derive.programs.search_policy import POLICY
 from derive.programs.tape.build import copy, reachable
 from derive.programs.tape.cost import program_cost
-from derive.programs.tape.graph import Graph, Ref, Value, node_of, ref_to
+from derive.programs.tape.graph import Graph, Ref, node_of, ref_to
 from derive.programs.tape.tape import LEAVES, Layer
+from derive.programs.tape.value import Value
 
 
 def improve(graph: Graph, outputs: Sequence[Ref], work: int = POLICY.search_work) -> tuple[Graph, tuple[Ref, ...]]:

@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from derive.algebra.constants import Constant
-from derive.programs.tape.graph import Graph, Ref, is_negative, node_of, signed
+from derive.programs.tape import cases
+from derive.programs.tape.graph import Graph, Ref, is_negative, negated, node_of, signed
 from derive.programs.tape.schedule import schedule
 from derive.programs.tape.tape import LEAVES, PARAMETER, Node, Op, Output, Source, Tape
 
 Replacements = Mapping[int, Source | Constant]
 """For each run-time parameter of a graph what stands in its place: another input, or a number."""
+
+_OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
+    Op.ADD: Graph.add,
+    Op.SUBTRACT: Graph.subtract,
+    Op.MULTIPLY: Graph.multiply,
+    Op.DIVIDE: Graph.divide,
+    Op.NEGATE: lambda graph, a: negated(a),
+    Op.SINE: Graph.sine,
+    Op.COSINE: Graph.cosine,
+    Op.ROOT: Graph.root,
+    Op.SIGN: Graph.sign,
+    Op.ARCTANGENT: Graph.arctangent,
+    Op.LESS: cases.less,
+    Op.SELECT: cases.select,
+    Op.MAXIMUM: cases.maximum,
+    Op.MINIMUM: cases.minimum,
+    Op.ABSOLUTE: Graph.absolute,
+}
 
 
 def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) -> list[int]:
@@ -57,6 +76,20 @@ def copy_leaf(graph: Graph, index: int, fresh: Graph, parameters: Replacements |
     return fresh.input(source.kind, source.index)
 
 
+def apply(graph: Graph, op: Op, operands: Sequence[Ref]) -> Ref:
+    """An operation by its kind, folded as if written.
+
+    Args:
+        graph: Where the values live.
+        op: What is done, no leaf.
+        operands: To what.
+
+    Returns:
+        The result.
+    """
+    return _OPERATIONS[op](graph, *operands)
+
+
 def copy(
     graph: Graph,
     outputs: Sequence[Ref],
@@ -81,7 +114,7 @@ def copy(
         if op in LEAVES:
             known[i] = copy_leaf(graph, i, fresh, parameters)
         else:
-            known[i] = fresh.apply(op, [known[k] for k in graph.operands[i]])
+            known[i] = apply(fresh, op, [known[k] for k in graph.operands[i]])
     return tuple(signed(known[node_of(ref)], is_negative(ref)) for ref in outputs)
 
 

@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from derive.programs.tape.build import reachable
-from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, Value, is_negative, negated, node_of, ref_to, signed
+from derive.programs.tape.cases import less, select
+from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, negated, node_of, ref_to, signed
 from derive.programs.tape.tape import LEAVES, Op
+from derive.programs.tape.value import Value
 
 
 def derivative(values: Sequence[Value], rates: Mapping[Value, Value]) -> list[Value]:
@@ -89,11 +91,11 @@ def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:
             square = graph.add(graph.multiply(a, a), graph.multiply(x, x))
             return graph.divide(graph.subtract(graph.multiply(x, da), graph.multiply(a, dx)), square)
         case Op.SELECT:
-            return graph.select(a, rates[1], rates[2])
+            return select(graph, a, rates[1], rates[2])
         case Op.MAXIMUM:
-            return graph.select(graph.less(a, ref_to(operands[1])), rates[1], da)
+            return select(graph, less(graph, a, ref_to(operands[1])), rates[1], da)
         case Op.MINIMUM:
-            return graph.select(graph.less(a, ref_to(operands[1])), da, rates[1])
+            return select(graph, less(graph, a, ref_to(operands[1])), da, rates[1])
         case Op.ABSOLUTE:
             return graph.multiply(graph.sign(a), da)
         case _:

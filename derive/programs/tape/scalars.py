@@ -14,8 +14,9 @@ from fractions import Fraction
 from derive.algebra import constants
 from derive.algebra.angles import decompose
 from derive.errors import QuantityError
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
+from derive.programs.tape.value import Value
 from derive.robot.description import Joint
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.names import number_of, robot_symbols

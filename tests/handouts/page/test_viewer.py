@@ -12,7 +12,7 @@ from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.scene import upwards
 from derive.handouts.language import Text
 from derive.handouts.page.viewer import Viewer, html_symbol, symbol_values, three, travels, viewer
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 from tests.handouts.page.viewer_page import assumed

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import Text
 from derive.handouts.page.viewer import viewer
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
 

@@ -9,7 +9,7 @@ import sympy
 from derive.mechanics.forward_dynamics import articulated_accelerations
 from derive.mechanics.regrouping import regroup
 from derive.model.model import Model
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.programs.tape.build import bake, cut
 from derive.programs.tape.tape import Operations, evaluate

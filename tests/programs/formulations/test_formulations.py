@@ -11,7 +11,7 @@ import pytest
 from derive.programs.formulations import dynamics, identification, kinematics
 from derive.programs.parallel_axes import parallel_runs
 from derive.programs.search_policy import Effort
-from derive.programs.tape.graph import Value
+from derive.programs.tape.value import Value
 from derive.programs.trace import Trace
 from derive.robot.robot import Robot
 from tests.programs.parallel_arms import numbers, parallel_arm

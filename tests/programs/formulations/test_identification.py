@@ -10,7 +10,7 @@ import pytest
 
 from derive.errors import Location
 from derive.model.model import Model
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard_parameters

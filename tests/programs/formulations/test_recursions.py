@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 
 from derive.errors import QuantityError, RobotFileError
-from derive.programs.functions import build_program
+from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.programs.tape.tape import Op, Operations
 from derive.robot.expression import ZERO

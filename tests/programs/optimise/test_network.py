@@ -13,9 +13,10 @@ from derive.programs.optimise.resubstitute import Resubstitution
 from derive.programs.optimise.search import Search
 from derive.programs.tape.build import cut
 from derive.programs.tape.cost import polynomial_cost, program_cost
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.schedule import live, schedule
 from derive.programs.tape.tape import OPERATION_COST, PARAMETER, Operations, evaluate
+from derive.programs.tape.value import Value
 from tests.programs.tape.test_tape import points, rational_functions
 from tests.programs.tape_programs import INPUTS, RATIONAL, RandomProgram, programs
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from derive.programs.optimise.convert import graph_of, network_of
 from derive.programs.optimise.sharing import Extractor
 from derive.programs.tape.build import cut
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.value import Value
 
 
 def inputs(count: int) -> tuple[Graph, list[Value]]:

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from derive.programs.optimise.improve import improved_values
 from derive.programs.tape.build import cut
 from derive.programs.tape.derivative import derivative, gradient_columns
-from derive.programs.tape.graph import Graph, Value
+from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.tape.value import Value
 from tests.programs.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs
 
 STEP = 1e-40

@@ -16,16 +16,12 @@ from derive.errors import QuantityError
 from derive.programs.optimise.improve import improve
 from derive.programs.tape.build import bake, cut, reachable
 from derive.programs.tape.cost import program_cost
-from derive.programs.tape.graph import ONE, ZERO, Graph, Value, ref_to
+from derive.programs.tape.graph import ONE, ZERO, Graph, ref_to
 from derive.programs.tape.tape import LEAVES, PARAMETER, Layer, Op, Operations, evaluate
-from tests.programs.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs
+from derive.programs.tape.value import Value
+from tests.programs.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs, variables
 
 points = st.lists(fractions(), min_size=INPUTS + PARAMETERS, max_size=INPUTS + PARAMETERS)
-
-
-def variables(graph: Graph, count: int = 3) -> list[Value]:
-    """q1, q2, ..."""
-    return [Value(graph, graph.input("q", i)) for i in range(count)]
 
 
 @contextmanager
@@ -198,51 +194,3 @@ def test_arctangents_are_odd() -> None:
     angles = [y.arctangent(x), (-y).arctangent(x), y.arctangent(-x), (-y).arctangent(-x)]
     assert operations(*angles).atan2 == 2
     assert (angles[1].ref, angles[3].ref) == ((-angles[0]).ref, (-angles[2]).ref)
-
-
-def test_choices_between_opposites_are_opposite() -> None:
-    graph = Graph()
-    x, y, z = variables(graph)
-    case = x.less(y)
-    for a, b in ((x, z), (1, z), (0, z), (x, 1), (x, 0), (-x, z), (1, -1)):
-        value, opposite = case.select(a, b), case.select(-a, -b)
-        assert value.ref == (-opposite).ref
-
-
-def test_cases_that_are_known_leave_no_trace() -> None:
-    graph = Graph()
-    x, y, z = variables(graph)
-    one = Value(graph, ONE)
-    assert (one.select(x, y).ref, (one - one).select(x, y).ref, z.select(x, x).ref) == (x.ref, y.ref, x.ref)
-    assert x.less(x).ref == ZERO
-    assert (x * x).sqrt().ref == abs((x * x).sqrt()).ref
-    assert (-x).maximum(-y).ref == (-(x.minimum(y))).ref
-    assert (1 - z).select(x, y).ref == z.select(y, x).ref
-
-
-def test_constants_of_every_kind_are_compared() -> None:
-    graph = Graph()
-    half, root = Value(graph, graph.number(Fraction(1, 2))), Value(graph, graph.number(Fraction(2))).sqrt()
-    assert (half.less(root).ref, root.less(half).ref, half.less(-root).ref) == (ONE, ZERO, ZERO)
-    assert (half.maximum(root).ref, half.minimum(-root).ref) == (root.ref, (-root).ref)
-
-
-@given(point=st.lists(fractions(), min_size=3, max_size=3))
-@settings(max_examples=100, deadline=None)
-def test_improving_keeps_what_cases_choose(point: list[Fraction]) -> None:
-    graph = Graph()
-    x, y, z = variables(graph)
-    case = (x * y + x * z).less(y * z)
-    values = [case.select(x * y + x * z, -x) + z, (x - y).maximum(-z) * abs(z - x), (1 - case).minimum(x * -y)]
-    functions = RATIONAL | {
-        "less": lambda a, b: Fraction(a < b),
-        "select": lambda case, a, b: a if case else b,
-        "maximum": max,
-        "minimum": min,
-        "absolute": abs,
-    }
-    refs = [value.ref for value in values]
-    plain, improved = (
-        evaluate(cut(*stage), {"q": point}, functions) for stage in ((graph, refs), improve(graph, refs))
-    )
-    assert plain == improved

@@ -1,0 +1,149 @@
+"""The program of a robot: every function's cheapest formulation, as a tape."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from derive.errors import QuantityError
+from derive.programs.formulation_choice import Formulation
+from derive.programs.functions import INTERFACES, ROWS, Row
+from derive.programs.inverse import solved
+from derive.programs.program import Column, Function, Inverse, Program
+from derive.programs.search_policy import Effort
+from derive.programs.tape.cost import program_cost
+from derive.programs.trace import Trace
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Spread(Protocol):
+    """How pieces of work that do not depend on each other are done at once."""
+
+    def __call__(self, work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
+        """Do the work.
+
+        Args:
+            work: Done with each piece.
+            pieces: The pieces.
+            sizes: How long each takes, roughly and relative to each other.
+
+        Returns:
+            The result of each piece.
+        """
+
+
+def build_program(
+    robot: Robot,
+    effort: Effort = Effort.FULL,
+    *,
+    names: Container[str] = frozenset(INTERFACES),
+    inverse: bool = False,
+    spread: Spread | None = None,
+) -> Program:
+    """The functions of a robot: kinematics, and dynamics where the file has links.
+
+    All are traced on one graph; then the cheapest formulation of each is chosen, of one independently of the others.
+
+    Args:
+        robot: The robot.
+        effort: How long the cheapest programs are looked for.
+        names: Only the functions of these names.
+        inverse: Whether inverse kinematics is wanted, too, which takes a derivation of its own.
+        spread: How the choices are spread over processes, None for this one; the program does not depend on it.
+
+    Returns:
+        The program.
+
+    Raises:
+        QuantityError: A cell divides by zero or has no real root once the parameters have their numbers.
+    """
+    trace = Trace(robot, effort)
+    rows = [row for row in ROWS if row.interface.name in names and row.exists(robot)]
+    work: list[_Traced | _Inverse] = [_Traced.of(row, trace) for row in rows]
+    if inverse:
+        work.append(_Inverse(trace))
+    sizes = [piece.size for piece in work]
+    results = list(spread(_result, work, sizes) if spread else map(_result, work))
+    functions = tuple(result for result in results if isinstance(result, Function))
+    found, reason = next((result for result in results if isinstance(result, tuple)), (None, ""))
+    return Program(functions, free_symbols(robot), found, reason)
+
+
+def _result(piece: _Traced | _Inverse) -> Function | tuple[Inverse | None, str] | None:
+    return piece.function() if isinstance(piece, _Traced) else piece.solved()
+
+
+@dataclass(frozen=True, slots=True)
+class _Inverse:
+    """Inverse kinematics, which is derived in a place of its own."""
+
+    trace: Trace
+    size = 40_000
+    """As long as a search among so many operations."""
+
+    def solved(self) -> tuple[Inverse | None, str]:
+        """The program, or why there is none."""
+        return solved(self.trace)
+
+
+@dataclass(frozen=True, slots=True)
+class _Traced:
+    """A function whose formulations stand on the graph; none where none has a value.
+
+    Cells without a value are refused by the functions that must have one: elsewhere a division by zero is that of
+    singular angles, or of an inertia matrix that is singular everywhere.
+    """
+
+    row: Row
+    trace: Trace
+    columns: tuple[Column, ...]
+    formulations: tuple[Formulation, ...]
+
+    @classmethod
+    def of(cls, row: Row, trace: Trace) -> _Traced:
+        """Trace a function.
+
+        Args:
+            row: The function.
+            trace: Of the robot.
+
+        Returns:
+            What is worth improving.
+        """
+        columns = row.columns(trace) if row.columns else ()
+        try:
+            formulations = trace.choice.near(row.formulations(trace), row.margin)
+        except QuantityError:
+            if not row.may_lack_value:
+                raise
+            formulations = ()
+        return cls(row, trace, columns, formulations)
+
+    @property
+    def size(self) -> int:
+        """Operations among which is searched."""
+        graph, weight = self.trace.graph, 4 if self.row.search else 1
+        return weight * sum(program_cost(graph, [v.ref for v in f.trace()]).nodes for f in self.formulations)
+
+    def function(self) -> Function | None:
+        """The function with its tape; None for an optional one without a value in any configuration."""
+        row, choice = self.row, self.trace.choice
+        try:
+            chosen = choice.cheapest(self.formulations, search=row.search) if self.formulations else None
+        except QuantityError:
+            if not row.may_lack_value:
+                raise
+            chosen = None
+        if chosen is None and row.without_value is not None:
+            chosen = choice.cheapest([row.without_value(self.trace)])
+        if chosen is None:
+            return None
+        sizes = {"n": self.trace.n, "p": len(self.columns)}
+        shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
+        formulation, tape = chosen
+        return Function(row.interface, shape, tape, formulation.words, self.columns)

@@ -1,0 +1,294 @@
+"""A generated function in C: the texts that the templates put around its statements.
+
+A function has three parts: work on parameters alone, the angles, and everything else. Sines and cosines stand between
+the last two: they are taken of all angles at once, which is what lets a compiler vectorise them across configurations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function
+from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
+from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
+from derive.targets.target import shape_text
+
+_ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, NEAR, "sines", "cosines", "k", "params")
+"""In the order in which they are read and declared; ``k`` holds the constants from the parameters."""
+
+_LANES = ((128, 32), (256, 16))
+"""Lanes of a block by the most entries that its result may have; larger ones have 8."""
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """An entry of an array that a part uses.
+
+    Attributes:
+        name: Its name in the part.
+        array: One of ``q``, ``qd``, ``qdd``, ``tau``, ``T``, ``given``, ``sines``, ``cosines``, ``k`` and ``params``.
+        index: Its place, from 0.
+    """
+
+    name: str
+    array: str
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A piece of straight-line code.
+
+    Attributes:
+        reads: What it takes.
+        body: Statements.
+        results: Values.
+    """
+
+    reads: tuple[Read, ...]
+    body: tuple[str, ...]
+    results: tuple[str, ...]
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """The arrays that it reads, in the order of their declaration."""
+        used = {read.array for read in self.reads}
+        return tuple(array for array in _ARRAYS if array in used)
+
+
+@dataclass(frozen=True, slots=True)
+class StaticFunction:
+    """A part as a function of the file: its statements, and how it is declared and called.
+
+    Attributes:
+        declaration: Its parameters.
+        one: The arguments of its call for one configuration.
+        lane: The arguments of its call for one lane of a block.
+        varying: The arguments of its call for a lane where the constants differ from lane to lane.
+        body: Statements.
+        results: Assignments to the entries of the result.
+    """
+
+    declaration: str
+    one: str
+    lane: str
+    varying: str
+    body: tuple[str, ...]
+    results: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CFunction:
+    """One generated function.
+
+    Attributes:
+        name: Its name, without the robot's.
+        arguments: Arguments from the user.
+        used: Those that have a say in the result.
+        unused: The others.
+        size: Entries of the result.
+        lanes: Configurations in a block.
+        angle_count: Angles whose sine or cosine is taken.
+        has_sines: Whether a sine is taken of any.
+        has_cosines: Whether a cosine is.
+        constant_count: Constants that come from the parameters.
+        constants: From the parameters to the constants.
+        angles: From the arguments to the angles.
+        lane: From the arguments and sines to the result, for one configuration of a block.
+        declaration: Parameters of the public function.
+        batch_declaration: Parameters of the public function of a batch.
+        prototype: Parameters of the public function in the header.
+        batch_prototype: Parameters of the public function of a batch in the header.
+        block_declaration: Parameters of the function of one block.
+        block_call: The arguments of its call.
+        documentation: Lines of its comment.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    used: tuple[str, ...]
+    unused: tuple[str, ...]
+    size: int
+    lanes: int
+    angle_count: int
+    has_sines: bool
+    has_cosines: bool
+    constant_count: int
+    constants: StaticFunction
+    angles: StaticFunction
+    lane: StaticFunction
+    declaration: str
+    batch_declaration: str
+    prototype: str
+    batch_prototype: str
+    block_declaration: str
+    block_call: str
+    documentation: tuple[str, ...]
+
+
+def c_function(function: Function, parameters: Sequence[str]) -> CFunction:
+    """A function of a program in C.
+
+    Args:
+        function: The function as a tape.
+        parameters: Names of the run-time parameters.
+
+    Returns:
+        Its texts.
+    """
+    constants, angles, body = _three_parts(function.tape, parameters)
+    read = {*angles.arrays, *body.arrays}
+    used = tuple(argument for argument in function.arguments if argument in read)
+    hoisted = ["k"] if constants.results else []
+    inputs = [*function.arguments, *hoisted]
+    size = prod(function.shape)
+    return CFunction(
+        name=function.name,
+        arguments=function.arguments,
+        used=used,
+        unused=tuple(argument for argument in function.arguments if argument not in used),
+        size=size,
+        lanes=next((lanes for most, lanes in _LANES if size <= most), 8),
+        angle_count=len(angles.results),
+        has_sines="sines" in read,
+        has_cosines="cosines" in read,
+        constant_count=len(constants.results),
+        constants=_static_function(constants, "k", "", step=False),
+        angles=_static_function(angles, "angles", f"{function.name}_lanes"),
+        lane=_static_function(body, "result", f"{function.name}_lanes"),
+        declaration=pointers(inputs, "result", "restrict "),
+        batch_declaration=f"size_t count, {pointers(inputs, 'result', 'restrict ')}",
+        prototype=pointers(inputs, "result"),
+        batch_prototype=f"size_t count, {pointers(inputs, 'result')}",
+        block_declaration=pointers([*used, *hoisted], "result", "restrict "),
+        block_call=", ".join([*(f"{argument}_block" for argument in used), *hoisted, "result_block"]),
+        documentation=_documentation(function, len(constants.results)),
+    )
+
+
+def pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
+    """Parameters of a function that reads some arrays and fills another.
+
+    Args:
+        inputs: Names of the arrays that it reads.
+        output: Name of the other.
+        qualifier: Stands before each name.
+
+    Returns:
+        Their declarations.
+    """
+    return ", ".join([*(f"const double *{qualifier}{name}" for name in inputs), f"double *{qualifier}{output}"])
+
+
+def _static_function(part: Part, output: str, lanes: str, *, step: bool = True) -> StaticFunction:
+    """A part whose entries lie ``lanes`` apart, or one after the other without a ``step``."""
+    further = [read.array for read in part.reads if read.index]
+    steps: list[str] = []
+    if step and (len(part.results) > 1 or any(array != "k" for array in further)):
+        steps.append("lanes")
+    if step and "k" in further:
+        steps.append("k_lanes")
+
+    def _entry(array: str, index: int) -> str:  # ``qd[2 * lanes]``: entry 2 of this lane
+        distance = "k_lanes" if array == "k" else "lanes"
+        if not step or index == 0:
+            return f"{array}[{index}]"
+        return f"{array}[{distance}]" if index == 1 else f"{array}[{index} * {distance}]"
+
+    reads = [f"const double {read.name} = {_entry(read.array, read.index)};" for read in part.reads]
+    moved = [f"{name} + i" for name in (*part.arrays, output)]
+    still = ["k" if name == "k + i" else name for name in moved]  # constants are the same in all lanes
+    return StaticFunction(
+        declaration=", ".join([pointers(part.arrays, output, "restrict "), *(f"const size_t {s}" for s in steps)]),
+        one=", ".join([*part.arrays, output, *("1" for _ in steps)]),
+        lane=", ".join([*still, *(lanes if s == "lanes" else "1" for s in steps)]),
+        varying=", ".join([*moved, *(lanes for _ in steps)]),
+        body=(*reads, *part.body),
+        results=tuple(f"{_entry(output, i)} = {text};" for i, text in enumerate(part.results)),
+    )
+
+
+def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
+    """The lines of a function's comment in the header."""
+    wording = function.interface
+    layout = ", row by row" if len(function.shape) > 1 else ""
+    constants = f"@param[in]  k       {constant_count} constants from {function.name}_constants()."
+    return (
+        wording.summary,
+        "",
+        *(
+            f"@param[in]  {name}       {ARGUMENTS[name]}, one entry per joint."
+            for name in function.arguments
+            if name in ARGUMENTS
+        ),
+        *([constants] if constant_count else []),
+        f"@param[out] result  {wording.symbol}, {shape_text(function.shape)}{layout}: {wording.result}.",
+        "",
+        *function.notes,
+    )
+
+
+def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[Part, Part, Part]:
+    """From parameters to constants, from arguments and constants to angles, and from all of these to the outputs."""
+    joints = {i: n.source.index for i, n in enumerate(tape.nodes) if n.source is not None and n.source.kind == "q"}
+    angles = sorted(_angles(tape), key=lambda angle: (0, joints[angle]) if angle in joints else (1, angle))
+    constants = {i: Read(f"k{place + 1}", "k", place) for place, i in enumerate(tape.hoisted_results)}
+    sines: dict[int, Read] = {}
+    for i, node in enumerate(tape.nodes):
+        if node.layer is Layer.BODY and node.op in TRIGONOMETRIC and node.operands[0] in angles:
+            angle = node.operands[0]
+            place = angles.index(angle)
+            name = joints[angle] + 1 if angle in joints else f"a{place + 1}"
+            array = "sines" if node.op is Op.SINE else "cosines"
+            sines[i] = Read(f"{TRIGONOMETRIC[node.op]}{name}", array, place)
+    return (
+        _part(tape, parameters, [Output(i, False) for i in constants], {}),
+        _part(tape, parameters, [Output(i, False) for i in angles], constants),
+        _part(tape, parameters, tape.outputs, {**constants, **sines}),
+    )
+
+
+def _angles(tape: Tape) -> set[int]:
+    """What sines and cosines are taken of, except where that depends on a sine or cosine itself."""
+    late: set[int] = set()
+    angles: set[int] = set()
+    for i, node in enumerate(tape.nodes):
+        if node.layer is Layer.BODY and late.intersection(node.operands):
+            late.add(i)
+        elif node.layer is Layer.BODY and node.op in TRIGONOMETRIC:
+            late.add(i)
+            angles.add(node.operands[0])
+    return angles
+
+
+def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], given: Mapping[int, Read]) -> Part:
+    """Code for some outputs, in which ``given`` values need not be computed."""
+    needed = {output.node for output in outputs}
+    stack = list(needed)
+    while stack:
+        i = stack.pop()
+        fresh = set() if i in given else set(tape.nodes[i].operands) - needed
+        needed |= fresh
+        stack += fresh
+    reads: list[Read] = []
+    pieces: dict[int, Piece] = {}
+    operations: list[int] = []
+    for i in sorted(needed):
+        node = tape.nodes[i]
+        if i in given:
+            reads.append(given[i])
+        elif node.source is not None:
+            array = "params" if node.source.kind == PARAMETER else node.source.kind
+            reads.append(Read(input_name(node.source, parameters), array, node.source.index))
+        elif node.op is Op.CONSTANT:
+            pieces[i] = C.number(node.value)
+            continue
+        else:
+            operations.append(i)
+            continue
+        pieces[i] = Piece(reads[-1].name)
+    body = write_statements(tape, C, operations, pieces, temporary_names())
+    reads.sort(key=lambda read: (_ARRAYS.index(read.array), read.index))
+    return Part(tuple(reads), body, tuple(C.output(tape, output, pieces) for output in outputs))

@@ -1,0 +1,149 @@
+"""Inverse kinematics in C: all branches at a pose, a batch of poses, and the nearest solution within the limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import inf, isfinite
+
+from derive.programs.program import NEAR, POSE, Inverse
+from derive.robot.robot import Robot
+from derive.targets.c_function import CFunction, c_function, pointers
+from derive.targets.escape import c_comment
+from derive.targets.target import Source, joint_limits
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """An argument that a batch loads into lanes.
+
+    Attributes:
+        name: Its name.
+        width: Number of its entries.
+        is_optional: Whether it may be NULL, which stands for zeros.
+    """
+
+    name: str
+    width: int
+    is_optional: bool
+
+
+@dataclass(frozen=True, slots=True)
+class CInverse:
+    """Inverse kinematics.
+
+    Attributes:
+        function: The texts of its program.
+        branches: Number of branches.
+        size: Joint variables of all branches.
+        loads: The arguments that are read.
+        declaration: Parameters of the public function.
+        batch_declaration: Of that of a batch.
+        nearest_declaration: Of that of the nearest solution.
+        prototype: Parameters of the first in the header.
+        batch_prototype: Of the second.
+        nearest_prototype: Of the third.
+        lower: Lower limits of the joints, as the inside of an array.
+        upper: Upper limits.
+        revolute: Which joints turn, 1 or 0.
+        given: Numbers of the given joints, from 1, and their places.
+        given_array: Declares the variables of the given joints, if there are any.
+        given_lines: Statements that take them from a configuration.
+        nearest_call: Arguments of the call of the first function in the third.
+        start_call: Arguments of a call with the free joints elsewhere.
+        row_call: Inputs of a call for one row of a batch.
+        documentation: Lines of the comment of the first.
+    """
+
+    function: CFunction
+    branches: int
+    size: int
+    loads: tuple[Load, ...]
+    declaration: str
+    batch_declaration: str
+    nearest_declaration: str
+    prototype: str
+    batch_prototype: str
+    nearest_prototype: str
+    lower: str
+    upper: str
+    revolute: str
+    given: tuple[dict[str, str], ...]
+    given_array: str
+    given_lines: tuple[str, ...]
+    nearest_call: str
+    start_call: str
+    row_call: str
+    documentation: tuple[str, ...]
+
+
+def c_inverse(inverse: Inverse, source: Source) -> CInverse:
+    """Inverse kinematics in C.
+
+    Args:
+        inverse: The program.
+        source: The robot.
+
+    Returns:
+        Its texts.
+    """
+    function, robot = c_function(inverse.function, source.program.parameters), source.robot
+    hoisted = ["k"] if function.constant_count else []
+    inputs = [*function.arguments, *hoisted]
+    limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
+    nearest = [POSE, NEAR, *hoisted]
+    rows = [f"{name} + {inverse.function.widths[name]} * row" for name in function.arguments if name != NEAR]
+    rows.append(f"{NEAR} ? {NEAR} + {inverse.joints} * row : NULL")
+
+    def _declared(names: Iterable[str], qualifier: str, *, status: bool = True) -> str:
+        return pointers(names, "q", qualifier) + (f", int *{qualifier}status" if status else "")
+
+    return CInverse(
+        function=function,
+        branches=inverse.branches,
+        size=inverse.branches * inverse.joints,
+        loads=tuple(Load(name, inverse.function.widths[name], name == NEAR) for name in function.used),
+        declaration=_declared(inputs, "restrict "),
+        batch_declaration=f"size_t count, {_declared(inputs, 'restrict ')}",
+        nearest_declaration=_declared(nearest, "restrict ", status=False),
+        prototype=_declared(inputs, ""),
+        batch_prototype=f"size_t count, {_declared(inputs, '')}",
+        nearest_prototype=_declared(nearest, "", status=False),
+        lower=", ".join(_bound(pair[0]) for pair in limits),
+        upper=", ".join(_bound(pair[1]) for pair in limits),
+        revolute=", ".join(str(int(joint.is_revolute)) for joint in robot.joints),
+        given=tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
+        given_array=f", given[{len(inverse.given)}]" if inverse.given else "",
+        given_lines=tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
+        nearest_call=", ".join([*inputs, "solutions", "status"]),
+        start_call=", ".join([*("start" if name == NEAR else name for name in inputs), "q", "status"]),
+        row_call=", ".join([*rows, *hoisted]),
+        documentation=_inverse_documentation(inverse, robot, function.constant_count),
+    )
+
+
+def _bound(value: float) -> str:
+    return repr(value) if isfinite(value) else "-INFINITY" if value < 0 else "INFINITY"
+
+
+def _inverse_documentation(inverse: Inverse, robot: Robot, constant_count: int) -> tuple[str, ...]:
+    """The lines of the comment in the header."""
+    interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
+    constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."
+    return (
+        interface.summary,
+        "",
+        inverse.summary,
+        "T must be a pose: its rotation is not checked.",
+        "",
+        "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
+        *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),
+        "@param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others",
+        "                    have no solution with them there, they are elsewhere.",
+        *([constants] if constant_count else []),
+        f"@param[out] q       joint variables, {inverse.branches} x {inverse.joints}: {interface.result}.",
+        f"@param[out] status  what each branch is, {inverse.branches}; may be NULL.",
+        "@return the number of solutions.",
+        "",
+        *inverse.function.notes,
+    )
