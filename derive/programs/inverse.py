@@ -14,11 +14,13 @@ from functools import reduce
 from typing import Any
 
 from derive.model.inverse.fields import BEYOND, MERGED, ZERO
-from derive.model.inverse.graph import Leaf, Run, SolutionGraph, pose_of
+from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Formula, Kind
+from derive.model.inverse.numeric import Status
 from derive.model.inverse.solve import solve
+from derive.model.inverse.walk import Leaf, Run, pose_of
 from derive.programs.formulation_choice import Formulation
-from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse, Status
+from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse
 from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
@@ -72,7 +74,7 @@ class Mask:
 
 
 class TapeField:
-    """Values of a tape as numbers for a graph of solutions (`derive.model.inverse.nodes.Field`).
+    """Values of a tape as numbers for a graph of solutions (`derive.model.inverse.elementary_solver.Field`).
 
     Args:
         domain: Makes values of the robot's cells.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from enum import Enum, IntEnum, auto
+from enum import Enum, auto
 from math import prod
 
 from derive.programs.tape.tape import Operations, Output, Tape
@@ -24,21 +24,6 @@ joints are that no equation determines."""
 
 POSE_ENTRIES = 16
 """Of a pose, a 4x4 matrix row by row."""
-
-
-class Status(IntEnum):
-    """What a branch of inverse kinematics is at a pose."""
-
-    NONE = 0
-    """It does not exist."""
-    EXACT = 1
-    """A solution like any other."""
-    BOUNDARY = 2
-    """Two branches coincide: the pose is on the boundary of what the arm reaches, and only one is listed."""
-    SINGULAR = 3
-    """A solution in which some joints are free: they are where the caller has them, and others follow from them."""
-    NONE_HERE = -1
-    """It does not exist with the free joints where the caller has them, within a program alone."""
 
 
 class Magnitude(Enum):
@@ -161,7 +146,7 @@ class Inverse:
 
     Attributes:
         function: Its tape takes a pose and the given joints; its outputs are the joint variables, branch by branch, and
-            then the `Status` of each branch.
+            then the status of each branch (`derive.model.inverse.numeric.Status`).
         branches: How many there are.
         joints: Number of joints.
         given: Indices of the joints that are arguments.

@@ -9,7 +9,8 @@ import numpy as np
 
 import derive
 from derive.model.inverse.branches import InverseSolver
-from derive.model.inverse.numeric import POSE, POSITION, NumericChain, solve
+from derive.model.inverse.numeric import solve
+from derive.model.inverse.numeric_chain import POSE, POSITION, NumericChain
 from derive.model.inverse.solve import solve as solve_symbolically
 from derive.robot.inverse_options import TASKS
 from tests.inverse.arms import ArmCase

@@ -65,7 +65,8 @@ def test_every_module_is_imported_by_a_test_of_its_own_folder(name: str) -> None
 def test_folders_of_tests_are_those_of_derive_or_run_across() -> None:
     """A test is found where the code is; what runs across has a folder that says so."""
     across = {
-        "bench", "docs", "examples", "generated", "journeys", "lectures", "packaging", "physics", "textbooks",
+        "bench", "docs", "examples", "generated", "inverse", "journeys", "lectures", "packaging", "physics",
+        "textbooks",
     }  # fmt: skip
     folders = {path.parent.name for path in (ROOT / "tests").glob("*/*.py")}
     assert folders - across <= {path.name for path in PACKAGE.iterdir() if path.is_dir()}

@@ -10,8 +10,8 @@ import pytest
 
 from derive.algebra.constants import to_float
 from derive.model.inverse.fields import FloatField
-from derive.model.inverse.graph import Run
 from derive.model.inverse.solve import solve
+from derive.model.inverse.walk import Run
 from derive.programs.inverse import Mask, inverse_function, reason_without_program, solved
 from derive.programs.program import NEAR, POSE, Inverse
 from derive.programs.tape.graph import ONE, ZERO, Graph

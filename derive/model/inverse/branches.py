@@ -16,8 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.model.inverse.fields import FloatField
-from derive.model.inverse.graph import Run, SolutionGraph
-from derive.model.inverse.numeric import Array, Entries, NumericChain, Problem, Status, fit, polish, solve
+from derive.model.inverse.graph import SolutionGraph
+from derive.model.inverse.numeric import Status, fit, polish, solve
+from derive.model.inverse.numeric_chain import Array, Entries, NumericChain, Problem
+from derive.model.inverse.walk import Run
 from derive.robot.evaluate import parameter_values
 from derive.robot.robot import Robot
 

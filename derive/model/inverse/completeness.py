@@ -21,9 +21,10 @@ from derive.algebra.residues import Residue, ResidueDomain
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.model.inverse.fields import ComplexField, PrimeField
-from derive.model.inverse.graph import Leaf, Run, SolutionGraph, pose_of
+from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.unknowns import InverseDomain
+from derive.model.inverse.walk import Leaf, Run, pose_of
 from derive.robot.evaluate import to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.names import free_symbols

@@ -19,9 +19,11 @@ import numpy.typing as npt
 from derive.algebra.ring import Polynomial
 from derive.model.inverse.evidence import Evidence
 from derive.model.inverse.fields import FloatField
-from derive.model.inverse.graph import Run, SolutionGraph, pose_of, turned
+from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Equation, Source
 from derive.model.inverse.pool import dimension
+from derive.model.inverse.unknowns import turned
+from derive.model.inverse.walk import Run, pose_of
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression
 from derive.robot.inverse_options import ROWS

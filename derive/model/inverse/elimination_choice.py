@@ -20,7 +20,7 @@ from derive.model.inverse.closure import Closure, Loop, closures, middle_part
 from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination, Reduction, left_null
 from derive.model.inverse.general import FULL, GeneralFormula, GeneralSolution, free_loop, scaled
 from derive.model.inverse.general_count import count_solutions
-from derive.model.inverse.numeric import POSE, Entries, NumericChain
+from derive.model.inverse.numeric_chain import POSE, Entries, NumericChain
 from derive.model.inverse.rigid_motion import pose_features
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot

@@ -19,7 +19,8 @@ import numpy.typing as npt
 from derive.model.inverse.candidates import candidates, finished
 from derive.model.inverse.closure import Loop
 from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination
-from derive.model.inverse.numeric import POSE, POSITION, Entries, NumericChain, Problem, fit
+from derive.model.inverse.numeric import fit
+from derive.model.inverse.numeric_chain import POSE, POSITION, Entries, NumericChain, Problem
 from derive.model.inverse.rigid_motion import motion_by
 from derive.robot.robot import Robot
 

@@ -19,45 +19,13 @@ import numpy as np
 from derive.algebra.residues import Array
 from derive.model.inverse.evidence import Change, Evidence
 from derive.model.inverse.nodes import BRANCHES, Kind
+from derive.model.inverse.unknowns import State
 
 CONSIDERED = 16
 """Equations of a step that are looked at, the shortest ones."""
 
 UNLIKE = 6
 """What it costs a pair of equations that they stand in different matrices or are of different kinds."""
-
-Parts = tuple[int, ...]
-"""The links of a group as sets (bits) that stand still against each other, the one of link 0 first."""
-
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """What is known.
-
-    Attributes:
-        groups: For each group its parts.
-        slides: The slides that are known.
-    """
-
-    groups: tuple[Parts, ...]
-    slides: frozenset[int]
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether all angles are known; the slides are checked by the search."""
-        return all(len(parts) == 1 for parts in self.groups)
-
-    def joined(self, group: int, a: int, b: int) -> State:
-        """With the angle between two parts of a group.
-
-        Args:
-            group: The group.
-            a: The one part.
-            b: The other.
-        """
-        rest = [part for part in self.groups[group] if part not in (a, b)]
-        parts = tuple(sorted([*rest, a | b], key=lambda part: part & -part))
-        return State((*self.groups[:group], parts, *self.groups[group + 1 :]), self.slides)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.model.inverse.elimination_choice import eliminations, find_general
-from derive.model.inverse.numeric import NumericChain
+from derive.model.inverse.numeric_chain import NumericChain
 from tests.inverse.arms import PUBLISHED
 from tests.model.inverse.test_closure import pose_of, random_loop
 

@@ -9,10 +9,10 @@ import pytest
 from derive.model.inverse.elimination_choice import find_general
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.general import GeneralSolution, free_loop, scaled
-from derive.model.inverse.graph import Run
 from derive.model.inverse.nodes import Kind
-from derive.model.inverse.numeric import POSE, NumericChain
+from derive.model.inverse.numeric_chain import POSE, NumericChain
 from derive.model.inverse.solve import solve
+from derive.model.inverse.walk import Run
 from tests.inverse.arms import PUBLISHED, random_arm
 from tests.inverse.truth import AllSolutions, Chain
 

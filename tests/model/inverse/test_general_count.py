@@ -6,7 +6,7 @@ import pytest
 from derive.model.inverse.elimination_choice import eliminations, find_general
 from derive.model.inverse.general import GeneralSolution, free_loop, scaled
 from derive.model.inverse.general_count import count_solutions, residue_loop
-from derive.model.inverse.numeric import POSITION, NumericChain
+from derive.model.inverse.numeric_chain import POSITION, NumericChain
 from tests.inverse.arms import PUBLISHED, random_arm
 from tests.inverse.truth import AllSolutions, Chain
 

@@ -7,34 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from derive.model.inverse.numeric import POSITION, NumericChain, Problem, Status, fit, polish, solve
-from derive.robot.names import free_symbols
+from derive.model.inverse.numeric import Status, fit, polish, solve
+from derive.model.inverse.numeric_chain import POSITION, NumericChain, Problem
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
+from tests.model.inverse.test_numeric_chain import oracle_arm
 
 RNG = np.random.default_rng(3)
 
 
 def chain_and_pose(name, q, **parameters):
     robot = Robot.load(name)
-    return NumericChain.of(robot, parameters), forward_kinematics(_numbers(robot, parameters), np.array(q))
-
-
-def _numbers(robot, parameters):
-    """The oracle's arm; masses and the like do not matter."""
-    return numeric_arm(robot, {**dict.fromkeys(free_symbols(robot), 1.0), **parameters})
-
-
-def test_pose_and_slopes_are_those_of_the_independent_recursion():
-    robot = Robot.load("stanford-deluca")
-    values = {"d1": 0.4, "d2": 0.15, "d6": 0.26}
-    chain, arm = NumericChain.of(robot, values), _numbers(robot, values)
-    q = RNG.uniform(-2, 2, (3, 6))
-    pose, slope = chain.pose_and_jacobian(q)
-    assert np.allclose(pose, forward_kinematics(arm, q), atol=1e-14)
-    step = 1e-30j * np.eye(6)
-    exact = forward_kinematics(arm, q[:, None, :] + step).imag[..., :3, :] / 1e-30
-    assert np.allclose(slope, exact, atol=1e-13)
+    return NumericChain.of(robot, parameters), forward_kinematics(oracle_arm(robot, parameters), np.array(q))
 
 
 @pytest.mark.parametrize(("name", "q", "count"), [("puma560-corke", [0.3, 0.4, 0.5, 0.6, 1, 0.7], 8)])

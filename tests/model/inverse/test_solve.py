@@ -11,8 +11,9 @@ import pytest
 from derive.errors import QuantityError
 from derive.mechanics.floats import value_at
 from derive.model.inverse.fields import FloatField
-from derive.model.inverse.graph import Run, SolutionGraph
+from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.solve import solve
+from derive.model.inverse.walk import Run
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Number
 from derive.robot.names import free_symbols

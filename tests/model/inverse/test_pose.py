@@ -1,0 +1,35 @@
+"""The pose of an arm in exact polynomials: what is zero, one or equal wherever the arm reaches."""
+
+from __future__ import annotations
+
+from derive.model.inverse.formulas import Derivation
+from derive.model.inverse.pose import Pose
+from derive.robot.robot import Robot
+
+
+def pose_of(name: str) -> Pose:
+    robot = Robot.load(name)
+    return Derivation(robot, robot.inverse.task).pose
+
+
+def test_an_arm_with_parallel_axes_has_a_rotation_of_two_numbers() -> None:
+    (a, b, x), (c, d, y), (u, v, z) = pose_of("scara-perugia").atoms.rotation
+    assert not any((x, y, u, v))
+    assert z.is_constant
+    assert z * z == 1
+    assert (a * d - b * c) * z in (a * a + c * c, -(a * a) - c * c)
+
+
+def test_nine_entries_of_a_spatial_arm_are_told_apart() -> None:
+    entries = [entry for row in pose_of("puma560-corke").atoms.rotation for entry in row]
+    assert len({str(entry) for entry in entries}) == 9
+    assert not any(entry.is_constant for entry in entries)
+
+
+def test_what_is_defined_comes_after_what_it_needs() -> None:
+    known: set[str] = set()
+    definitions = pose_of("puma560-corke").definitions
+    for name, value in definitions.items():
+        used = {other for other, degree in zip(value.ring.names, value.degrees(), strict=True) if degree}
+        assert used & set(definitions) <= known
+        known.add(name)
