@@ -13,6 +13,7 @@ from fractions import Fraction
 from functools import reduce
 from typing import Any
 
+from derive.model.inverse.conic import line_points
 from derive.model.inverse.fields import BEYOND, MERGED, ZERO
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Formula, Kind
@@ -210,17 +211,13 @@ class TapeField:
         self._as_found[moved[0].ref, moved[1].ref] = cosine, sine
         return moved
 
-    def conic(self, coefficients: Sequence[Value], scale: Value) -> Sequence[tuple[Value, Value, Mask]]:
-        """Graphs with quartics have no program yet.
+    def conic(self, coefficients: Sequence[Value]) -> Sequence[tuple[Value, Value, Mask, Mask]]:
+        """The common points of the unit circle and a conic.
 
         Args:
-            coefficients: Of the conic.
-            scale: The size that they usually have.
-
-        Raises:
-            NotImplementedError: Always.
+            coefficients: Of c^2, c s, s^2, c, s and 1.
         """
-        raise NotImplementedError
+        return line_points(self, coefficients)
 
     def general(self, formula: Formula, values: Mapping[str, Value]) -> Sequence[Any]:
         """Graphs with eigenvalue problems have no program yet.
@@ -236,7 +233,6 @@ class TapeField:
 
 
 _WITHOUT_PROGRAM = {
-    Kind.CONIC: "a quartic in one angle",
     Kind.GENERAL: "an eigenvalue problem",
 }
 

@@ -156,8 +156,8 @@ def test_arms_with_fewer_joints_refuse_poses_beside_their_own() -> None:
 
 def test_why_there_is_no_function_is_said() -> None:
     text = "name: loose\nconvention: standard\njoints:\n" + "  - {type: revolute, a: 1}\n" * 3
-    spatial = text.replace("a: 1", "a: 1, alpha: 1, d: 2")
-    robot = Robot.from_text(f"{spatial}inverse: {{task: position}}\n")
+    long = text + "  - {type: revolute, a: 1, alpha: 1}\n" * 8
+    robot = Robot.from_text(f"{long}inverse: {{given: [q1, q2, q3, q4, q5]}}\n")
     inverse, reason = solved(Trace(robot))
     assert inverse is None
     assert reason == reason_without_program(solve(robot)) != ""

@@ -139,15 +139,14 @@ class Field(Protocol[N, M]):
             sine: Of the angle, nearly.
         """
 
-    def conic(self, coefficients: Sequence[N], scale: N) -> Sequence[tuple[N, N, M]]:
+    def conic(self, coefficients: Sequence[N]) -> Sequence[tuple[N, N, M, M]]:
         """The four common points of the unit circle and a conic.
 
         Args:
             coefficients: Of c^2, c s, s^2, c, s and 1.
-            scale: The size that they usually have.
 
         Returns:
-            Cosine, sine and whether the point exists.
+            Cosine, sine, whether the point exists, and whether it is a double one.
         """
 
     def general(self, formula: Formula, values: Mapping[str, N]) -> Sequence[tuple[tuple[tuple[N, ...], ...], M]]:
@@ -225,8 +224,8 @@ class Solver(Generic[N, M]):
             case Kind.CONIC:
                 equation = formula.equations[0]
                 coefficients = [self.evaluate(equation.coefficient(*exponents)) for exponents in CONIC_TERMS]
-                found = self.field.conic(coefficients, self._scale(equation))
-                return [Branch((c, s), exists, self.field.truth(False)) for c, s, exists in found]
+                found = self.field.conic(coefficients)
+                return [Branch((c, s), exists, double) for c, s, exists, double in found]
         raise ValueError(f"no elementary type: {formula.kind}")
 
     def _is_zero(self, p: Polynomial, *equations: Equation) -> M:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.algebra.residues import Residue, ResidueDomain
+from derive.model.inverse.conic import line_points
 from derive.model.inverse.nodes import Formula
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, substitute
@@ -28,10 +29,6 @@ BEYOND = 1e-11
 
 MERGED = 1e-14
 """Below this part of its size the two roots of a radicand are one."""
-
-
-NEARLY_REAL = 1e-5
-"""Roots of a quartic whose imaginary part is below this are real: a double root is known to half of the digits."""
 
 
 class FloatField:
@@ -157,28 +154,14 @@ class FloatField:
         scale = 1.5 - 0.5 * (cosine * cosine + sine * sine)
         return cosine * scale, sine * scale
 
-    def conic(self, coefficients: Sequence[Floats], scale: Floats) -> list[tuple[Floats, Floats, Masks]]:
-        """The common points of the unit circle and a conic: a quartic in the tangent of half the angle.
+    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks]]:
+        """The common points of the unit circle and a conic.
 
         Args:
             coefficients: Of c^2, c s, s^2, c, s and 1.
-            scale: The size that they usually have.
         """
-        cc, cs, ss, c, s, one = np.broadcast_arrays(*coefficients)
-        ascending = [cc + c + one, 2 * (cs + s), 2 * (one - cc) + 4 * ss, 2 * (s - cs), cc - c + one]
-        return [self._point(t, w, coefficients) for t, w in quartic_roots(np.stack(ascending, axis=-1))]
-
-    def _point(self, t: Floats, w: Floats, coefficients: Sequence[Floats]) -> tuple[Floats, Floats, Masks]:
-        """Cosine and sine of the angle of half whose tangent is t/w, and whether it is real.
-
-        Two roots that are nearly one come as a pair of conjugates, whose real part is exact to second order: one of
-        them stands for both.
-        """
-        size = np.abs(t) ** 2 + np.abs(w) ** 2
-        aside = (t * np.conj(w)).imag
-        real = (aside >= 0) & (aside <= NEARLY_REAL * size)
-        half = np.arctan2((t * np.conj(w)).real, (w * np.conj(w)).real)
-        return np.cos(2 * half), np.sin(2 * half), real
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return line_points(self, coefficients)
 
     def general(self, formula: Formula, values: Mapping[str, Floats]) -> Sequence[Any]:
         """The values of a general node: its payload solves it.
@@ -237,9 +220,19 @@ class ComplexField(FloatField):
         """
         return np.abs(a) <= ZERO * np.abs(scale)
 
-    def _point(self, t: Floats, w: Floats, coefficients: Sequence[Floats]) -> tuple[Floats, Floats, Masks]:
-        size = t * t + w * w
-        return (w * w - t * t) / size, 2 * t * w / size, np.abs(size) > 0
+    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks]]:
+        """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle.
+
+        Args:
+            coefficients: Of c^2, c s, s^2, c, s and 1.
+        """
+        cc, cs, ss, c, s, one = np.broadcast_arrays(*coefficients)
+        ascending = [cc + c + one, 2 * (cs + s), 2 * (one - cc) + 4 * ss, 2 * (s - cs), cc - c + one]
+        found = []
+        for t, w in quartic_roots(np.stack(ascending, axis=-1)):
+            size = t * t + w * w
+            found.append(((w * w - t * t) / size, 2 * t * w / size, np.abs(size) > 0, np.bool_(False)))
+        return found
 
 
 class PrimeField:
@@ -369,12 +362,11 @@ class PrimeField:
         """
         return cosine, sine
 
-    def conic(self, coefficients: Sequence[Residue], scale: Residue) -> Sequence[tuple[Residue, Residue, Masks]]:
+    def conic(self, coefficients: Sequence[Residue]) -> Sequence[tuple[Residue, Residue, Masks, Masks]]:
         """Not needed: graphs with quartics are counted over the complex numbers.
 
         Args:
             coefficients: Of the conic.
-            scale: Not looked at.
 
         Raises:
             NotImplementedError: Always.
