@@ -102,7 +102,7 @@ class Derivation:
         self.pose = Pose(self.domain, self.links, self.evidence, self.constants, allowed, deep=deep)
         self.pool = Pool(self.links, self.pose.atoms)
         self.search = Search(self.evidence, given)
-        self.polynomial = cache(self._polynomial)
+        self.polynomial, self.equation = cache(self._polynomial), cache(self._equation)
         self.nodes: list[Node] = []
         self.homes: dict[Unknown, int] = {}
 
@@ -341,7 +341,7 @@ class Derivation:
 
     def _formula(self, choice: Choice, state: State, unknown: Unknown) -> Formula | None:
         """A choice in exact polynomials; None where it needs what is not known after all."""
-        equations = [self._equation(k, state, unknown) for k in choice.equations]
+        equations = [self.equation(k, state, unknown) for k in choice.equations]
         if any(equation is None for equation in equations):
             return None
         return Formula(choice.kind, tuple(equation for equation in equations if equation is not None))

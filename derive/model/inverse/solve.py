@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -27,6 +28,9 @@ MAX_JOINTS = 10
 _TRIED = 4
 """Choices of given joints that are tried where the file makes none."""
 
+_KEPT = 64
+"""Graphs that are kept for those who ask for them again: print, programs and figures of one arm have the same."""
+
 
 def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = None) -> SolutionGraph:
     """The graph of all solutions of an arm.
@@ -47,10 +51,16 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
         given = [k for k, joint in enumerate(robot.joints) if joint.variable in robot.inverse.given]
     if robot.n > MAX_JOINTS:
         return refusal(robot, task, tuple(given or ()), f"an arm of more than {MAX_JOINTS} joints")
+    return _derived(robot, tuple(task), None if given is None else tuple(given))
+
+
+@lru_cache(_KEPT)
+def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> SolutionGraph:
+    """The graph of an arm by formulas, if it has one."""
     freedom = Freedom(robot, task)
     if given is not None:
         freedom.check(given)
-    choices = [tuple(given)] if given is not None else list(freedom.choices())[:_TRIED]
+    choices = [given] if given is not None else list(freedom.choices())[:_TRIED]
     wanted = sum(FREEDOMS.get(row, 1) for row in task)
     for arm in (robot, with_numbers(robot, baked(robot))):
         with suppress(CoincidenceError):

@@ -57,6 +57,13 @@ def test_the_configuration_is_among_the_solutions_and_all_lead_to_its_pose(name:
         assert min(np.abs(np.exp(1j * other) - np.exp(1j * q)).max() for other in found) < 1e-8
 
 
+def test_who_asks_again_has_the_same_graph_and_another_task_another_one() -> None:
+    graph = solve(Robot.load("planar-3r"))
+    assert solve(Robot.load("planar-3r")) is graph
+    assert solve(Robot.load("planar-3r"), ("x", "y"), [2]) is not graph
+    assert solve(Robot.load("planar-3r"), ("x", "y"), (2,)) is solve(Robot.load("planar-3r"), ("x", "y"), [2])
+
+
 def _pose(robot: Robot, q: np.ndarray, values: dict[str, float]) -> np.ndarray:
     numbers = tuple((name, Number(Fraction(value))) for name, value in values.items())
     return np.array(value_at(replace(robot, parameters=numbers), "T", list(q)))
