@@ -21,6 +21,7 @@ from derive.model.inverse.numeric import Status
 from derive.model.inverse.solve import solve
 from derive.model.inverse.walk import Leaf, Run, pose_of
 from derive.programs.formulation_choice import Formulation
+from derive.programs.newton_step import newton_step
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse
 from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
@@ -29,6 +30,10 @@ from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, has_exact_rotations
 from derive.robot.expression import Expression, Pi
+
+DOUBTFUL, FREE = 4, 8
+"""Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
+nodes, or `FREE`, one that does not exist with the joints that are free where the caller has them."""
 
 CLOSED = Fraction(1, 10**7)
 """A branch whose pose is farther off than this part of the arm's reach is none: the pose is not reached."""
@@ -299,13 +304,14 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     for leaf in run.leaves():
         angles += run.angles(leaf)
         exists = leaf.exists & _closes(trace, run, leaf) if _may_miss(graph) else leaf.exists
-        codes.append(_status(field, exists, leaf))
+        codes.append(_code(field, exists, leaf))
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else _without_given(INTERFACE)
     widths = {POSE: POSE_ENTRIES, GIVEN: len(graph.given), NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
-    return Inverse(function, len(codes), n, graph.given, count_text(graph))
+    step = newton_step(trace, graph, run.reach)
+    return Inverse(function, step, len(codes), n, graph.given, count_text(graph))
 
 
 def count_text(graph: SolutionGraph) -> str:
@@ -345,9 +351,11 @@ def _may_miss(graph: SolutionGraph) -> bool:
     return not graph.complete or graph.leaves != graph.count or graph.robot.n - len(graph.given) < 6
 
 
-def _status(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask]) -> Value:
+def _code(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask]) -> Value:
+    """The status of a branch, and whether it is to be checked."""
     singular = field.truth(False)
     for free in leaf.free:
         singular = singular | free
     kind = singular.value.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
-    return exists.value.select(kind, singular.value.select(Status.NONE_HERE, Status.NONE))
+    none = singular.value.select(FREE, DOUBTFUL * leaf.doubt.value)
+    return exists.value.select(kind + DOUBTFUL * leaf.ill.value, none)

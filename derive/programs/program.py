@@ -18,9 +18,9 @@ ARGUMENTS: Mapping[str, str] = {
 }
 """The arguments that a function may take, in words; each has one entry per joint."""
 
-POSE, GIVEN, NEAR = "T", "given", "near"
+POSE, GIVEN, NEAR, DAMPING = "T", "given", "near", "damping"
 """The arguments of inverse kinematics: the pose of the end effector, the variables of joints that are given, and where
-joints are that no equation determines."""
+joints are that no equation determines; and of its Newton step, by how much that is shortened."""
 
 POSE_ENTRIES = 16
 """Of a pose, a 4x4 matrix row by row."""
@@ -146,7 +146,10 @@ class Inverse:
 
     Attributes:
         function: Its tape takes a pose and the given joints; its outputs are the joint variables, branch by branch, and
-            then the status of each branch (`derive.model.inverse.numeric.Status`).
+            then the code of each branch: its `derive.model.inverse.numeric.Status`, and more where it is to be checked
+            (`derive.programs.inverse`).
+        step: Its tape takes a configuration, a pose and a damping; its outputs are a configuration that is nearer to
+            the pose, and how far the first one is from it (`derive.programs.newton_step`).
         branches: How many there are.
         joints: Number of joints.
         given: Indices of the joints that are arguments.
@@ -154,6 +157,7 @@ class Inverse:
     """
 
     function: Function
+    step: Function
     branches: int
     joints: int
     given: tuple[int, ...]
@@ -200,6 +204,12 @@ class Program:
     def all_functions(self) -> tuple[Function, ...]:
         """The functions and inverse kinematics."""
         return (*self.functions, self.inverse.function) if self.inverse else self.functions
+
+    @property
+    def all_tapes(self) -> tuple[Tape, ...]:
+        """The tapes of the functions, and of what these call."""
+        tapes = tuple(function.tape for function in self.all_functions)
+        return (*tapes, self.inverse.step.tape) if self.inverse else tapes
 
     @property
     def hoisted_operations(self) -> dict[str, dict[str, int]]:

@@ -56,8 +56,8 @@ def c_context(source: Source) -> dict[str, object]:
         "functions": functions,
         "inverse": inverse,
         "has_angles": any(function.angle_count for function in texts),
-        **case_context(function.tape for function in program.all_functions),
-        "has_sign": any(node.op is Op.SIGN for function in program.all_functions for node in function.tape.nodes),
+        **case_context(program.all_tapes),
+        "has_sign": any(node.op is Op.SIGN for tape in program.all_tapes for node in tape.nodes),
         "has_batches": any(function.arguments for function in texts),
     }
 

@@ -10,12 +10,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function
+from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, Function
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.targets.kernel import TRIGONOMETRIC, C, Piece, input_name, temporary_names, write_statements
 from derive.targets.target import shape_text
 
-_ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, NEAR, "sines", "cosines", "k", "params")
+_ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, NEAR, DAMPING, "sines", "cosines", "k", "params")
 """In the order in which they are read and declared; ``k`` holds the constants from the parameters."""
 
 _LANES = ((128, 32), (256, 16))
@@ -128,12 +128,13 @@ class CFunction:
     documentation: tuple[str, ...]
 
 
-def c_function(function: Function, parameters: Sequence[str]) -> CFunction:
+def c_function(function: Function, parameters: Sequence[str], more_constants: int = 0) -> CFunction:
     """A function of a program in C.
 
     Args:
         function: The function as a tape.
         parameters: Names of the run-time parameters.
+        more_constants: Constants behind its own that what it calls takes from the parameters.
 
     Returns:
         Its texts.
@@ -141,7 +142,7 @@ def c_function(function: Function, parameters: Sequence[str]) -> CFunction:
     constants, angles, body = _three_parts(function.tape, parameters)
     read = {*angles.arrays, *body.arrays}
     used = tuple(argument for argument in function.arguments if argument in read)
-    hoisted = ["k"] if constants.results else []
+    hoisted = ["k"] if constants.results or more_constants else []
     inputs = [*function.arguments, *hoisted]
     size = prod(function.shape)
     return CFunction(
@@ -154,7 +155,7 @@ def c_function(function: Function, parameters: Sequence[str]) -> CFunction:
         angle_count=len(angles.results),
         has_sines="sines" in read,
         has_cosines="cosines" in read,
-        constant_count=len(constants.results),
+        constant_count=len(constants.results) + more_constants,
         constants=_static_function(constants, "k", "", step=False),
         angles=_static_function(angles, "angles", f"{function.name}_lanes"),
         lane=_static_function(body, "result", f"{function.name}_lanes"),

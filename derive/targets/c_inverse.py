@@ -33,7 +33,11 @@ class CInverse:
     """Inverse kinematics.
 
     Attributes:
-        function: The texts of its program.
+        function: The texts of its program; its constants are followed by those of the step.
+        step: Those of its Newton step.
+        step_constants: Where the step's constants are, behind a comma; nothing where it has none.
+        constants_declaration: Declares all constants, behind a comma, for those that call the step and nothing else.
+        constants_argument: Hands them on.
         branches: Number of branches.
         size: Joint variables of all branches.
         loads: The arguments that are read.
@@ -56,6 +60,10 @@ class CInverse:
     """
 
     function: CFunction
+    step: CFunction
+    step_constants: str
+    constants_declaration: str
+    constants_argument: str
     branches: int
     size: int
     loads: tuple[Load, ...]
@@ -87,7 +95,8 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
     Returns:
         Its texts.
     """
-    function, robot = c_function(inverse.function, source.program.parameters), source.robot
+    step, robot = c_function(inverse.step, source.program.parameters), source.robot
+    function = c_function(inverse.function, source.program.parameters, step.constant_count)
     hoisted = ["k"] if function.constant_count else []
     inputs = [*function.arguments, *hoisted]
     limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
@@ -100,6 +109,10 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
 
     return CInverse(
         function=function,
+        step=step,
+        step_constants=f", k + {function.constant_count - step.constant_count}" if step.constant_count else "",
+        constants_declaration=", const double *restrict k" if step.constant_count else "",
+        constants_argument=", k" if step.constant_count else "",
         branches=inverse.branches,
         size=inverse.branches * inverse.joints,
         loads=tuple(Load(name, inverse.function.widths[name], name == NEAR) for name in function.used),
@@ -116,7 +129,7 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
         given_array=f", given[{len(inverse.given)}]" if inverse.given else "",
         given_lines=tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
         nearest_call=", ".join([*inputs, "solutions", "status"]),
-        start_call=", ".join([*("start" if name == NEAR else name for name in inputs), "q", "status"]),
+        start_call=", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
         row_call=", ".join([*rows, *hoisted]),
         documentation=_inverse_documentation(inverse, robot, function.constant_count),
     )

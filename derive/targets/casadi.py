@@ -117,13 +117,23 @@ def casadi_inverse(inverse: Inverse, parameters: int) -> list[Any]:
     import casadi
 
     names, inputs, values = _evaluated(inverse.function, inverse.joints, parameters)
-    functions = []
+    step_names, step_inputs, results = _evaluated(inverse.step, inverse.joints, parameters)
+    step = casadi.Function("step", step_inputs, [casadi.vertcat(*results)], step_names, ["ahead"])
+    pose, params = inputs[0], inputs[len(inputs) - bool(parameters) :]
+    functions, n = [], inverse.joints
     for branch in range(inverse.branches):
-        start, code = branch * inverse.joints, values[inverse.branches * inverse.joints + branch]
-        q = casadi.vertcat(*values[start : start + inverse.joints])
-        outputs = [casadi.if_else(code > 0, q, casadi.DM.nan(inverse.joints, 1)), casadi.fmax(code, 0)]
-        name = f"inverse_kinematics_{branch + 1}"
-        functions.append(casadi.Function(name, inputs, outputs, names, ["q", "status"]))
+        q, code = casadi.vertcat(*values[branch * n : branch * n + n]), values[inverse.branches * n + branch]
+        ahead, mended = step(q, pose, 1e-12, *params), q
+        for _ in range(2):  # as `_checked` of model_casadi.py
+            found = step(ahead[:n], pose, 1e-12, *params)
+            better = found[n] < ahead[n]
+            mended, ahead = casadi.if_else(better, ahead[:n], mended), casadi.if_else(better, found, ahead)
+        kind = casadi.if_else((ahead[n] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0)
+        status = casadi.if_else(code < 4, code, kind)
+        q = casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(n, 1))
+        functions.append(
+            casadi.Function(f"inverse_kinematics_{branch + 1}", inputs, [q, status], names, ["q", "status"])
+        )
     return functions
 
 

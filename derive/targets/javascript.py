@@ -58,6 +58,8 @@ class JavaScriptInverse:
 
     Attributes:
         kernel: The texts of its program.
+        step: Those of its Newton step.
+        step_entries: For each argument of the step its name, and lines of the names of its entries.
         documentation: Lines of its comment.
         entries: Lines of the names of the entries of a pose.
         near_entries: Lines of those of ``near``.
@@ -69,6 +71,8 @@ class JavaScriptInverse:
     """
 
     kernel: JavaScriptFunction
+    step: JavaScriptFunction
+    step_entries: tuple[tuple[str, tuple[str, ...]], ...]
     documentation: tuple[str, ...]
     entries: tuple[str, ...]
     near_entries: tuple[str, ...]
@@ -144,7 +148,7 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
         "limits": wrapped(limits),
         "parameters": wrapped([javascript_string(name) for name in program.parameters]),
         "has_parameters": bool(program.parameters),
-        **case_context(function.tape for function in program.all_functions),
+        **case_context(program.all_tapes),
         "inverse": _inverse(program, robot) if program.inverse else None,
         "functions": tuple(_function(function, program.parameters, robot.n) for function in program),
     }
@@ -195,6 +199,10 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
     given = f'const [{unpacked}] = vector("inverseKinematics", "given", given, {count});'
     return JavaScriptInverse(
         kernel=_function(function, program.parameters, robot.n),
+        step=_function(inverse.step, program.parameters, robot.n),
+        step_entries=tuple(
+            (name, wrapped(entry_names(inverse.step, name, robot.n))) for name in inverse.step.arguments
+        ),
         documentation=tuple(f" * {line}".rstrip() for line in documentation),
         entries=wrapped(entry_names(function, POSE, 0)),
         near_entries=wrapped(entry_names(function, NEAR, 0)),

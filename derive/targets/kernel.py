@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from derive.algebra.constants import Constant, to_float
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function
+from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, Function
 from derive.programs.tape.tape import (
     ALL_NAMES,
     BRANCHING_NAMES,
@@ -286,7 +286,7 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
         hoisted=hoisted,
         constants=tuple(pieces[i].text for i in crossing),
         constant_values=values,
-        arguments=tuple(kind for kind in (*ARGUMENTS, POSE, GIVEN, NEAR) if kind in kinds),
+        arguments=tuple(kind for kind in (*ARGUMENTS, POSE, GIVEN, NEAR, DAMPING) if kind in kinds),
         body=body,
         results=tuple(language.output(tape, output, pieces) for output in tape.outputs),
         hoisted_calls=any(tape.nodes[i].op in ALL_NAMES for i in layers[Layer.HOISTED]),

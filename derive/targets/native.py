@@ -8,6 +8,7 @@ from math import prod
 from derive.programs.program import Function, Inverse
 from derive.targets.c import c_context
 from derive.targets.c_function import CFunction, c_function
+from derive.targets.c_inverse import c_inverse
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
 from derive.targets.templating import render
@@ -75,7 +76,7 @@ def render_native(source: Source) -> dict[str, str]:
     texts = [c_function(function, source.program.parameters) for function in source.program]
     loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
     inverse = source.program.inverse
-    all_texts = [*texts, c_function(inverse.function, source.program.parameters)] if inverse else texts
+    all_texts = [*texts, c_inverse(inverse, source).function] if inverse else texts
     counts = {text.name: text.constant_count for text in all_texts}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}
     if inverse:

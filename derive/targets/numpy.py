@@ -81,6 +81,7 @@ class PythonInverse:
 
     Attributes:
         kernel: The texts of its program.
+        step: Those of its Newton step.
         summary: First line of the docstring.
         count: How many solutions there are.
         branches: Number of branches.
@@ -94,6 +95,7 @@ class PythonInverse:
     """
 
     kernel: PythonFunction
+    step: PythonFunction
     summary: str
     count: str
     branches: int
@@ -191,7 +193,7 @@ def python_context(source: Source) -> dict[str, object]:
         "tables": tuple(tables),
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
-        **case_context(function.tape for function in program.all_functions),
+        **case_context(program.all_tapes),
         "inverse": _inverse(program, robot) if program.inverse else None,
         "inverse_in_one_call": False,
         "functions": [_python_function(function, program.parameters, robot.n) for function in program],
@@ -238,6 +240,7 @@ def _inverse(program: Program, robot: Robot) -> PythonInverse:
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
     return PythonInverse(
         kernel=_python_function(inverse.function, program.parameters, robot.n),
+        step=_python_function(inverse.step, program.parameters, robot.n),
         summary=interface.summary,
         count=inverse.summary,
         branches=inverse.branches,

@@ -303,6 +303,31 @@ def test_no_reachable_pose_is_without_a_solution_for_the_place_of_free_joints() 
         assert errors[exists].max() < 1e-10, way
 
 
+@needs_compiler
+def test_at_poses_of_right_angles_every_language_has_solutions_and_all_lead_there() -> None:
+    model, compiled, script = model_of(UR5), c_model(UR5, program_of(UR5)), JavaScriptModel(UR5, program_of(UR5))
+    q = np.random.default_rng(5).integers(-2, 3, (60, 6)) * np.pi / 2
+    poses = model.forward_kinematics(q)
+    found, status = model.inverse_kinematics(poses, status=True)
+    ways = {"one": np.array([model.inverse_kinematics(pose) for pose in poses]), "batch": found}
+    ways["c"], codes = compiled.inverse(poses, poses[:, :0, 0], {})
+    assert (codes == status).mean() > 0.98
+    rows = [script.value(f"model.inverseKinematics({json.dumps(pose.tolist())})")["q"] for pose in poses[:12]]
+    ways["javascript"] = np.array([[[np.nan] * 6 if row is None else row for row in every] for every in rows])
+    for way, solutions in ways.items():
+        exists = ~np.isnan(solutions).any(axis=2)
+        assert exists.any(axis=1).all(), way
+        errors = np.abs(model.forward_kinematics(np.nan_to_num(solutions)) - poses[: len(exists), None]).max(
+            axis=(2, 3)
+        )
+        assert errors[exists].max() < 1e-10, way
+    module = load(render_casadi(source_of(UR5, program_of(UR5)))["model_casadi.py"])
+    for pose in poses[:12]:
+        results = [[np.array(value) for value in branch(pose)] for branch in module.inverse_kinematics]
+        there = np.array([joints[:, 0] for joints, code in results if code > 0])
+        assert np.abs(model.forward_kinematics(there) - pose).max(initial=0.0) < 1e-7
+
+
 def test_readme_says_what_there_is_and_why_not() -> None:
     text = render_readme(source_of(elbow(), program_of(elbow())))["README.md"]
     assert "## Inverse kinematics" in text

@@ -21,6 +21,13 @@ from derive.mechanics.vectors import Scalar
 from derive.model.inverse.nodes import Equation, Exponents, Formula, Kind
 from derive.robot.expression import Expression
 
+ILL, LOST = 1e9, 1e5
+"""By these factors a coefficient may be larger than one that is zero: what is divided by it has lost three digits or
+more, or so many that they do not say whether the nodes after it exist."""
+
+DOUBLE, MISSING = 1e5, 1e2
+"""By these factors a radicand may be above that of a double root, or below zero, so that rounding decides about it."""
+
 
 class Mask(Protocol):
     """Where something holds: a truth value, or an array of them."""
@@ -169,11 +176,13 @@ class Branch(Generic[N, M]):
         numbers: Cosine and sine, or the length.
         exists: Whether it is real (over floats), or a number at all.
         boundary: Whether another branch coincides with it.
+        doubt: Whether rounding decides about that: its radicand is all but zero.
     """
 
     numbers: tuple[N, ...]
     exists: M
     boundary: M
+    doubt: M
 
 
 @dataclass(frozen=True)
@@ -190,20 +199,22 @@ class Solver(Generic[N, M]):
     evaluate: Callable[[Polynomial], N]
     reach: N
 
-    def degenerate(self, formula: Formula) -> M:
+    def degenerate(self, formula: Formula, factor: float = 1.0) -> M:
         """Whether a formula does not determine its unknown here.
 
         Args:
             formula: Of one of the elementary types.
+            factor: What is zero may be larger by it: `ILL` or `LOST`.
         """
         first = formula.equations[0]
         second = formula.equations[-1]
         if formula.kind is Kind.TYPE_3 and len(formula.degenerate) == 2:
-            zeros = [self._is_zero(p, own) for p, own in zip(formula.degenerate, (first, second), strict=True)]
+            pairs = zip(formula.degenerate, (first, second), strict=True)
+            zeros = [self._is_zero(p, factor, own) for p, own in pairs]
             return zeros[0] | zeros[1]
         mask = self.field.truth(bool(formula.degenerate))
         for p in formula.degenerate:
-            mask = mask & (self._is_zero(p, first, second) if second is not first else self._is_zero(p, first))
+            mask = mask & self._is_zero(p, factor, *((first,) if second is first else (first, second)))
         return mask
 
     def solve(self, formula: Formula) -> list[Branch[N, M]]:
@@ -225,17 +236,17 @@ class Solver(Generic[N, M]):
                 equation = formula.equations[0]
                 coefficients = [self.evaluate(equation.coefficient(*exponents)) for exponents in CONIC_TERMS]
                 found = self.field.conic(coefficients)
-                return [Branch((c, s), exists, double) for c, s, exists, double in found]
+                return [Branch((c, s), exists, double, double) for c, s, exists, double in found]
         raise ValueError(f"no elementary type: {formula.kind}")
 
-    def _is_zero(self, p: Polynomial, *equations: Equation) -> M:
+    def _is_zero(self, p: Polynomial, factor: float, *equations: Equation) -> M:
         if p.is_constant:
             return self.field.truth(not p)
-        return self.field.is_zero(self.evaluate(p), self._scale(*equations))
+        return self.field.is_zero(self.evaluate(p), self._scale(*equations, factor=factor))
 
-    def _scale(self, *equations: Equation) -> N:
-        """The size of the coefficients of an equation, or of the products of those of two."""
-        total = Fraction(1)
+    def _scale(self, *equations: Equation, factor: float = 1.0) -> N:
+        """The size of the coefficients of an equation, or of the products of those of two, times a factor."""
+        total = Fraction(factor)
         for equation in equations:
             total *= equation.size
         scale = self.field.number(total)
@@ -245,8 +256,8 @@ class Solver(Generic[N, M]):
 
     def _length(self, equation: Equation) -> list[Branch[N, M]]:
         a, b = (self.evaluate(equation.coefficient(k)) for k in (1, 0))
-        truth = self.field.truth
-        return [Branch((self.field.divide(-b, a),), truth(True), truth(False))]
+        no = self.field.truth(False)
+        return [Branch((self.field.divide(-b, a),), self.field.truth(True), no, no)]
 
     def _two_lengths(self, equation: Equation) -> list[Branch[N, M]]:
         """r = (-B +- sqrt(B^2 - 4 A C))/(2 A), without B where there is none."""
@@ -264,7 +275,11 @@ class Solver(Generic[N, M]):
         exists, double = f.has_root(radicand, size), f.merges(radicand, size)
         root = f.select(double, f.number(0), f.sqrt(radicand))
         boundary = exists & double
-        return [Branch(value(1, root), exists, boundary), Branch(value(-1, root), exists & ~double, boundary)]
+        above, below = (size * f.number(Fraction(factor)) for factor in (DOUBLE, MISSING))
+        small = f.merges(radicand, above)
+        doubt = small if f.never(small) else small & f.has_root(radicand, below)
+        second = exists & ~double
+        return [Branch(value(1, root), exists, boundary, doubt), Branch(value(-1, root), second, boundary, doubt)]
 
     def _angles(self, equation: Equation) -> list[Branch[N, M]]:
         f = self.field
@@ -274,7 +289,8 @@ class Solver(Generic[N, M]):
             root = f.sqrt(square)
             cosine, sine = f.divide(-b, root), f.divide(a, root)
             both = [(cosine, sine), (-cosine, -sine)]
-            return [Branch(pair, f.has_root(square, square), f.truth(False)) for pair in both]
+            exists, no = f.has_root(square, square), f.truth(False)
+            return [Branch(pair, exists, no, no) for pair in both]
         one = f.number(1)
         if not has_a or not has_b:
             known = f.divide(c, b if has_b else a)
@@ -300,7 +316,8 @@ class Solver(Generic[N, M]):
             determinant = a * e - b * d
             cosine = f.divide(c * e - b * g, determinant)
             sine = f.divide(a * g - c * d, determinant)
-        return [Branch(f.unit(cosine, sine), f.truth(True), f.truth(False))]
+        no = f.truth(False)
+        return [Branch(f.unit(cosine, sine), f.truth(True), no, no)]
 
 
 CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))

@@ -33,8 +33,6 @@ class Status(IntEnum):
     """Two branches coincide: the pose is on the boundary of what the arm reaches, and only one is listed."""
     SINGULAR = 3
     """A solution in which some joints are free: they are where the caller has them, and others follow from them."""
-    NONE_HERE = -1
-    """It does not exist with the free joints where the caller has them, within a program alone."""
 
 
 @dataclass(frozen=True, slots=True)

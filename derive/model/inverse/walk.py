@@ -20,7 +20,7 @@ from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import Frame
-from derive.model.inverse.elementary_solver import Branch, Field, M, N, Solver
+from derive.model.inverse.elementary_solver import ILL, LOST, Branch, Field, M, N, Solver
 from derive.model.inverse.graph import Node, SolutionGraph
 from derive.model.inverse.nodes import Formula, Kind, Unknown
 from derive.model.inverse.unknowns import turned
@@ -37,12 +37,16 @@ class Value(Generic[N, M]):
         exists: Whether the branch exists.
         free: Whether no equation determines the unknown at this pose.
         boundary: Whether two branches coincide.
+        ill: Whether many of its digits are rounding.
+        doubt: Whether rounding decides if it exists, or the nodes after it.
     """
 
     numbers: tuple[tuple[N, ...], ...]
     exists: M
     free: M
     boundary: M
+    ill: M
+    doubt: M
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,8 @@ class Leaf(Generic[N, M]):
         exists: Whether all its nodes exist.
         free: For each joint whether its node was not determined.
         boundary: Whether some branches coincide.
+        ill: Whether digits are lost in one of its nodes: if the solution exists it is to be checked.
+        doubt: Whether rounding decides if it exists: if it does not, it is to be looked for nearby.
     """
 
     branches: tuple[int, ...]
@@ -62,6 +68,8 @@ class Leaf(Generic[N, M]):
     exists: M
     free: tuple[M, ...]
     boundary: M
+    ill: M
+    doubt: M
 
 
 class Run(Generic[N, M]):
@@ -99,10 +107,13 @@ class Run(Generic[N, M]):
             chosen = dict(zip(graph.choices, branches, strict=True))
             values = [self._value(node, chosen) for node in graph.nodes]
             exists, boundary = self.field.truth(True), self.field.truth(False)
+            ill = doubt = boundary
             for value in values:
                 exists, boundary = exists & value.exists, boundary | value.boundary
+                ill, doubt = ill | value.ill, doubt | value.doubt
             joints = tuple(self._numbers(home, (i,), chosen) for i, home in enumerate(homes))
-            yield Leaf(branches, joints, exists, tuple(values[home.index].free for home in homes), boundary)
+            free = tuple(values[home.index].free for home in homes)
+            yield Leaf(branches, joints, exists, free, boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
         """The joint variables of a solution: angles in (-pi, pi] before their shifts are taken off, and lengths.
@@ -170,28 +181,30 @@ class Run(Generic[N, M]):
         f, yes, no = self.field, self.field.truth(True), self.field.truth(False)
         unknown, first = node.unknown, node.formulas[0]
         if node.kind is Kind.GENERAL:
-            return [Value(numbers, exists, no, no) for numbers, exists in f.general(first, scope)]
+            return [Value(numbers, exists, no, no, yes, no) for numbers, exists in f.general(first, scope)]
         if node.kind is Kind.GIVEN:
-            return [Value((self._of_variable(unknown.joints[0], self.given),), yes, no, no)]
+            return [Value((self._of_variable(unknown.joints[0], self.given),), yes, no, no, no, no)]
         if node.kind is Kind.SUM:
-            return [Value((self._sum(first, scope),), yes, no, no)]
+            return [Value((self._sum(first, scope),), yes, no, no, no, no)]
         solver = Solver(f, lambda p: self.evaluate(p, scope), self.reach)
         values: list[Value[N, M]] = []
         open_ = yes
         for formula in node.formulas:
             lost = solver.degenerate(formula)
             usable = open_ & ~lost
-            if not values or not f.never(usable):
+            if not values:
+                values = self._merge(node, values, usable, solver.solve(formula))
+                ill, lost_all = (solver.degenerate(formula, factor) for factor in (ILL, LOST))
+                ill = yes if formula.kind is Kind.CONIC else ill
+                values = [replace(value, ill=ill | value.doubt, doubt=lost_all | value.doubt) for value in values]
+            elif not f.never(usable):
                 values = self._merge(node, values, usable, solver.solve(formula))
             open_ = open_ & lost
             if f.never(open_):
                 return values
         rest = self._of_variable(unknown.joints[0], self.near) if len(unknown.joints) == 1 else self._rest(unknown)
-        free = Branch(rest, yes, no)
-        return [
-            Value(value.numbers, value.exists, open_, value.boundary)
-            for value in self._merge(node, values, open_, [free])
-        ]
+        free = Branch(rest, yes, no, no)
+        return [replace(value, free=open_) for value in self._merge(node, values, open_, [free])]
 
     def _merge(
         self, node: Node, values: list[Value[N, M]], mask: M, found: Sequence[Branch[N, M]]
@@ -199,8 +212,8 @@ class Run(Generic[N, M]):
         """The values where a mask holds replaced by others; branches that these lack do not exist there."""
         f, no = self.field, self.field.truth(False)
         if not values:
-            values = [Value((b.numbers,), b.exists, no, b.boundary) for b in found]
-            return [*values, *[Value(values[0].numbers, no, no, no)] * (node.branches - len(values))]
+            values = [Value((b.numbers,), b.exists, no, b.boundary, no, b.doubt) for b in found]
+            return [*values, *[Value(values[0].numbers, no, no, no, no, no)] * (node.branches - len(values))]
         merged = []
         for k, old in enumerate(values):
             new = found[min(k, len(found) - 1)]
@@ -210,7 +223,7 @@ class Run(Generic[N, M]):
             numbers = tuple(f.select(mask, a, b) for a, b in zip(given, old.numbers[0], strict=True))
             exists = exists | (old.exists & ~mask)
             boundary = (new.boundary & mask) | (old.boundary & ~mask)
-            merged.append(Value((numbers,), exists, no, boundary))
+            merged.append(Value((numbers,), exists, no, boundary, old.ill, old.doubt))
         return merged
 
     def _of_variable(self, joint: int, values: Sequence[N] | None) -> tuple[N, ...]:

@@ -1,0 +1,99 @@
+"""A step of damped Newton: the error is that of the pose, the step that of the normal equations, and it converges."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from derive.model.inverse.solve import solve
+from derive.programs.inverse import inverse_function
+from derive.programs.newton_step import solved
+from derive.programs.program import DAMPING, POSE, Function
+from derive.programs.tape.build import cut
+from derive.programs.tape.graph import Graph
+from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.tape.value import Value
+from derive.programs.trace import Trace
+from derive.robot.inverse_options import ROWS, Task
+from derive.robot.robot import Robot
+from derive.verification.oracle.frames import forward_kinematics
+from tests.programs.test_inverse import ARITHMETIC, arm_of, numbers_of
+
+POINT: Task = ("x", "y")
+CASES = [("stanford-deluca", None, ()), ("planar-3r", POINT, (2,))]
+
+
+def program_of(name: str, task: Task | None, given: tuple[int, ...]) -> tuple[Robot, Function, list[tuple[int, int]]]:
+    """The arm, its step, and the entries of the pose that are wanted."""
+    robot = Robot.load(name)
+    graph = solve(robot, task, given or None)
+    places = [(i - 1, j - 1) for row in graph.task for i, j in ROWS[row]]
+    return robot, inverse_function(Trace(robot), graph).step, places
+
+
+def stepped(robot: Robot, step: Function, q: np.ndarray, pose: np.ndarray, damping: float) -> tuple[np.ndarray, float]:
+    """Where a step leads, and the error before it."""
+    inputs = {"q": list(q), POSE: list(pose.ravel()), DAMPING: [damping], PARAMETER: list(numbers_of(robot).values())}
+    *ahead, error = (float(value) for value in evaluate(step.tape, inputs, ARITHMETIC))
+    return np.array(ahead), error
+
+
+@pytest.mark.parametrize(("name", "task", "given"), CASES)
+def test_the_step_solves_the_damped_normal_equations(name: str, task: Task | None, given: tuple[int, ...]) -> None:
+    robot, step, places = program_of(name, task, given)
+    arm, rng = arm_of(robot), np.random.default_rng(4)
+    q, goal = rng.uniform(-1, 1, (2, robot.n))
+    pose = forward_kinematics(arm, goal)
+    ahead, error = stepped(robot, step, q, pose, 1e9)
+    lengths = np.array([*arm.a, *arm.d, *pose[:3, 3]])
+    reach = np.sqrt((lengths**2).sum())
+    weight = np.array([1 / reach if j == 3 else 1.0 for _, j in places])
+
+    def errors(x: np.ndarray) -> np.ndarray:
+        return np.array([(forward_kinematics(arm, x) - pose)[place] for place in places]) * weight
+
+    assert error == pytest.approx(np.linalg.norm(errors(q)), rel=1e-12)
+    scale = np.array([1.0 if joint.is_revolute else reach for joint in robot.joints])
+    slopes = np.array([(errors(q + h) - errors(q - h)) / 2e-6 for h in 1e-6 * np.diag(scale)]).T
+    for damping in (1e-3, 10.0):
+        ahead, _ = stepped(robot, step, q, pose, damping)
+        free = [k for k in range(robot.n) if k not in given]
+        g = slopes[:, free]
+        wanted = np.zeros(robot.n)
+        wanted[free] = -np.linalg.solve(g.T @ g + damping * np.eye(len(free)), g.T @ errors(q))
+        np.testing.assert_allclose(ahead - q, wanted * scale, rtol=1e-5, atol=1e-8)
+
+
+@pytest.mark.parametrize(("name", "task", "given"), CASES)
+def test_steps_from_nearby_arrive(name: str, task: Task | None, given: tuple[int, ...]) -> None:
+    robot, step, _ = program_of(name, task, given)
+    goal = np.random.default_rng(1).uniform(0.3, 1, robot.n)
+    pose = forward_kinematics(arm_of(robot), goal)
+    q = goal + 1e-3 * np.array([k not in given for k in range(robot.n)])
+    for _ in range(4):
+        q, error = stepped(robot, step, q, pose, 1e-12)
+    assert error < 1e-14
+    np.testing.assert_allclose(q, goal, atol=1e-12)
+
+
+def test_what_a_matrix_is_off_a_pose_is_no_error() -> None:
+    robot, step, _ = program_of(*CASES[0])
+    q = np.full(robot.n, 0.4)
+    pose = forward_kinematics(arm_of(robot), q)
+    assert stepped(robot, step, q, pose, 1e-12)[1] == 0
+    pose[0, :3] *= 1 + 1e-7
+    assert stepped(robot, step, q, pose, 1e-12)[1] == 0
+    pose[0, 3] += 1e-3
+    assert stepped(robot, step, q, pose, 1e-12)[1] > 1e-5
+
+
+def test_systems_are_solved_without_pivots() -> None:
+    rng = np.random.default_rng(2)
+    root = rng.normal(size=(5, 5))
+    matrix, right = root @ root.T + np.eye(5), rng.normal(size=5)
+    graph = Graph()
+    entries = [[Value(graph, graph.input("m", 5 * i + j)) for j in range(i + 1)] for i in range(5)]
+    values = solved(entries, [Value(graph, graph.input("r", i)) for i in range(5)])
+    tape = cut(graph, [value.ref for value in values])
+    found = evaluate(tape, {"m": list(matrix.ravel()), "r": list(right)}, ARITHMETIC)
+    np.testing.assert_allclose(np.array(found, dtype=float), np.linalg.solve(matrix, right), rtol=1e-10)
