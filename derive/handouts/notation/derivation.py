@@ -243,8 +243,9 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
     if found.definitions:
         lines += ["", "pose within the arm, without base, tool and offsets at both ends:"]
         lines += [f"   {formula(line, write)}" for line in found.definitions]
+    totals = {name: f" = {write(total)}" for total, name in found.sums.items()}
     for number, step in enumerate(found.steps, 1):
-        lines += ["", f"{number}. {write(step.unknown)}: {reason(found, step)}"]
+        lines += ["", f"{number}. {write(step.unknown)}{totals.get(step.unknown, '')}: {reason(found, step)}"]
         lines += [f"     {_equation(e, write)}" for e in step.equations if Line(e.left, e.right) not in step.lines]
         lines += [f"   {formula(line, write)}" for line in step.lines]
         if step.exists is not sympy.true:

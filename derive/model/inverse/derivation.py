@@ -289,7 +289,9 @@ class Derivation:
             slope, rest = slope + 2 * by * square, rest + by * slope + by * by * square
             left = sympy.Add(self._write(square) * symbol**2, self._write(slope) * symbol)
             return PrintedEquation(left, self._write(-rest), self._origins(equation.source)), (square, slope, rest)
-        cosine, sine = sympy.cos(symbol), sympy.sin(symbol)
+        named = self._named(unknown)
+        is_letter = named != symbol and not str(named).endswith(self._label(unknown))
+        cosine, sine = (f(named if is_letter else symbol) for f in (sympy.cos, sympy.sin))
         turn = (self._domain.ring.one, self._domain.ring.zero) if shift == ZERO else self._domain.cosine_sine(shift)
         c, s = turn
         if max((sum(exponents) for exponents in equation.terms), default=0) > 1:
@@ -298,11 +300,16 @@ class Derivation:
             ), ()
         a, b, known = map(self._composed, equation.linear)
         a, b = a * c + b * s, b * c - a * s
-        size = usual(next(p for p in (known, a, b) if p)) * (-1 if self._is_turned(a, b, known) else 1)
+        size = self._scale(known, a, b) * (-1 if self._is_turned(a, b, known) else 1)
         a, b, known = (p * (1 / size) for p in (a, b, known))
         whole, apart = self._whole(unknown, a, b), sympy.Add(self._write(a) * cosine, self._write(b) * sine)
-        left = whole if 3 * whole.count_ops() <= 2 * apart.count_ops() else apart
+        left = whole if 3 * whole.count_ops() <= 2 * apart.count_ops() and not is_letter else apart
         return PrintedEquation(left, self._write(known), self._origins(equation.source)), (a, b, known)
+
+    def _scale(self, *sides: Polynomial) -> Fraction:
+        """What an equation is divided by, so that squares, else entries of the pose stand in it without a number."""
+        posed = [term for p in sides for term in p.terms() if self._has_pose(term[0])]
+        return usual(posed or next(p for p in sides if p).terms())
 
     def _is_turned(self, a: Polynomial, b: Polynomial, known: Polynomial) -> bool:
         """Whether an equation reads better with all signs changed: one term on its left, or the pose's, positive."""
@@ -318,7 +325,7 @@ class Derivation:
 
     def _positive(self, p: Polynomial) -> Expr:
         """What is zero where a polynomial is: most coefficients are 1, and most terms positive."""
-        value = self._write(p * (1 / usual(p)))
+        value = self._write(p * (1 / self._scale(p)))
         return -value if is_negative(value) else value
 
     def _has_pose(self, exponents: tuple[int, ...]) -> bool:

@@ -301,18 +301,20 @@ def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomia
     if below.is_constant and (len(above) == 1 or content(above * (1 / below.constant_term)).denominator == 1):
         return above * (1 / below.constant_term), ring.one
     negative = sum(c < 0 for _, c in below.terms())
-    scale = -usual(above) if 2 * negative > len(below) else usual(above)
+    scale = usual(above.terms()) * (-1 if 2 * negative > len(below) else 1)
     return above * (1 / scale), below * (1 / scale)
 
 
-def usual(p: Polynomial) -> Fraction:
-    """The absolute value that most coefficients have.
+def usual(terms: Iterable[tuple[tuple[int, ...], Fraction]]) -> Fraction:
+    """The absolute value that most coefficients have: of squares, where there are any.
 
     Args:
-        p: A polynomial that is not zero.
+        terms: Exponents and coefficients, at least one.
     """
-    sizes = [abs(c) for _, c in p.terms()]
-    return max(sizes, key=sizes.count)
+    sizes = [(sorted(exponents)[-2:] == [0, 2], abs(coefficient)) for exponents, coefficient in terms]
+    squares = [size for is_square, size in sizes if is_square]
+    among = squares or [size for _, size in sizes]
+    return max(among, key=among.count)
 
 
 def content(p: Polynomial) -> Fraction:
