@@ -14,7 +14,7 @@ from derive.handouts.figure.arm import arm_drawing
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.workspace.plot import workspace_bytes
 from derive.handouts.figure.workspace.region import Measure
-from derive.handouts.figure.workspace.workspace import Workspace, find_workspace
+from derive.handouts.figure.workspace.workspace import Workspace, WorkspaceView, find_workspace
 from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
@@ -111,15 +111,15 @@ def workspace_summary(found: Workspace) -> str:
     """
     parts = []
     for view in found.views:
-        text = f"{view.picture} {_measured(view.reachable.size, 'm2')}"
+        text = f"{view.picture} {_measured(view.reachable.size, 'm2')}{_postures(view)}"
         parts.append(text + (f", dexterous {_measured(view.dexterous.size, 'm2')}" if view.dexterous else ""))
     if found.volume is not None:
         dexterous = f", dexterous {_measured(found.dexterous_volume, 'm3')}" if found.dexterous_volume else ""
         parts.append(f"volume {_measured(found.volume, 'm3')}{dexterous}")
-    exact = all(view.exact for view in found.views)
-    parts.append(
-        "origin of the end effector, boundary " + ("along critical curves" if exact else "to 0.5 % of the reach")
-    )
+    boundary = "along critical curves" if all(view.exact for view in found.views) else "to 0.5 % of the reach"
+    if found.views[0].by_formula:
+        boundary = "where the square roots of the inverse kinematics are zero"
+    parts.append(f"origin of the end effector, boundary {boundary}")
     if any(view.dexterous is None for view in found.views):
         parts.append(_why_not_dexterous(found))
     if found.assumed:
@@ -128,6 +128,15 @@ def workspace_summary(found: Workspace) -> str:
             ways[way.interval].append(way.variable)
         parts.append("limits assumed: " + ", ".join(f"{' '.join(names)} {way}" for way, names in ways.items()))
     return "; ".join(part for part in parts if part)
+
+
+def _postures(view: WorkspaceView) -> str:
+    """In how many postures places are reached: `` (2 postures on 22.66 m2, 4 on 2.591 m2)``."""
+    if len(view.by_number) == 1:
+        ((number, _),) = view.by_number
+        return f" ({number} posture{'s' if number > 1 else ''})"
+    sizes = [f"{number} on {region.area:.4g} m2" for number, region in view.by_number]
+    return f" ({', '.join(sizes).replace(' on', ' postures on', 1)})" if sizes else ""
 
 
 def _measured(measure: Measure, unit: str) -> str:

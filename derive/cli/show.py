@@ -47,6 +47,11 @@ ABBREVIATIONS = ("christoffel", "coefficients")
 WIDTH = 120
 """Widest grid; fixed, so that a page of documentation shows what a user gets."""
 
+DESCRIBED = {
+    "workspace": "where the arm reaches, in formulas, if no joint has limits",
+}
+"""What is described by sentences, and is no quantity of the model."""
+
 COMMENTS = {"text": "#", "latex": "%", "python": "#"}
 """How a remark begins in each form."""
 
@@ -105,7 +110,12 @@ def run(arguments: argparse.Namespace) -> int:
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
     shown: list[tuple[str, Any]] = []
     for name in dict.fromkeys(arguments.quantities or _usual(robot, arguments)):
-        if arguments.abbreviate is None:
+        if name in DESCRIBED:
+            if with_numbers or arguments.abbreviate is not None:
+                option = "--abbreviate" if arguments.abbreviate else "--at"
+                raise QuantityError(f"{option} with {name}", remedy=f"ask for {name} without {option}")
+            shown.append((name, getattr(model, name)))
+        elif arguments.abbreviate is None:
             shown.append((name, model.quantity(name)))
         else:
             value, definitions = model.abbreviated(name, by=arguments.abbreviate)
@@ -113,7 +123,9 @@ def run(arguments: argparse.Namespace) -> int:
     digits = None if arguments.exact else arguments.digits or DIGITS
     if with_numbers:
         remark, shown = _put_in(robot, shown, arguments)
-    values = [part for _, value in shown for part in getattr(value, "expressions", (value,))]
+    values = [
+        part for name, value in shown if name not in DESCRIBED for part in getattr(value, "expressions", (value,))
+    ]
     printer, loses = _printer(robot, form, digits, values, numbers=with_numbers)
     if form == "json":
         quantities = {name: _as_json(robot, value, printer) for name, value in shown}
@@ -126,7 +138,7 @@ def run(arguments: argparse.Namespace) -> int:
     blocks = [_derivation(robot, form, value, digits) or _lines(form, name, value, printer) for name, value in shown]
     if form == "text" and not with_numbers and arguments.abbreviate is None:
         for (name, _), lines in zip(shown, blocks, strict=True):
-            lines += _zeros(model, name, printer)
+            lines += _zeros(model, name, printer) if name not in DESCRIBED else []
     print("\n\n".join(map("\n".join, blocks)))
     return 0
 
@@ -166,22 +178,30 @@ def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
 
 
 def _derivation(robot: Robot, form: str, value: Any, digits: int | None) -> list[str]:
-    """The lines of an inverse kinematics; none for any other quantity."""
+    """The lines of an inverse kinematics or a workspace; none for any other quantity."""
     from derive.handouts.notation.derivation import derivation_lines
     from derive.handouts.notation.notation import Notation
+    from derive.handouts.notation.workspace import workspace_lines
+    from derive.model.inverse.reach import Reach
     from derive.model.inverse.solutions import InverseKinematics
 
     notation = replace(Notation.of(robot), digits=digits)
+    if isinstance(value, Reach):
+        return workspace_lines(value, form, notation)
     return derivation_lines(value, form, notation) if isinstance(value, InverseKinematics) else []
 
 
 def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
-    """A matrix by rows, an inverse kinematics by its parts, a scalar as text."""
+    """A matrix by rows, an inverse kinematics or a workspace by its parts, a scalar as text."""
     from derive.handouts.notation.derivation import derivation_parts
+    from derive.handouts.notation.workspace import workspace_parts
+    from derive.model.inverse.reach import Reach
     from derive.model.inverse.solutions import InverseKinematics
 
     if isinstance(value, InverseKinematics):
         return derivation_parts(value)
+    if isinstance(value, Reach):
+        return workspace_parts(value)
     rows = _entries(value, printer)
     return printer(value) if rows is None else rows
 
@@ -237,14 +257,16 @@ def _list(robot: Robot, form: str) -> None:
 
     rows = [(row, row.shape_of(robot)) for row in REGISTRY.values() if row.is_of(robot)]
     if form == "json":
-        found = {
+        found: dict[str, Any] = {
             row.call: {"symbol": row.symbol, "shape": shape, "unit": row.unit, "summary": row.summary}
             for row, shape in rows
         }
-        print_json({"robot": robot.name, "quantities": found})
+        described = {name: {"symbol": "", "shape": "", "unit": "", "summary": text} for name, text in DESCRIBED.items()}
+        print_json({"robot": robot.name, "quantities": found | described})
     else:
         header = ("quantity", "shape", "unit", "what it is")
-        print_columns([(row.call, shape or "scalar", row.unit, row.summary) for row, shape in rows], header)
+        cells = [(row.call, shape or "scalar", row.unit, row.summary) for row, shape in rows]
+        print_columns([*cells, *((name, "text", "", text) for name, text in DESCRIBED.items())], header)
 
 
 def _entries(value: Any, printer: Printer) -> list[list[str]] | None:

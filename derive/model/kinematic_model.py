@@ -15,6 +15,7 @@ from derive.errors import QuantityError
 from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
+from derive.model.inverse.reach import Reach, find_reach
 from derive.model.inverse.solutions import InverseKinematics
 from derive.model.inverse.solve import solve
 from derive.model.kinematics import Kinematics
@@ -372,3 +373,8 @@ class KinematicModel:
     def inverse(self) -> InverseKinematics:
         """How the joint variables follow from the pose, every branch, for the task of the robot file."""
         return InverseKinematics(solve(self.robot), self.robot, self.style)
+
+    @cached_property
+    def workspace(self) -> Reach:
+        """What the arm reaches if no joint has limits, by the square roots of its inverse kinematics."""
+        return find_reach(self.robot, self.style, self.inverse)

@@ -136,6 +136,14 @@ class Derivation:
     def _write(self, p: Polynomial) -> Expr:
         return self._form.kinematic(p)
 
+    def written(self, p: Polynomial) -> Expr:
+        """A polynomial of the graph as it is printed.
+
+        Args:
+            p: The polynomial.
+        """
+        return self._write(self._composed(p))
+
     # -- polynomials of the graph as polynomials of print
 
     def _names_within_arm(self) -> dict[str, str]:

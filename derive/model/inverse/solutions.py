@@ -13,6 +13,7 @@ import mpmath
 import numpy as np
 import sympy
 
+from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
 from derive.mechanics.chain import Chain, build_chain
@@ -193,6 +194,14 @@ class InverseKinematics:
         """The pose that is given, 4x4, in its symbols: ``r11``, ..., ``px``, ``py``, ``pz``."""
         rows = [[self._derivation.pose[i, j] for j in (1, 2, 3, 4)] for i in (1, 2, 3)]
         return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
+
+    def written(self, p: Polynomial) -> Expr:
+        """A polynomial of the graph as it is printed, in the names of the pose within the arm.
+
+        Args:
+            p: The polynomial.
+        """
+        return self._derivation.written(p)
 
     @property
     def definitions(self) -> tuple[Line, ...]:

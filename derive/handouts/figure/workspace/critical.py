@@ -11,7 +11,7 @@ the picture's curves at its two limits, and circles through the places that are 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import combinations
 
@@ -188,11 +188,14 @@ def _curves(plane: PlaneMap, cells: int) -> Array:
     if len(plane.joints) == 1:
         return _image(plane, _joined(_grid(plane, 0, 4 * cells)[None]))
     grids = [_grid(plane, k, cells) for k in range(2)]
-    zeros = [_zeros(plane, factor, *grids) for factor in folds(plane)[0]]
-    found = [_image(plane, ends) for ends in zeros]
+    ways = [way.full for way in plane.ranges]
+    zero_lines = [zeros(factor, grids[0], grids[1], ways) for factor in folds(plane)[0]]
+    found = [_image(plane, ends) for ends in zero_lines]
     for held, moved in ((0, 1), (1, 0)):
         for value in () if plane.ranges[held].full else (grids[held][0], grids[held][-1]):
-            on_limit = [ends[moved][ends[held] == value] for ends in zeros]  # corners shared with the critical curves
+            on_limit = [
+                ends[moved][ends[held] == value] for ends in zero_lines
+            ]  # corners shared with the critical curves
             along = np.unique(np.concatenate([_grid(plane, moved, 4 * cells), *on_limit]))
             q = np.empty((2, len(along)))
             q[held], q[moved] = value, along
@@ -239,19 +242,25 @@ def _image(plane: PlaneMap, ends: Array) -> Array:
     return np.concatenate([segments[~passing], *parts])
 
 
-def _zeros(plane: PlaneMap, function: Determinant, us: Array, vs: Array) -> Array:
+def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = (False, False)) -> Array:
     """The curves on which a function of two variables is zero, as short lines.
 
     The zeros on the lines of a grid are found by bisection; in each cell they are joined, all of them where there are
     four, which closes every crossing.
+
+    Args:
+        function: The function.
+        us: The grid of the first variable.
+        vs: Of the second one.
+        closed: For each variable whether the last line of the grid is the first one.
 
     Returns:
         (2 variables, lines, 2 ends).
     """
     values = np.broadcast_to(function(us[:, None], vs[None, :]), (len(us), len(vs)))
     above = np.array(values >= 0.0)
-    for axis, way in enumerate(plane.ranges):
-        if way.full:  # the last line of the grid is the first one
+    for axis, is_closed in enumerate(closed):
+        if is_closed:
             np.moveaxis(above, axis, 0)[-1] = np.moveaxis(above, axis, 0)[0]
     across, along = np.nonzero(above[1:] != above[:-1]), np.nonzero(above[:, 1:] != above[:, :-1])
     low = np.stack([np.append(us[across[0]], us[along[0]]), np.append(vs[across[1]], vs[along[1]])])
@@ -264,9 +273,9 @@ def _zeros(plane: PlaneMap, function: Determinant, us: Array, vs: Array) -> Arra
     number_across, number_along = np.full((len(us) - 1, len(vs)), -1), np.full((len(us), len(vs) - 1), -1)
     number_across[across] = np.arange(len(across[0]))
     number_along[along] = np.arange(len(along[0])) + len(across[0])
-    if plane.ranges[1].full:
+    if closed[1]:
         number_across[:, -1] = number_across[:, 0]
-    if plane.ranges[0].full:
+    if closed[0]:
         number_along[-1] = number_along[0]
     sides = (number_across[:, :-1], number_across[:, 1:], number_along[:-1], number_along[1:])
     joined = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ WIDTH = 380.0
 """Width of the plot [pt]."""
 
 _REACHABLE = (0.80, 0.86, 0.94)
+_MORE = ((0.80, 0.86, 0.94), (0.72, 0.88, 0.76), (0.98, 0.90, 0.66), (0.95, 0.78, 0.72), (0.85, 0.77, 0.90))
+"""For parts that are reached in different numbers of postures, the fewest first."""
 _DEXTEROUS = (0.56, 0.69, 0.88)
 _EDGE = (0.10, 0.22, 0.55)
 _INNER_EDGE = (0.20, 0.36, 0.68)
@@ -52,15 +55,19 @@ def workspace_bytes(views: Sequence[WorkspaceView], suffix: str, title: str, sca
         panels = figure.subplots(1, len(views), squeeze=False)[0]
         for axes, view in zip(panels, views, strict=True):
             _panel(axes, view)
-        if any(view.dexterous is not None for view in views):
+        if any(view.dexterous is not None or len(view.by_number) > 1 for view in views):
             handles, names = panels[0].get_legend_handles_labels()
-            figure.legend(handles, names, loc="outside lower center", ncols=2, frameon=False)
+            figure.legend(handles, names, loc="outside lower center", ncols=len(names), frameon=False)
         return figure_bytes(figure, suffix, title)
 
 
 def _panel(axes: Any, view: WorkspaceView) -> None:
-    _fill(axes, view.reachable.region, view.picture, _REACHABLE, _EDGE, "reachable")
-    if view.dexterous is not None:
+    if len(view.by_number) > 1:
+        for (number, part), color in zip(view.by_number, cycle(_MORE), strict=False):
+            _fill(axes, part, view.picture, color, _EDGE, f"{number} posture{'s' if number > 1 else ''}")
+    else:
+        _fill(axes, view.reachable.region, view.picture, _REACHABLE, _EDGE, "reachable")
+    if view.dexterous is not None and not view.dexterous.region.is_empty:
         _fill(axes, view.dexterous.region, view.picture, _DEXTEROUS, _INNER_EDGE, "dexterous")
     if len(view.path):
         axes.plot(*view.path.T, color=_EDGE, marker="." if np.ptp(view.path, axis=0).max() < _ONE_POINT else "")

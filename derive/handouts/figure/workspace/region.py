@@ -77,11 +77,13 @@ class Area:
         region: With all points.
         coarse: With half of the points of every curve, which tells how exact the area is.
         margin: How far the points themselves may be off [m].
+        cells: The cells of which it is made, within each of which the number of postures is the same.
     """
 
     region: Region
     coarse: Region
     margin: float = 0.0
+    cells: tuple[Region, ...] = ()
 
     def changed(self, change: Callable[[Region], Region]) -> Area:
         """Another area, found in the same way.
@@ -133,29 +135,82 @@ def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
         plane: The map, of at most two variables and one that turns the picture.
         cells: Parts into which the range of a joint is cut where critical curves are followed.
     """
-    return Area(_covered(plane, cells), _covered(plane, cells // 2))
+    fine, coarse = (_reached_cells(plane, boundary_candidates(plane, parts), parts) for parts in (cells, cells // 2))
+    return Area(joined(fine, plane.point.size), joined(coarse, plane.point.size), cells=tuple(fine))
 
 
-def _covered(plane: PlaneMap, cells: int) -> Region:
-    """What a map covers, with the range of each variable cut into so many parts."""
+def formula_area(plane: PlaneMap, curves: Callable[[int], Array], holds: Callable[[Array], Array]) -> Area:
+    """The area that a map covers, where formulas say so.
+
+    Args:
+        plane: The map.
+        curves: Segments among which the boundary lies, for a number of parts into which the plane is cut.
+        holds: Whether places of the plane are reached.
+    """
+    found = []
+    for parts in (CELLS, CELLS // 2):
+        faces = _cells(plane, curves(parts))
+        found.append(faces[holds(_places_inside(faces))] if len(faces) else faces)
+    fine, coarse = found
+    return Area(joined(fine, plane.point.size), joined(coarse, plane.point.size), cells=tuple(fine))
+
+
+def _cells(plane: PlaneMap, segments: Array) -> Any:
+    """The cells into which segments cut the plane."""
     package, size = shapely(), plane.point.size
-    segments = boundary_candidates(plane, cells)
     if plane.picture is Picture.SECTION and len(segments):
         low, high = segments[..., 1].min() - 0.1 * size, segments[..., 1].max() + 0.1 * size
         segments = np.concatenate([segments, [[[0.0, low], [0.0, high]]]])
     segments = np.round(segments / (_GRID * size)) * (_GRID * size)
     segments = segments[np.any(segments[:, 0] != segments[:, 1], axis=1)]
     if not len(segments):
-        return package.Polygon()
+        return np.array([], dtype=object)
     lines = package.unary_union(package.linestrings(segments), grid_size=_GRID * size)
     faces = package.get_parts(package.polygonize([lines]))
-    faces = faces[2.0 * package.area(faces) > _THIN * size * package.length(faces)]
+    return faces[2.0 * package.area(faces) > _THIN * size * package.length(faces)]
+
+
+def _places_inside(faces: Any) -> Array:
+    """A place inside of each cell, (2, k)."""
+    inside = shapely().point_on_surface(faces)
+    return np.stack([shapely().get_x(inside), shapely().get_y(inside)])
+
+
+def _reached_cells(plane: PlaneMap, segments: Array, parts: int) -> Any:
+    """The cells that the map covers, with the range of each variable cut into so many parts."""
+    faces = _cells(plane, segments)
     if not len(faces):
-        return package.Polygon()
-    inside = package.point_on_surface(faces)
-    reached = is_reached(plane, np.stack([package.get_x(inside), package.get_y(inside)]))
-    reached[~reached] = _hold_samples(plane, faces[~reached], size * (TURN / cells) ** 2 / 2.0)
-    return closed(package.unary_union(faces[reached]), 2.0 * _THIN * size)
+        return faces
+    reached = is_reached(plane, _places_inside(faces))
+    reached[~reached] = _hold_samples(plane, faces[~reached], plane.point.size * (TURN / parts) ** 2 / 2.0)
+    return faces[reached]
+
+
+def joined(cells: Any, size: float) -> Region:
+    """Cells joined to one area.
+
+    Args:
+        cells: The cells.
+        size: Of the arm [m].
+    """
+    if not len(cells):
+        return shapely().Polygon()
+    return closed(shapely().unary_union(cells), 2.0 * _THIN * size)
+
+
+def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tuple[tuple[int, Region], ...]:
+    """The parts of an area whose places are reached in different numbers of postures, the fewest first.
+
+    Args:
+        area: The area.
+        numbers: In how many postures places are reached.
+        size: Of the arm [m].
+    """
+    if not area.cells:
+        return ()
+    cells = np.array(area.cells, dtype=object)
+    found = numbers(_places_inside(cells))
+    return tuple((int(number), joined(cells[found == number], size)) for number in np.unique(found))
 
 
 def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.bool_]:

@@ -8,21 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from derive.handouts.figure.drawing import Array
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.figure.workspace.point import TURN, ArmPoint, Picture, PlaneMap, Range, joint_ranges
+from derive.handouts.figure.workspace.postures import Postures
 from derive.handouts.figure.workspace.refinement import refined_area
 from derive.handouts.figure.workspace.region import (
     Area,
     Measure,
     Region,
+    by_number,
     dexterous,
     enlarged,
     exact_area,
+    formula_area,
     is_reached,
     shapely,
 )
@@ -68,6 +71,9 @@ class WorkspaceView:
         dexterous: The area that is reached in every orientation; None where that is not known.
         exact: Whether the boundary follows the exact critical curves.
         path: (k, 2) positions where these are but a line or a point [m].
+        by_number: The parts that are reached in different numbers of postures, the fewest first; empty where the joints
+            behind the arm move the end effector too.
+        by_formula: Whether the boundary is that of formulas, the square roots of the inverse kinematics.
     """
 
     picture: Picture
@@ -75,6 +81,8 @@ class WorkspaceView:
     dexterous: Area | None
     exact: bool
     path: Array
+    by_number: tuple[tuple[int, Region], ...] = ()
+    by_formula: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +191,7 @@ class _Search:
     tell: Callable[[str], None]
     centres: dict[Picture, Area] = field(default_factory=dict)
     followed: dict[Picture, Area] = field(default_factory=dict)
+    solved: dict[tuple[float, float, float], Postures | None] = field(default_factory=dict)
 
     @property
     def pictures(self) -> tuple[Picture, ...]:
@@ -210,13 +219,38 @@ class _Search:
             low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
             line = low + (high - low) * np.linspace(0.0, 1.0, 721)
             return WorkspaceView(picture, reachable, None, exact, plane.values(line)[0].T)
-        return WorkspaceView(picture, reachable, self._dexterous(picture, reachable), exact, np.zeros((0, 2)))
+        postures, numbers = self._postures(plane), tuple[tuple[int, Region], ...]()
+        if reachable.cells and postures is not None and postures.are_counted:
+            numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
+        dexterous = self._dexterous(picture, reachable)
+        by_formula = bool(reachable.cells) and self._follows_formulas(plane)
+        return WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula)
+
+    def _postures(self, plane: PlaneMap) -> Postures | None:
+        """In how many postures places of a picture are reached; None where it does not show places of the point."""
+        place = plane.point.place
+        if not (self.revolves if plane.picture is Picture.SECTION else self.pictures == (Picture.TOP,)):
+            return None
+        if place not in self.solved:
+            self.solved[place] = Postures.of(plane.point)
+        return self.solved[place]
+
+    def _follows_formulas(self, plane: PlaneMap) -> bool:
+        postures = self._postures(plane) if plane.has_exact_curves else None
+        return postures is not None and postures.has_formulas
+
+    def _area(self, plane: PlaneMap) -> Area:
+        """What a map covers: by formulas, where they say it, by critical curves, or by search."""
+        postures = self._postures(plane) if self._follows_formulas(plane) else None
+        if postures is not None:
+            return formula_area(plane, partial(postures.curves, plane), partial(postures.within, plane))
+        return exact_area(plane) if plane.has_exact_curves else refined_area(plane)
 
     def _reachable(self, plane: PlaneMap) -> tuple[Area, bool]:
         """What is reached in a picture, and whether its boundary is exact."""
         wrist, picture = self.wrist, plane.picture
         if plane.has_exact_curves:
-            return _area(plane), True
+            return self._area(plane), True
         centre = plane
         if wrist is not None and wrist.complete and not wrist.planar:
             centre = PlaneMap.of(replace(self.point, place=wrist.centre), picture)
@@ -228,13 +262,13 @@ class _Search:
             hand, in_space = wrist.hand, picture is Picture.SECTION
             return self._around(wrist, picture).changed(lambda region: enlarged(region, hand, in_space)), exact
         if picture not in self.followed:
-            self.followed[picture] = _area(plane)
+            self.followed[picture] = self._area(plane)
         return self.followed[picture], False
 
     def _around(self, wrist: Wrist, picture: Picture) -> Area:
         """Where the wrist's centre gets to."""
         if picture not in self.centres:
-            self.centres[picture] = _area(PlaneMap.of(replace(self.point, place=wrist.centre), picture))
+            self.centres[picture] = self._area(PlaneMap.of(replace(self.point, place=wrist.centre), picture))
         return self.centres[picture]
 
     def _dexterous(self, picture: Picture, reachable: Area) -> Area | None:
@@ -266,11 +300,6 @@ class _Search:
         self.tell("volume")
         whole = _counted_volume(self.point, self.views)
         return whole, whole if first.dexterous is first.reachable else None
-
-
-def _area(plane: PlaneMap) -> Area:
-    """What a map covers."""
-    return exact_area(plane) if plane.has_exact_curves else refined_area(plane)
 
 
 def _seen_along_axis(section: Region) -> Region:
