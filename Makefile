@@ -58,13 +58,14 @@ verify-generated: $(READY)
 	$(BIN)/python -m tests.generated.verify
 
 # Operation counts and times side by side with other tools, in an environment of their own: about ten minutes.
-# `make bench QUICK=--quick` leaves out the slow ones.
+# `make bench QUICK=--quick` leaves out the slow ones. Solvers of inverse kinematics that have no wheel here are named as not installed.
 bench: $(BENCH)/.ready
 	$(BENCH)/bin/python -m bench $(QUICK)
 
 $(BENCH)/.ready: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(BENCH)
 	$(BENCH)/bin/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	-$(BENCH)/bin/python -m pip install --quiet --constraint constraints.txt '.[bench-inverse]'
 	@touch $@
 
 # The documentation as a site, in docs/_build/html; the gallery of the built-in robots is drawn by derive itself.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from bench import operations, timings
+from bench.inverse.run import write_inverse
 from bench.plot import write_plot
 from bench.report import PLOT, write_pages, write_readme
 from bench.results import read_json, write_json
@@ -17,6 +18,7 @@ def main() -> int:
     options = parser.parse_args()
     write_json("operations", operations.run(options.quick))
     write_json("timings", timings.run(options.quick))
+    print(write_inverse(options.quick), end="")
     write_pages()
     write_readme()
     write_plot(read_json("timings"), PLOT)

@@ -11,12 +11,15 @@ from pathlib import Path
 from derive import __version__
 
 PACKAGES = (
+    "EAIK",
     "adam-robotics",
     "casadi",
     "numpy",
     "pin",
+    "py-ikgeo-kinematics",
     "roboticstoolbox-python",
     "skidy",
+    "ssik",
     "sympy",
     "urdf2casadi",
 )

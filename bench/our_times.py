@@ -73,8 +73,12 @@ def _plain(case: Case, quantity: Quantity, taken: Sequence[Array]) -> Timed:
     return filled(lambda: lines(out, *inputs), out)
 
 
-def _prefix(folder: Path) -> str:
-    """What the C functions' names begin with."""
+def prefix(folder: Path) -> str:
+    """What the C functions' names begin with.
+
+    Args:
+        folder: That of the robot.
+    """
     found = re.search(r"(\w*)dof = \d+", (folder / "model.h").read_text(encoding="utf-8"))
     if found is None:
         raise ValueError("no dof in model.h")
@@ -83,7 +87,7 @@ def _prefix(folder: Path) -> str:
 
 def _c_batch(case: Case, quantity: Quantity, taken: Sequence[Array]) -> Timed:
     folder = build(case.name, "c")
-    function = getattr(library(folder / "model.c", ("-lm",)), f"{_prefix(folder)}{quantity.function}_batch")
+    function = getattr(library(folder / "model.c", ("-lm",)), f"{prefix(folder)}{quantity.function}_batch")
     out = np.empty((len(taken[0]), *quantity.shape(case.robot.n)))
     addresses = [pointer(array) for array in (*taken, out)]
     return filled(lambda: function(ctypes.c_size_t(len(out)), *addresses), out)
@@ -93,7 +97,7 @@ def _c_loop(case: Case, quantity: Quantity, motions: Sequence[Array]) -> Timed:
     folder, n = build(case.name, "c"), case.robot.n
     out = np.empty((len(motions[0]), *quantity.shape(n)))
     places = ", ".join(f"{name} + {n} * k" for name in quantity.arguments)
-    call = f"{_prefix(folder)}{quantity.function}({places}, out + {out[0].size} * k)"
+    call = f"{prefix(folder)}{quantity.function}({places}, out + {out[0].size} * k)"
     flags = (f'-DMODEL="{folder / "model.c"}"', f"-I{folder}", f"-DCALL={call}", "-lm")
     loop = library(FOLDER / "model_loop.c", flags, [folder / "model.c"]).loop
     addresses = [pointer(array) for array in (*motions, out)]

@@ -16,6 +16,9 @@ NAME = "roboticstoolbox"
 _FEW = {"tau": 100, "g": 100, "T": 50, "B": 20, "J": 10, "C": 2}
 """Configurations of a pass: some of its functions take milliseconds."""
 
+_SLIDE = (0.0, 10.0)
+"""Limits of slides [m], without which it solves no arm backwards."""
+
 
 def robot_of(case: Case) -> Any:
     """The toolbox's robot."""
@@ -33,7 +36,7 @@ def robot_of(case: Case) -> Any:
             "r": arm.com[i],
             "I": [inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[1, 2], inertia[0, 2]],
         }
-        own = {"d": arm.d[i], "offset": arm.theta[i]} if arm.revolute[i] else {"theta": arm.theta[i]}
+        own = {"d": arm.d[i], "offset": arm.theta[i]} if arm.revolute[i] else {"theta": arm.theta[i], "qlim": _SLIDE}
         links.append(kinds[0 if arm.revolute[i] else 1](**common, **own))
     return rtb.DHRobot(links, gravity=arm.gravity)
 
