@@ -21,7 +21,7 @@ from derive.version import __version__
 
 if TYPE_CHECKING:
     from derive.api.build import build, build_all, stale, verify
-    from derive.api.check import check, check_formula, check_latex
+    from derive.api.check import check, check_formula, check_inverse, check_latex
     from derive.api.handout import fragment, handout
     from derive.api.plot import plot
     from derive.api.robots import catalogue, load
@@ -42,6 +42,7 @@ __all__ = [
     "catalogue",
     "check",
     "check_formula",
+    "check_inverse",
     "check_latex",
     "find_style",
     "fragment",
@@ -63,6 +64,7 @@ _HOMES = {
     "catalogue": "derive.api.robots",
     "check": "derive.api.check",
     "check_formula": "derive.api.check",
+    "check_inverse": "derive.api.check",
     "check_latex": "derive.api.check",
     "find_style": "derive.api.style",
     "fragment": "derive.api.handout",

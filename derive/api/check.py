@@ -10,7 +10,11 @@ from derive.api.robots import RobotLike, load, with_remarks
 from derive.checking.comparison import check_expression
 from derive.checking.files import check_path
 from derive.checking.findings import FileReport, Finding, judge
+from derive.checking.inverse_latex import gives_joints
+from derive.checking.inverse_solutions import check_inverse as compare_inverse
+from derive.checking.inverse_solutions import inverse_text, names_inverse
 from derive.checking.latex_check import check_latex as compare_latex
+from derive.checking.printed import Asked
 from derive.checking.report import (
     Printout,
     difference_text,
@@ -25,6 +29,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.model.model import Model
 from derive.robot.description import Remark
+from derive.robot.inverse_options import chosen_task
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
 
@@ -168,7 +173,29 @@ def checked_file(file: str | Path) -> Printout:
     return printout_of(report, robot, robot.remarks)
 
 
-def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool = False) -> Printout:
+def check_inverse(robot: RobotLike, solution: str | Path, *, latex: bool = False, task: str = "") -> CheckedFile:
+    """Compare a printed inverse solution with an arm, as ``derive check ROBOT --quantity inverse`` does.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue.
+        solution: Its lines, ``theta2 = atan2(+-sqrt(1 - D**2), D)``; of LaTeX also the path of a ``.tex`` file.
+        latex: Whether it is LaTeX.
+        task: Rows of the task such as ``x,y,phi``; without it the names in the lines and the robot file say it.
+
+    Returns:
+        The verdict on each line that gives a joint variable or something of it, and on all branches.
+
+    Raises:
+        CheckError: The lines cannot be read, or need each other.
+        QuantityError: An unknown row.
+    """
+    reported = formula_printout(load(robot), "inverse", str(solution), latex=latex, task=task)
+    verdicts = tuple(_verdict(finding, reported) for finding in reported.report.findings)
+    report = reported.report
+    return CheckedFile(report.source, report.robot, verdicts, report.passed, "\n".join(formula_lines(reported)))
+
+
+def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool = False, task: str = "") -> Printout:
     """The comparison of what is given without a corpus file; see `check_formula` and `check_latex`.
 
     Args:
@@ -176,6 +203,7 @@ def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool =
         quantity: A scalar; of LaTeX a matrix too, or none.
         formula: What is printed, or the path of a ``.tex`` file.
         latex: Whether it is LaTeX.
+        task: Rows of the task of a printed inverse solution.
 
     Returns:
         The comparisons as those of a file.
@@ -183,12 +211,19 @@ def formula_printout(robot: Robot, quantity: str, formula: str, *, latex: bool =
     Raises:
         CheckError: The formula cannot be read.
     """
-    if not latex:
+    is_inverse = names_inverse(Model(robot), quantity) or (latex and not quantity and gives_joints(formula, robot))
+    if not latex and not is_inverse:
         finding = check_expression(Model(robot), quantity, formula)
         return printout_of(FileReport(robot.name, robot.name, (finding,)), robot)
-    is_file = formula.endswith(".tex") and "\n" not in formula
+    is_file = latex and formula.endswith(".tex") and "\n" not in formula
     text = latex_file(formula) if is_file else formula
-    source = formula if is_file and formula.isprintable() else quoted(formula, 200) if is_file else "--latex"
+    option = "--latex" if latex else "--expression"
+    source = formula if is_file and formula.isprintable() else quoted(formula, 200) if is_file else option
+    if is_inverse:
+        asked = Asked(Location(source), chosen_task(task.replace(",", " ").split(), robot.n) if task else None)
+        findings, refused = compare_inverse(Model(robot), inverse_text(text, asked, latex=latex, document=is_file))
+        unread = tuple(f"{one.location}: {one.reason}" for one in refused)
+        return printout_of(FileReport(source, robot.name, findings, unread), robot)
     found = compare_latex(Model(robot), text, quantity, Location(source), document=is_file)
     return printout_of(found.file_report(source, robot.name), robot)
 

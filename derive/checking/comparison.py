@@ -11,8 +11,17 @@ import sympy
 
 from derive.checking.diagnosis import Question, other_orders
 from derive.checking.findings import FileReport, Finding, Role, undecidable, verdict_at
+from derive.checking.inverse_solutions import check_inverse
 from derive.checking.latex_check import check_latex
-from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity, PrintedText
+from derive.checking.printed import (
+    CorpusFile,
+    Factorisation,
+    Identity,
+    InverseText,
+    Printed,
+    PrintedQuantity,
+    PrintedText,
+)
 from derive.checking.solutions import solution_findings
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
@@ -41,6 +50,7 @@ def check_file(file: CorpusFile) -> FileReport:
     if file.factorisation is not None:
         findings += _placed(_factorisation(model, file.factorisation), file.factorisation.location)
     findings += solution_findings(model, file.solutions)
+    findings += [finding for text in file.inverse for finding in _inverse(model, text)]
     return FileReport(file.source, file.robot.name, tuple(findings), file.unread, file.document)
 
 
@@ -93,6 +103,15 @@ def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding
         yield from findings
     except DeriveError as error:
         raise error.at(location) from None
+
+
+def _inverse(model: Model, text: InverseText) -> tuple[Finding, ...]:
+    """The findings about a printed solution; one with an unknown name is undecidable."""
+    try:
+        return check_inverse(model, text)[0]
+    except UnknownNameError as error:
+        shown = " ".join(" ".join(part.text.split()) for part in text.parts)
+        return (undecidable("inverse", (0, 0), Role.SOLUTION, shown, error, text.status == "erratum", text.remark),)
 
 
 def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[Finding]:

@@ -39,6 +39,9 @@ from derive.robot.rounding import is_given_in_decimals, number_text
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **REAL_FUNCTIONS,
     "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
+    "acos": math.acos,
+    "asin": math.asin,
+    "atan": math.atan,
 }
 
 
@@ -187,7 +190,10 @@ SWAPPED = {"cos": "sin", "sin": "cos"}
 class SlipKind(Enum):
     """What kind of slip a change undoes, the likelier first; of several changes the first kind is reported."""
 
+    PLUS_MINUS = "+- missing"
+    ATAN2 = "atan2"
     SIGN = "sign"
+    ORDER = "order of the arguments"
     FUNCTION = "sine or cosine"
     EXPONENT = "exponent"
     INDEX = "index"
@@ -252,6 +258,8 @@ def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
     match kind, node:
         case SlipKind.SIGN, _:
             yield from _signs(spot)
+        case SlipKind.ORDER, Call(function, (first, second)):
+            yield _replaced(kind, spot, Call(function, (second, first)))
         case SlipKind.FUNCTION, Call(function, arguments) if function in SWAPPED:
             yield _replaced(kind, spot, Call(SWAPPED[function], arguments))
         case SlipKind.EXPONENT, Power(base, exponent):

@@ -15,8 +15,9 @@ from derive.checking import reading
 from derive.checking.comparison import check_file
 from derive.checking.findings import FileReport
 from derive.checking.frames_file import NO_ROBOT, check_frames
+from derive.checking.inverse_solutions import read_inverse
 from derive.checking.methods_file import SETS, check_methods
-from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity, PrintedText
+from derive.checking.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
 from derive.checking.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.solutions import read_solutions
 from derive.errors import CheckError, Location, quoted
@@ -96,14 +97,16 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     expected = reading.items(reading.child(root, "expected"), "expected")
     identities = reading.items(reading.child(root, "identities"), "identities")
     product = reading.child(root, "factorisation")
+    lines = data.decode("utf-8-sig").splitlines()
     return CorpusFile(
         source=source,
         robot=robot,
-        expected=tuple(_quantity(item, robot, data.decode("utf-8-sig").splitlines()) for item in expected),
+        expected=tuple(_quantity(item, robot, lines) for item in expected),
         identities=tuple(_identity(item, robot) for item in identities),
         factorisation=_factorisation(product) if product else None,
         unread=tuple(name for name in UNREAD if name in root.entries),
         solutions=read_solutions(reading.child(root, "inverse_kinematics"), robot),
+        inverse=tuple(read_inverse(reading.child(root, "inverse_kinematics"), lines)),
         document=reading.printed_in(root),
     )
 
@@ -112,7 +115,7 @@ def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> PrintedQuantity
     latex = isinstance(node, YamlMapping) and "latex" in node.entries
     item = reading.mapping(node, "an item of expected", () if latex else ("quantity",), (*_CONTENT, *_REMARKS))
     name = required_text(item, "quantity").text if "quantity" in item.entries else ""
-    in_latex = _latex(required_text(item, "latex"), lines) if latex else None
+    in_latex = reading.printed_text(required_text(item, "latex"), lines) if latex else None
     entries, shape = _content(item, robot)
     corrections = tuple(_at_places(reading.pairs(item, "correct", "an entry"), "correct", robot))
     if corrections and not name:
@@ -145,16 +148,6 @@ def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> PrintedQuantity
         implied=reading.flag(item, "implied"),
         latex=in_latex,
     )
-
-
-def _latex(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
-    """LaTeX with its place; of a literal block (``|``) the lines of the file themselves, so that columns are exact."""
-    if scalar.verbatim:
-        return PrintedText(scalar.text, scalar.inner)
-    block = lines[scalar.location.line :][: len(scalar.text.splitlines())]
-    if [line.strip() for line in block] == [line.strip() for line in scalar.text.splitlines()]:
-        return PrintedText("\n".join(block), Location(scalar.location.source, scalar.location.line + 1))
-    return PrintedText(scalar.text, scalar.location, verbatim=False)
 
 
 def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[Printed, ...], tuple[int, int] | None]:

@@ -56,6 +56,7 @@ class Role(Enum):
     IDENTITY = "identity"
     FACTORISATION = "factorisation"
     SOLUTION = "solution"
+    BRANCHES = "branches"
     PRODUCT = "product"
     EQUATION = "equation"
 
@@ -78,6 +79,10 @@ class Finding:
         repair: What repairs it, where that was found with the comparison.
         remark: What the file says about it.
         unknown: The name that the robot does not know, where the formula has one: nothing can be decided.
+        same: Whether it is known to have the form of the derived one.
+        some: Whether it is right for some branches of a solution.
+        missing: Names of the branches that are missing.
+        note: What is said behind the verdict.
     """
 
     quantity: str
@@ -93,6 +98,10 @@ class Finding:
     repair: Repair | None = None
     remark: Remark = NO_REMARK
     unknown: UnknownNameError | None = None
+    same: bool = False
+    some: bool = False
+    missing: tuple[str, ...] = ()
+    note: str = ""
 
     @property
     def entry(self) -> str:
@@ -264,12 +273,14 @@ class Outcome(StrEnum):
     Attributes:
         SAME_FORM: Right, and written as the lecture form writes it.
         EQUAL: Right, written in another way.
+        SOME: Right for some branches of an inverse solution only.
         WRONG: Not equal.
         UNDECIDABLE: A name that the robot does not know; nothing can be said.
     """
 
     SAME_FORM = "same form"
     EQUAL = "equal"
+    SOME = "right for some branches"
     WRONG = "wrong"
     UNDECIDABLE = "undecidable name"
 
@@ -303,10 +314,10 @@ def judge(finding: Finding) -> Judgement:
     if finding.unknown is not None:
         return Judgement(Outcome.UNDECIDABLE)
     if finding.verdict.equal:
-        same = question is not None and same_form(question.printed, question.right)
+        same = finding.same or (question is not None and same_form(question.printed, question.right))
         return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)
     if question is None:
-        return Judgement(Outcome.WRONG, repair=finding.repair)
+        return Judgement(Outcome.SOME if finding.some else Outcome.WRONG, repair=finding.repair)
     terms = _difference_terms(question) if question.is_plain else ()
     lacking: tuple[Expression, ...] = ()
     if len(terms) == 1:  # a difference of one term is a term too many or too few

@@ -14,7 +14,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 
 from derive.checking.latex_grammar import MisplacedError, parsed
 from derive.checking.latex_matrices import Entry, Table
-from derive.checking.latex_names import LatexNames
+from derive.checking.latex_names import LatexNames, PlusMinus
 from derive.checking.latex_pieces import MATRIX_MARK, Piece, PrintedMatrix
 from derive.checking.latex_typography import PRIMED, cleaned
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
@@ -92,6 +92,7 @@ class LatexReader:
         start: Where its first character stands.
         abbreviations: Further names and what they stand for.
         entries: Names of entries of quantities such as b12 and what they stand for, looked up last.
+        signs: Gives plus-minus signs their names, where they and inverse functions are allowed.
     """
 
     def __init__(
@@ -101,8 +102,9 @@ class LatexReader:
         start: Location,
         abbreviations: Mapping[str, Expression] | None = None,
         entries: Mapping[str, Expression] | None = None,
+        signs: PlusMinus | None = None,
     ) -> None:
-        self.names = LatexNames(robot, abbreviations, entries)
+        self.names = LatexNames(robot, abbreviations, entries, signs)
         self._text = text
         self._start = start
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, reduce
+from functools import cache, partial, reduce
 from importlib.resources import files
 from typing import Any
 
@@ -115,6 +115,8 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
                 return value
             case "minus", (_, value):
                 return _each(self._settled(value), negate)
+            case "plus_minus", (token, value):
+                return _each(self._settled(value), partial(multiply, self._sign(token)))
             case "bracket", (_, value, _):
                 return self._settled(value)
             case "sum", (first, *rest):
@@ -137,16 +139,19 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
                 return _Digits(_number(token), token.start_pos or 0)
             case "exponent_digit", (token,):
                 return number({"²": "2", "³": "3"}.get(token[-1], token[-1]))
-            case "atan2", _:
-                return Call("atan2", tuple(self._tree(child) for child in children if not isinstance(child, Token)))
+            case "atan2", (token, *arguments):
+                return self._of_two(token, arguments)
+            case "inverse", (token, *arguments):
+                return self._inverse_function(token, None, arguments)
+            case "inverse_of_two", (token, exponent, *arguments):
+                return self._inverse_function(token, exponent, arguments)
             case (("call" | "root_letter"), (function, argument)):
                 return self._call(function, argument)
             case "call_power", (function, argument, exponent):
                 return self._power(self._call(function, argument), exponent)
             case "power_call", (function, exponent, argument):
                 if isinstance(exponent, Number) and exponent.value < 0:
-                    what = CheckError(f"inverse function {function}^{{-1}}", remedy=r"write \operatorname{atan2}(y, x)")
-                    raise MisplacedError(function.start_pos or 0, what)
+                    return self._inverse_function(function, exponent, [argument])
                 return self._power(self._call(function, argument), exponent)
             case "number_power", (token, exponent):
                 return self._power(_number(token), exponent)
@@ -205,6 +210,8 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
         terms = [self._settled(first)]
         for sign, term in zip(rest[::2], rest[1::2], strict=True):
             settled = self._settled(term)
+            if sign.type == "PLUS_MINUS":
+                settled = _each(settled, partial(multiply, self._sign(sign)))
             terms.append(_each(settled, negate) if sign == "-" else settled)
         tables = [term for term in terms if isinstance(term, Table)]
         formulas = [term for term in terms if not isinstance(term, Table)]
@@ -278,6 +285,32 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
 
     def _call(self, token: Token, argument: Value) -> Expression:
         return Call("sqrt" if token.type == "ROOT" else _function(token), (self._tree(argument),))
+
+    def _sign(self, token: Token) -> Expression:
+        """A plus-minus, where it has a meaning."""
+        if self._names.signs is None:
+            what = CheckError(f"{token} in a formula", remedy="these are two formulas; check one sign at a time")
+            raise MisplacedError(token.start_pos or 0, what)
+        return self._names.signs.another()
+
+    def _inverse_function(self, token: Token, exponent: Expression | None, children: Children) -> Expression:
+        r"""An arc function, where it has a meaning; ``\cos^{-1}`` is one too."""
+        arguments = [child for child in children if not isinstance(child, Token)]
+        if self._names.signs is None:
+            shown = f"inverse function {token}^{{-1}}" if exponent else f"{token} in a formula"
+            raise MisplacedError(token.start_pos or 0, CheckError(shown, remedy=r"write \operatorname{atan2}(y, x)"))
+        if exponent and exponent != number(-1):
+            raise MisplacedError(token.start_pos or 0, CheckError("exponent of a function", allowed="^{-1} here"))
+        if len(arguments) == 2:
+            return self._of_two(token, arguments)
+        plain = token.lower().replace("tg", "tan")
+        return Call("a" + next(f for f in ("cos", "sin", "tan") if f in plain), (self._tree(arguments[0]),))
+
+    def _of_two(self, token: Token, arguments: Children) -> Expression:
+        """The arctangent of two arguments; in some books it has a capital and takes the cosine first."""
+        may_turn = self._names.signs is not None and (token.type != "ATAN2" or "A" in token)
+        both = [self._tree(argument) for argument in arguments if not isinstance(argument, Token)]
+        return Call("Atan2" if may_turn else "atan2", tuple(both))
 
     def _power(self, base: Value, exponent: Expression) -> Expression:
         offset = base.offset if isinstance(base, Symbol) else 0

@@ -37,6 +37,9 @@ FLAT = {
 }
 """Macros and signs that are another way to draw a letter."""
 
+SIGN = "±"
+"""First letter of the name of a plus-minus."""
+
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
 _CIRCULAR = re.compile(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)")
@@ -44,6 +47,18 @@ _OPPOSED = re.compile(r"([csCS])((?:theta|th|q)?[0-9]+)((?:[-+](?:theta|th|q)?[0
 _CHRISTOFFEL = re.compile(r"c[0-9]+,[0-9]{2,}|c[0-9]+,[0-9]+,[0-9]+")
 _ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
+
+
+class PlusMinus:
+    """Gives every plus-minus of a text a name."""
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def another(self) -> Name:
+        """The name of the next one."""
+        self._count += 1
+        return Name(f"{SIGN}{self._count}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +86,7 @@ class LatexNames:
         robot: Its symbols and joints.
         abbreviations: Further names and what they stand for.
         entries: Names of entries of quantities such as b12, looked up last.
+        signs: Gives plus-minus signs their names; they and inverse functions are refused without it.
     """
 
     def __init__(
@@ -78,8 +94,9 @@ class LatexNames:
         robot: Robot,
         abbreviations: Mapping[str, Expression] | None = None,
         entries: Mapping[str, Expression] | None = None,
+        signs: PlusMinus | None = None,
     ) -> None:
-        self.robot = robot
+        self.robot, self.signs = robot, signs
         self.abbreviations = dict(abbreviations or {})
         self.entries = {} if entries is None else entries  # one may be long to count
         variables = [joint.variable for joint in robot.joints]

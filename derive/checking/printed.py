@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from derive.errors import Location, UnknownNameError
 from derive.robot.expression import Expression
+from derive.robot.inverse_options import Task
 from derive.robot.robot import Robot
 
 
@@ -166,6 +167,42 @@ class Solution:
 
 
 @dataclass(frozen=True, slots=True)
+class Asked:
+    """What is said beside the lines of a printed solution.
+
+    Attributes:
+        location: Where it stands.
+        task: The rows of its task; None where the names that it uses say it.
+        cosine_first: Whether the first argument of its atan2 is the cosine; None where the text decides.
+    """
+
+    location: Location
+    task: Task | None = None
+    cosine_first: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class InverseText:
+    """A printed solution as it is given.
+
+    Attributes:
+        parts: Its text in one or several pieces.
+        asked: What is said beside it, and where it begins.
+        latex: Whether it is LaTeX.
+        document: Whether it is a LaTeX document, whose displays are read.
+        status: ``ok``, or ``erratum`` where it is known to be wrong.
+        remark: What the file says about it.
+    """
+
+    parts: tuple[PrintedText, ...]
+    asked: Asked
+    latex: bool = False
+    document: bool = False
+    status: str = "ok"
+    remark: Remark = NO_REMARK
+
+
+@dataclass(frozen=True, slots=True)
 class CorpusFile:
     """A robot and what is printed about it.
 
@@ -178,6 +215,7 @@ class CorpusFile:
         unread: Blocks that hold printed results of other kinds.
         solutions: Printed inverse kinematics.
         document: Where all this is printed.
+        inverse: Printed solutions of the inverse kinematics, all lines together.
     """
 
     source: str
@@ -188,3 +226,4 @@ class CorpusFile:
     unread: tuple[str, ...] = ()
     solutions: tuple[Solution, ...] = ()
     document: Citation = NO_CITATION
+    inverse: tuple[InverseText, ...] = ()

@@ -6,12 +6,12 @@ A printed formula with an unknown name is kept as such, what is no formula is re
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from derive.checking.printed import Citation, Printed, Remark
-from derive.errors import CheckError, UnknownNameError, listed, near_miss, quoted
+from derive.checking.printed import Citation, Printed, PrintedText, Remark
+from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import read_formula
 from derive.robot.document import Node, YamlMapping, YamlScalar, YamlSequence
 from derive.robot.expression import ZERO, Expression, Name
@@ -225,6 +225,22 @@ def printed_in(node: YamlMapping) -> Citation:
 
 
 Refusal = TypeVar("Refusal", bound=CheckError)
+
+
+def printed_text(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
+    """A text with its place; of a literal block (``|``) the lines of the file themselves, so that columns are exact.
+
+    Args:
+        scalar: The text in the file.
+        lines: The lines of the file.
+    """
+    if scalar.verbatim:
+        return PrintedText(scalar.text, scalar.inner)
+    block = lines[scalar.location.line :][: len(scalar.text.splitlines())]
+    if [line.strip() for line in block] == [line.strip() for line in scalar.text.splitlines()]:
+        return PrintedText("\n".join(block), Location(scalar.location.source, scalar.location.line + 1))
+    return PrintedText(scalar.text, scalar.location, verbatim=False)
+
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from math import isnan
 from typing import Any
 
 from derive.checking.findings import FileReport, Finding, Judgement, Outcome, Role, judge
@@ -85,19 +86,28 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
         Lines without ends.
     """
     verdict = judge(finding)
+    if finding.role is Role.BRANCHES:
+        place = "" if finding.verdict.equal else f"{finding.location}: "
+        yield f"{place}{finding.entry}: {finding.text}"
+        yield from (f"  missing: {name}" for name in finding.missing)
+        return
     match verdict.outcome:
         case Outcome.SAME_FORM:
             yield f"{what(finding)}: same form"
             return
         case Outcome.EQUAL:
-            yield f"{what(finding)}: equal" + ("" if finding.verdict.exact else ", at random points")
-            yield f"  ours: {cut(right_text(finding, printout.printer))}{printout.note(finding)}"
+            is_sure = finding.verdict.exact or finding.role is Role.SOLUTION
+            yield f"{what(finding)}: equal" + ("" if is_sure else ", at random points")
+            if right := right_text(finding, printout.printer):
+                yield f"  ours: {cut(right)}{printout.note(finding)}"
             return
         case Outcome.UNDECIDABLE:
             yield f"{finding.location}: {what(finding)}: {verdict.outcome}: {unknown_name(finding)}"
             return
-    yield f"{finding.location}: {what(finding)} is wrong: {cut(finding.text)}"
-    yield f"  right: {cut(right_text(finding, printout.printer))}{printout.note(finding)}"
+    wrong = f"is {verdict.outcome}" + (" only" if verdict.outcome is Outcome.SOME else "") + finding.note
+    yield f"{finding.location}: {what(finding)} {wrong}: {cut(finding.text)}"
+    if right := right_text(finding, printout.printer):
+        yield f"  right: {cut(right)}{printout.note(finding)}"
     if verdict.repair is not None:
         yield f"  change: {cut(verdict.repair.text)}"
     if terms := difference_text(verdict, printout.printer):
@@ -164,7 +174,10 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
     example = finding.verdict.counter_example
     if example is not None:
         values = {name: float(value) for name, value in example.values}
-        entry["counter_example"] = {"values": values, "printed": example.printed, "right": example.right}
+        printed = None if isnan(example.printed) else example.printed
+        entry["counter_example"] = {"values": values, "printed": printed, "right": example.right}
+    if finding.missing:
+        entry["missing"] = list(finding.missing)
     return entry
 
 
@@ -239,7 +252,8 @@ def numbers(example: CounterExample) -> str:
         example: A point and both values there.
     """
     values = ", ".join(f"{name} = {float(value):g}" for name, value in example.values)
-    compared = f"printed {example.printed:.6g}, right {example.right:.6g}"
+    printed = "no real value" if isnan(example.printed) else f"{example.printed:.6g}"
+    compared = f"printed {printed}, right {example.right:.6g}"
     return f"at {values}: {compared}" if values else compared
 
 

@@ -17,7 +17,7 @@ from derive.checking.reading import Abbreviations, read_printed, required_text
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import evaluate
 from derive.model.model import Model
-from derive.robot.document import Node
+from derive.robot.document import Node, YamlMapping, YamlSequence
 from derive.robot.expression import ZERO, Call, Expression, Name, add, multiply, names, negate, number, substitute
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
@@ -38,7 +38,9 @@ def read_solutions(node: Node | None, robot: Robot) -> tuple[Solution, ...]:
     Raises:
         CheckError: A formula, or the structure around it, cannot be read.
     """
-    if node is None:
+    if isinstance(node, YamlSequence):
+        return tuple(found for block in node.items for found in read_solutions(block, robot))
+    if node is None or (isinstance(node, YamlMapping) and "formulas" not in node.entries):
         return ()
     block = reading.mapping(node, "inverse_kinematics", ("formulas",), ("given", "notation", "note"))
     own = {*robot_symbols(robot), *(joint.variable for joint in robot.joints)}

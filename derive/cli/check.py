@@ -32,6 +32,12 @@ are read; what is not understood there is listed as not compared:
   derive check scara-perugia --latex 'x = a_1 c_1 + a_2 c_{12} \\\\ y = a_1 s_1 + a_2 s_{12}'
   derive check scara-perugia --latex homework.tex
 
+A printed solution of the inverse kinematics is checked as a whole: --quantity inverse, its lines as text between
+semicolons or as LaTeX; all branches, some, or wrong and what repairs it:
+
+  derive check planar-2r-perugia --quantity inverse --expression 'D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2);
+    theta2 = atan2(+-sqrt(1 - D**2), D); theta1 = atan2(y, x) - atan2(a2*s2, a1 + a2*c2)'
+
 Formulas may use the shorthand of lecture notes: c12 is cos(q1 + q2), qd1 and qdd1 are velocity and acceleration of q1.
 Exit status 0 all equal, 1 something wrong, 2 a file or formula that cannot be read, an unknown name among them.
 """
@@ -57,6 +63,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     formula = parser.add_mutually_exclusive_group()
     formula.add_argument("--expression", metavar="E", help="the formula to compare it with")
     formula.add_argument("--latex", metavar="L", help="LaTeX: a formula, equations, matrices; or a .tex file, or -")
+    add("--task", metavar="ROWS", help="task of a printed inverse solution: pose, position, or rows such as x,y,phi")
     add("--report", metavar="MD", help="write what is wrong as a Markdown page: document, place, printed, right, why")
     add("--json", action="store_true", help="machine-readable output")
 
@@ -113,10 +120,10 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     from derive.checking.report import as_dict, finding_dict
 
     robot, quantity = load(arguments.files[0]), arguments.quantity or ""
-    if text == "-" and arguments.latex is not None:
+    if text == "-" and (arguments.latex is not None or quantity == "inverse"):
         text = sys.stdin.read()
     try:
-        reported = formula_printout(robot, quantity, text, latex=arguments.latex is not None)
+        reported = formula_printout(robot, quantity, text, latex=arguments.latex is not None, task=arguments.task or "")
     except UnknownNameError as error:
         if arguments.json:
             verdict = Outcome.UNDECIDABLE.value

@@ -49,6 +49,7 @@ def read_formula(
     robot: Robot,
     location: Location | None = None,
     abbreviations: Mapping[str, Expression] | None = None,
+    functions: frozenset[str] = FORMULA_FUNCTIONS,
 ) -> Expression:
     """A printed formula as an expression in the robot's own names.
 
@@ -57,6 +58,7 @@ def read_formula(
         robot: Whose formula it is.
         location: Where its first character stands.
         abbreviations: Further names and what they stand for, such as the h of a Coriolis matrix.
+        functions: Names that may be called, besides sign.
 
     Raises:
         CheckError: Outside the grammar, an unknown name, or a token that can be read in two ways; placed at the token.
@@ -66,9 +68,9 @@ def read_formula(
         vocabulary = _vocabulary(robot, abbreviations)
     except CheckError as error:
         raise error.at(start) from None
-    functions = FORMULA_FUNCTIONS | ({"sign"} - vocabulary.own)
     try:
-        expression = parse_expression(text, start, functions, FORMULA_LIMITS)
+        callable_names = functions | ({"sign"} - vocabulary.own)
+        expression = parse_expression(text, start, callable_names, FORMULA_LIMITS)
         tokens = tokenize(text, start, FORMULA_LIMITS)
     except ExpressionError as error:
         where = error.location or start

@@ -317,7 +317,7 @@ class _Parser:
         while self._take(","):
             arguments.append(self._sum())
         self._close(opening)
-        arity = 2 if token.text == "atan2" else 1
+        arity = 2 if token.text.lower() == "atan2" else 1
         if len(arguments) != arity:
             raise self._error(f"{token.text} with {len(arguments)} arguments", token, f"it takes {arity}")
         return Call(token.text, tuple(arguments))

@@ -64,5 +64,5 @@ def test_a_name_that_is_no_entry_of_the_pose_is_undecidable() -> None:
 
 def test_a_block_without_formulas_is_refused() -> None:
     assert len(POSE_NAMES) == 13
-    with pytest.raises(CheckError, match="without 'formulas'"):
+    with pytest.raises(CheckError, match="either 'lines', 'latex' or 'formulas'"):
         corpus_from_bytes((ARM.rsplit("  formulas", 1)[0] + "  note: none\n").encode(), "notes.yaml")

@@ -110,11 +110,11 @@ class Shape:
         self._upper = 0
         for k in range(1, before):
             others = [j for j in range(k) if revolute[j]]
-            if revolute[k] and others and _parallel(axes[k], axes[others[-1]]):
+            if revolute[k] and others and parallel(axes[k], axes[others[-1]]):
                 self.elbow, self._upper = k, others[-1]
                 break
         self.shoulder = before > 1 and revolute[0] and revolute[1] and abs(axes[0] @ axes[1]) < SMALL
-        self._planar = all(revolute[:before]) and all(_parallel(axes[0], axis) for axis in axes[:before])
+        self._planar = all(revolute[:before]) and all(parallel(axes[0], axis) for axis in axes[:before])
         self._up = np.array([0.0, 0.0, 1.0]) if up is None else up
 
     def words(self, arm: Placed) -> tuple[str | None, ...]:
@@ -145,7 +145,7 @@ class Shape:
         """The centre of the wrist, or the end effector."""
         if self.wrist is None:
             return arm.end
-        return _nearest(
+        return nearest(
             arm.points[self.wrist], arm.axes[self.wrist], arm.points[self.wrist + 1], arm.axes[self.wrist + 1]
         )
 
@@ -165,7 +165,7 @@ class Shape:
         axis, elbow, shoulder = arm.axes[self._upper], arm.points[self.elbow], arm.points[self._upper]
         following = self.elbow + 1
         robot = self._robot
-        if following < robot.n and robot.joints[following].is_revolute and _parallel(arm.axes[following], axis):
+        if following < robot.n and robot.joints[following].is_revolute and parallel(arm.axes[following], axis):
             hand = arm.points[following]
         else:
             hand = self._centre(arm)
@@ -219,22 +219,35 @@ def _either(value: float, positive: Word, negative: Word) -> Word | None:
     return None if abs(value) < SMALL else positive if value > 0 else negative
 
 
-def _parallel(a: Vector, b: Vector) -> bool:
+def parallel(a: Vector, b: Vector) -> bool:
+    """Whether two directions are the same or opposite.
+
+    Args:
+        a: A unit vector.
+        b: Another.
+    """
     return bool(np.linalg.norm(np.cross(a, b)) < SMALL)
 
 
 def _meet(arm: Placed) -> bool:
     """Whether three axes go through one point, and not all in one direction."""
     (p, q, r), (a, b, c) = arm.points, arm.axes
-    if _parallel(a, b) or _parallel(b, c):
+    if parallel(a, b) or parallel(b, c):
         return False
-    centre = _nearest(p, a, q, b)
+    centre = nearest(p, a, q, b)
     gaps = (np.cross(centre - point, axis) for point, axis in ((p, a), (q, b), (r, c)))
     return all(np.linalg.norm(gap) < SMALL for gap in gaps)
 
 
-def _nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
-    """The point of the line (p, a) that is nearest to the line (q, b)."""
+def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
+    """The point of one line that is nearest to another.
+
+    Args:
+        p: A point of the line.
+        a: Its direction.
+        q: A point of the other.
+        b: Its direction.
+    """
     normal = np.cross(a, b)
     square = float(normal @ normal)
     if square < SMALL:

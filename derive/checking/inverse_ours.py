@@ -1,0 +1,179 @@
+"""The derived solution beside a printed one: our formula for each line, its form, and the names of branches."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+import sympy
+
+from derive.checking.findings import Shape, form_of
+from derive.checking.inverse_poses import PoseNames
+from derive.checking.latex_names import SIGN
+from derive.checking.printed_inverse import Formula, Line, Place, PrintedInverse, is_same
+from derive.errors import CheckError, DeriveError
+from derive.handouts.notation.derivation import SignPrinter, pose_names, with_names
+from derive.handouts.notation.notation import Notation
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.inverse.elementary import Line as OurLine
+from derive.model.inverse.in_numbers import array_value
+from derive.model.inverse.solutions import InverseKinematics
+from derive.model.inverse.solve import Freedom, solve
+from derive.model.model import Model
+from derive.robot.expression import Expression, Name, names, substitute
+from derive.robot.inverse_options import Task
+from derive.robot.names import robot_symbols
+from derive.robot.robot import Robot
+from derive.robot.style import Style
+
+
+@lru_cache(maxsize=16)
+def _solved(robot: Robot, task: Task, given: tuple[int, ...] | None, style: Style) -> InverseKinematics:
+    return InverseKinematics(solve(robot, task, given), robot, style)
+
+
+class OurSolution:
+    """The derived solution for the task of a printed one.
+
+    Args:
+        model: The robot's model.
+        printed: The printed solution.
+        pose: Its names of the pose.
+        task: The rows of its task; None where the names that it uses say it.
+    """
+
+    def __init__(self, model: Model, printed: PrintedInverse, pose: PoseNames, task: Task | None) -> None:
+        self._model, self._printed, self._pose, self._asked = model, printed, pose, task
+
+    @cached_property
+    def inverse(self) -> InverseKinematics | None:
+        """The solution; None where there is none."""
+        model, robot = self._model, self._model.robot
+        with suppress(DeriveError):
+            task = self._task
+            rank = Freedom(robot, task).rank
+            about = self._printed.about
+            given = [k for k, joint in enumerate(robot.joints) if joint.variable not in about]
+            if task == robot.inverse.task and (rank == robot.n or len(given) != robot.n - rank):
+                return model.inverse
+            return _solved(robot, task, tuple(given) if rank < robot.n else None, model.style)
+        return None
+
+    @property
+    def _task(self) -> Task:
+        """The task that the names in the text say, if it determines the joints; else that of the robot file."""
+        robot, rows = self._model.robot, self._pose.rows
+        if self._asked is not None:
+            return self._asked
+        if rows and Freedom(robot, rows).rank == robot.n:
+            return rows
+        return robot.inverse.task
+
+    @property
+    def count(self) -> int:
+        """The number of its solutions; 0 where it is not known."""
+        return self.inverse.count if self.inverse is not None else 0
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """Joint variables that it is given."""
+        robot = self._model.robot
+        return () if self.inverse is None else tuple(robot.joints[k].variable for k in self.inverse.graph.given)
+
+    @cached_property
+    def _lines(self) -> Mapping[str, OurLine]:
+        return {} if self.inverse is None else {str(line.symbol): line for line in self.inverse.lines}
+
+    @cached_property
+    def _forms(self) -> Collection[tuple[object, Shape]]:
+        """The forms of our formulas, named quantities put in."""
+        joints = {joint.variable for joint in self._model.robot.joints}
+        known: dict[str, Expression] = {}
+        forms = set()
+        for name, line in self._lines.items():
+            signs = {sign.name: Name(SIGN) for sign in line.signs}
+            with suppress(DeriveError):
+                whole = substitute(substitute(expression_from_sympy(line.value), signs), known)
+                forms.add(form_of(whole))
+                if name.isidentifier() and name not in joints:
+                    known[name] = whole
+        return forms
+
+    def has_form(self, formula: Formula) -> bool:
+        """Whether a printed formula is one of ours but for names.
+
+        Args:
+            formula: The formula.
+        """
+        if self.inverse is None:
+            return False
+        pose, printed = self.inverse.pose, self._printed
+        known: dict[str, Expression] = {n: Name(str(pose[i - 1, j - 1])) for n, (i, j) in self._pose.entries.items()}
+        for line in printed.lines:
+            if line.target is None and len(line.formulas) == 1:
+                with suppress(CheckError):
+                    for part in (*printed.named_before(line), line):
+                        known[part.name] = substitute(part.formulas[0].expression, known)
+        whole = substitute(formula.expression, known)
+        signs = {name: Name(SIGN) for name in names(whole) if name[0] == SIGN}
+        return form_of(substitute(whole, signs)) in self._forms
+
+    def text(self, line: Line) -> str:
+        """Our formula for what a line gives, with what it names; empty where there is none.
+
+        Args:
+            line: The printed line.
+        """
+        name = line.target.name if isinstance(line.target, Name) else ""
+        if name not in self._lines or self.inverse is None:
+            return ""
+        robot = self._model.robot
+        printer = SignPrinter(robot, with_names(Notation.of(robot), self.inverse), pose_names(self.inverse))
+        joints = {joint.variable for joint in robot.joints}
+        found = {name: " or ".join(map(printer.doprint, self._lines[name].alternatives))}
+        waiting = [self._lines[name].value]
+        while waiting:
+            for symbol in sorted(waiting.pop().free_symbols, key=str):
+                if (other := str(symbol)) in self._lines and other not in found and other not in joints:
+                    found[other] = f"{other} = {printer.doprint(self._lines[other].value)}"
+                    waiting.append(self._lines[other].value)
+        return ", ".join(found.values())
+
+    def missing(self, places: Sequence[Place], hits: Sequence[bool]) -> tuple[str, ...]:
+        """The names of the branches of which no configuration is met.
+
+        Args:
+            places: Configurations.
+            hits: Which of them the printed solution gives.
+        """
+        inverse = self.inverse
+        if inverse is None or not inverse.is_explicit:
+            return ()
+        met: dict[str, bool] = {}
+        for name, hit in zip(self._branches(inverse, places), hits, strict=True):
+            met[name] = met.get(name, False) or hit
+        return tuple(solution.name for solution in inverse.solutions if not met.get(solution.name, True))
+
+    def _branches(self, inverse: InverseKinematics, places: Sequence[Place]) -> list[str]:
+        """The branch that each configuration is on; empty where none is close."""
+        robot, joints = self._model.robot, self._model.robot.joints
+        symbols = (*robot_symbols(replace(robot, links=(), gravity=None)), *self.given)
+        values = {sympy.Symbol(name): np.array([place.values[name] for place in places]) for name in symbols}
+        for i in range(3):
+            for j in range(4):
+                values[inverse.pose[i, j]] = np.array([place.pose[i][j] for place in places])
+        found = [""] * len(places)
+        for solution in inverse.solutions:
+            known = dict(values)
+            with np.errstate(all="ignore"):
+                for line in solution.lines:
+                    known[line.symbol] = array_value(line.value, known)
+            own = [np.broadcast_to(known[sympy.Symbol(joint.variable)], len(places)) for joint in joints]
+            for k, place in enumerate(places):
+                pairs = zip(joints, own, strict=True)
+                if all(is_same(float(q[k]), place.values[joint.variable], joint.is_revolute) for joint, q in pairs):
+                    found[k] = solution.name
+        return found

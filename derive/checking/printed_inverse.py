@@ -1,0 +1,436 @@
+"""A printed solution of the inverse kinematics: what its lines say, in which order they can be used, their values.
+
+A line gives a joint variable, a sum of them, or a cosine, sine or tangent of one; other lines name quantities, such as
+D. A plus-minus is a name of its own wherever it stands, and its values are 1 and -1: `Choice`. So a line has a value
+for every choice, and it is right if for every configuration some choice gives what the line is about.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from derive.checking.edits import Evaluator
+from derive.checking.latex_names import SIGN
+from derive.errors import CheckError, Location, listed
+from derive.robot.expression import Call, Expression, Name, children, linear_terms, names, rebuilt
+from derive.robot.robot import Robot
+
+MAX_SIGNS = 10
+"""Plus-minus signs that one line may depend on."""
+
+CLOSE = 1e-7
+"""Difference of angles [rad] and of lengths relative to their size below which they are the same."""
+
+Choice = Mapping[str, float]
+"""A value of every plus-minus, and for lines with alternatives which one."""
+
+Vector = tuple[Fraction, ...]
+"""A linear combination of the joint variables."""
+
+_BAD = (ArithmeticError, ValueError, KeyError)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Formula:
+    """A printed right-hand side.
+
+    Attributes:
+        expression: What it says, in the names of the robot, of the pose and of named quantities.
+        text: As it is printed.
+        location: Where it stands.
+    """
+
+    expression: Expression
+    text: str
+    location: Location
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """What is printed about one quantity.
+
+    Attributes:
+        quantity: What it is called in messages: ``q2``, ``cos(q2)``, ``D``.
+        formulas: What is printed for it; several where alternatives are given.
+        target: What it is in the joint variables; None of a quantity that is only named.
+        name: Its name in other lines, if it has one.
+    """
+
+    quantity: str
+    formulas: tuple[Formula, ...]
+    target: Expression | None = None
+    name: str = ""
+
+    @property
+    def switch(self) -> str:
+        """The name of the choice between its alternatives."""
+        return f"{SIGN}{self.quantity}"
+
+
+@dataclass(frozen=True)
+class Place:
+    """One configuration of the arm and everything that a printed formula may know about it.
+
+    Attributes:
+        values: Numbers by name: parameters, joint variables, sums of them, entries of the pose.
+        pose: Three rows of four entries.
+        required: Whether a complete solution must give it; negative slides need not be given.
+    """
+
+    values: Mapping[str, float]
+    pose: Sequence[Sequence[float]]
+    required: bool = True
+
+
+class PrintedInverse:
+    """The lines of one printed solution.
+
+    Args:
+        robot: Whose solution it is.
+        lines: Its lines, those that only name quantities too.
+        sums: What names such as q23 stand for.
+    """
+
+    def __init__(self, robot: Robot, lines: Sequence[Line], sums: Mapping[str, Expression]) -> None:
+        self.robot, self.lines, self.sums = robot, tuple(lines), sums
+        self.named = {line.name: line for line in self.lines if line.target is None}
+        self.given = tuple(line for line in self.lines if line.target is not None)
+        self._before: dict[int, tuple[Line, ...]] = {}
+        self._choices: dict[int, dict[str, tuple[float, ...]]] = {}
+
+    def check_size(self) -> None:
+        """Refuse what cannot be tried.
+
+        Raises:
+            CheckError: A line that depends on too many plus-minus signs, or on itself.
+        """
+        for line in self.lines:
+            if len(self._signs(line)) > MAX_SIGNS:
+                found = f"{line.quantity} depends on {len(self._signs(line))} plus-minus signs"
+                raise CheckError(found, allowed=f"at most {MAX_SIGNS}", location=line.formulas[0].location)
+
+    def changed(self, line: Line, formula: Formula, expression: Expression) -> PrintedInverse:
+        """The solution with another expression in the place of one.
+
+        Args:
+            line: The line.
+            formula: One of its formulas.
+            expression: What stands there then.
+        """
+        formulas = tuple(replace(f, expression=expression) if f is formula else f for f in line.formulas)
+        return PrintedInverse(
+            self.robot, [replace(line, formulas=formulas) if x is line else x for x in self.lines], self.sums
+        )
+
+    def mapped(self, change: Mapping[int, Expression]) -> PrintedInverse:
+        """The solution with other expressions.
+
+        Args:
+            change: By the identity of a formula what it says then.
+        """
+        lines = [
+            replace(line, formulas=tuple(replace(f, expression=change.get(id(f), f.expression)) for f in line.formulas))
+            for line in self.lines
+        ]
+        return PrintedInverse(self.robot, lines, self.sums)
+
+    # -- values
+
+    def named_before(self, line: Line) -> tuple[Line, ...]:
+        """The named quantities that a line needs, each behind those that it needs itself.
+
+        Args:
+            line: The line.
+
+        Raises:
+            CheckError: Some need each other.
+        """
+        if id(line) not in self._before:
+            found: dict[str, Line] = {}
+            self._collect(line, found, ())
+            self._before[id(line)] = tuple(found.values())
+        return self._before[id(line)]
+
+    def _collect(self, line: Line, found: dict[str, Line], above: tuple[str, ...]) -> None:
+        for formula in line.formulas:
+            for name in names(formula.expression):
+                if name in above:
+                    what = f"{listed(dict.fromkeys((*above, name)))} are given by each other"
+                    raise CheckError(what, remedy="give one of them by what is known", location=formula.location)
+                if name in self.named and name not in found:
+                    self._collect(self.named[name], found, (*above, name))
+                    found[name] = self.named[name]
+
+    def choices(self, line: Line) -> dict[str, tuple[float, ...]]:
+        """The plus-minus signs and alternatives that the value of a line depends on, with their values.
+
+        Args:
+            line: The line.
+        """
+        if id(line) not in self._choices:
+            parts = (*self.named_before(line), line)
+            switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in parts}
+            self._choices[id(line)] = {
+                **dict.fromkeys(self._signs(line), (1.0, -1.0)),
+                **{name: values for name, values in switches.items() if len(values) > 1},
+            }
+        return self._choices[id(line)]
+
+    def _signs(self, line: Line) -> tuple[str, ...]:
+        formulas = [f for part in (*self.named_before(line), line) for f in part.formulas]
+        found = dict.fromkeys(name for f in formulas for name in names(f.expression) if name[0] == SIGN)
+        return tuple(found)
+
+    def value(self, line: Line, place: Place, choice: Choice) -> float:
+        """What a line gives at a configuration.
+
+        Args:
+            line: The line.
+            place: The configuration.
+            choice: The values of plus-minus signs and alternatives.
+
+        Raises:
+            ArithmeticError: There is no value.
+            ValueError: A root of a negative number.
+            KeyError: A name without a number.
+        """
+        known = {**place.values, **choice}
+        for part in (*self.named_before(line), line):
+            formula = part.formulas[int(choice.get(part.switch, 0))]
+            known[part.name or part.quantity] = value = Evaluator(known)(formula.expression)
+        return value
+
+    def values(self, line: Line, place: Place, fixed: Choice | None = None) -> Iterator[float]:
+        """What a line gives at a configuration, for all choices.
+
+        Args:
+            line: The line.
+            place: The configuration.
+            fixed: Choices that are made already.
+
+        Yields:
+            Its values; choices that give none are left out.
+        """
+        free = {name: values for name, values in self.choices(line).items() if name not in (fixed or {})}
+        for chosen in product(*free.values()):
+            try:
+                yield self.value(line, place, {**(fixed or {}), **dict(zip(free, chosen, strict=True))})
+            except _BAD:
+                continue
+
+    def wanted(self, line: Line, place: Place) -> float:
+        """What a line should give at a configuration.
+
+        Args:
+            line: The line, one with a target.
+            place: The configuration.
+        """
+        assert line.target is not None
+        return Evaluator(place.values)(line.target)
+
+    def hits(self, line: Line, place: Place, fixed: Choice | None = None) -> bool:
+        """Whether some choice gives what the line is about.
+
+        Args:
+            line: The line.
+            place: The configuration.
+            fixed: Choices that are made already.
+        """
+        wanted, is_angle = self.wanted(line, place), self.is_angle(line)
+        return any(is_same(value, wanted, is_angle) for value in self.values(line, place, fixed))
+
+    def hit_together(self, lines: Sequence[Line], place: Place) -> bool:
+        """Whether some choice gives what all of some lines are about.
+
+        Args:
+            lines: The lines.
+            place: The configuration.
+        """
+        shared = self.shared(lines)
+        return any(
+            all(self.hits(line, place, dict(zip(shared, chosen, strict=True))) for line in lines)
+            for chosen in product(*shared.values())
+        )
+
+    def shared(self, lines: Sequence[Line]) -> dict[str, tuple[float, ...]]:
+        """The choices that more than one of some lines depend on.
+
+        Args:
+            lines: The lines.
+        """
+        own = [self.choices(line) for line in lines]
+        return {n: values for choices in own for n, values in choices.items() if sum(n in o for o in own) > 1}
+
+    def coupled(self) -> Iterator[tuple[Line, ...]]:
+        """The lines with targets in groups whose choices do not depend on each other."""
+        waiting = list(self.given)
+        while waiting:
+            group = [waiting.pop(0)]
+            keys = set(self.choices(group[0]))
+            while more := [line for line in waiting if keys.intersection(self.choices(line))]:
+                group += more
+                waiting = [line for line in waiting if line not in more]
+                keys.update(name for line in more for name in self.choices(line))
+            yield tuple(line for line in self.given if line in group)
+
+    def is_angle(self, line: Line) -> bool:
+        """Whether a line is right up to full turns.
+
+        Args:
+            line: The line, one with a target.
+        """
+        assert line.target is not None
+        vector = self.combination(line.target)
+        revolute = [joint.is_revolute for joint in self.robot.joints]
+        return vector is not None and any(c and r for c, r in zip(vector, revolute, strict=True))
+
+    # -- which line needs which
+
+    def combination(self, e: Expression) -> Vector | None:
+        """The linear combination of joint variables that an expression is, constants aside; None if it is none.
+
+        Args:
+            e: The expression.
+        """
+        variables = [joint.variable for joint in self.robot.joints]
+        vector = [Fraction(0)] * len(variables)
+        for factor, term in linear_terms(e):
+            if isinstance(term, Name) and term.name in self.sums:
+                whole = self.combination(self.sums[term.name])
+                vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
+            elif isinstance(term, Name) and term.name in variables:
+                vector[variables.index(term.name)] += factor
+            elif any(name in variables or name in self.sums for name in names(term)):
+                return None
+        return tuple(vector) if any(vector) else None
+
+    def meaning(self, e: Expression) -> tuple[str, Vector] | None:
+        """What is known where an expression is: an angle or length itself, or its cosine, sine or tangent.
+
+        Args:
+            e: The expression.
+        """
+        if isinstance(e, Call) and e.function in ("cos", "sin", "tan"):
+            vector = self.combination(e.arguments[0])
+            return (e.function, vector) if vector else None
+        vector = self.combination(e)
+        return ("", vector) if vector else None
+
+    @cached_property
+    def about(self) -> frozenset[str]:
+        """The joint variables that some line is about."""
+        found: set[str] = set()
+        for line in self.given:
+            meaning = self.meaning(line.target) if line.target else None
+            if meaning is not None:
+                found |= {j.variable for j, c in zip(self.robot.joints, meaning[1], strict=True) if c}
+        return frozenset(found)
+
+    @cached_property
+    def determined(self) -> tuple[str, ...]:
+        """The joint variables that the lines give.
+
+        Raises:
+            CheckError: Lines that need each other.
+        """
+        variables = [joint.variable for joint in self.robot.joints]
+        steps = [(line, m) for line in self.given if line.target and (m := self.meaning(line.target))]
+        about = [any(m[1][j] for _, m in steps) for j in range(len(variables))]
+        known = _Known([j for j, is_given in enumerate(about) if not is_given], len(variables))
+        waiting = list(steps)
+        while waiting:
+            ready = [step for step in waiting if all(known.has(*need) for need in self._needs(step[0]))]
+            if not ready:
+                first, whole = waiting[0][0], listed(dict.fromkeys(line.quantity for line, _ in waiting))
+                found = f"{whole} are given by each other" if len(waiting) > 1 else f"{whole} is given by itself"
+                where = first.formulas[0].location
+                raise CheckError(found, remedy="give one of them by the pose alone", location=where)
+            for step in ready:
+                known.add(*step[1])
+            waiting = [step for step in waiting if step not in ready]
+        units = [_unit(j, len(variables)) for j in range(len(variables))]
+        return tuple(
+            v for v, unit, is_ours in zip(variables, units, about, strict=True) if is_ours and known.has("", unit)
+        )
+
+    def _needs(self, line: Line) -> Iterator[tuple[str, Vector]]:
+        for part in (*self.named_before(line), line):
+            for formula in part.formulas:
+                yield from self._needed(formula.expression)
+
+    def _needed(self, e: Expression) -> Iterator[tuple[str, Vector]]:
+        if isinstance(e, Name | Call) and (found := self.meaning(e)):
+            yield found
+        elif not isinstance(e, Name):
+            for part in children(e):
+                yield from self._needed(part)
+
+
+class _Known:
+    """What is known of the joint variables: linear combinations, cosines and sines of some."""
+
+    def __init__(self, joints: Sequence[int], n: int) -> None:
+        self._rows: list[Vector] = [_unit(j, n) for j in joints]
+        self._functions: set[tuple[str, Vector]] = set()
+
+    def has(self, function: str, vector: Vector) -> bool:
+        """Whether it follows from what is known.
+
+        Args:
+            function: ``cos``, ``sin`` or ``tan``; empty for the combination itself.
+            vector: The combination.
+        """
+        if (function, vector) in self._functions:
+            return True
+        rows = np.array([*self._rows, vector], dtype=float)
+        return bool(np.linalg.matrix_rank(rows) == (np.linalg.matrix_rank(rows[:-1]) if len(rows) > 1 else 0))
+
+    def add(self, function: str, vector: Vector) -> None:
+        """One thing more; cosine and sine together are the angle.
+
+        Args:
+            function: ``cos``, ``sin`` or ``tan``; empty for the combination itself.
+            vector: The combination.
+        """
+        self._functions.add((function, vector))
+        if not function or {("cos", vector), ("sin", vector)} <= self._functions:
+            self._rows.append(vector)
+
+
+def _unit(j: int, n: int) -> Vector:
+    return tuple(Fraction(int(k == j)) for k in range(n))
+
+
+def is_same(value: float, wanted: float, is_angle: bool) -> bool:
+    """Whether two values are the same, angles up to full turns.
+
+    Args:
+        value: What is printed.
+        wanted: What is right.
+        is_angle: Whether they are angles.
+    """
+    if is_angle:
+        return abs(math.remainder(value - wanted, math.tau)) < CLOSE
+    return abs(value - wanted) < CLOSE * (1 + abs(wanted))
+
+
+def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
+    """An expression with calls of one function in the place of those of another.
+
+    Args:
+        e: The expression.
+        old: The function.
+        new: What is called instead.
+        swapped: Whether its two arguments change their order.
+    """
+    whole = rebuilt(e, lambda part: with_calls(part, old, new, swapped))
+    if isinstance(whole, Call) and whole.function == old:
+        return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
+    return whole
