@@ -216,9 +216,11 @@ class Scribe:
         if (e == a and d == -b) or (e == -a and d == b):
             if e == -a:
                 g, above = -g, (-above[0], -above[1])
-            apart = self._turned(g, c) - self._turned(-b, a)
             together = _atan2(*map(self.write, above))
-            return min((together, apart), key=lambda value: (value.count_ops(), value.count(sympy.atan2)))
+            apart = self._turned(g, c) - self._turned(-b, a)
+            from_axis_y = (self._turned(a, -b) - self._turned(c, g), self._turned(c, -g) - self._turned(a, b))
+            forms = (together, apart, *from_axis_y)
+            return min(forms, key=lambda value: (value.count_ops(), value.count(sympy.atan2)))
         return self._quotients(unknown, label, (above[0], determinant), (above[1], determinant))
 
     def _turned(self, sine: Polynomial, cosine: Polynomial) -> Expr:
