@@ -9,8 +9,8 @@ from typing import Protocol, TypeVar
 from derive.errors import QuantityError
 from derive.programs.formulation_choice import Formulation
 from derive.programs.functions import INTERFACES, ROWS, Row
-from derive.programs.inverse import solved
-from derive.programs.program import Column, Function, Inverse, Program
+from derive.programs.inverse import Solved, solved
+from derive.programs.program import Column, Function, Inverse, InverseSearch, Program
 from derive.programs.search_policy import Effort
 from derive.programs.tape.cost import program_cost
 from derive.programs.trace import Trace
@@ -71,10 +71,12 @@ def build_program(
     results = list(spread(_result, work, sizes) if spread else map(_result, work))
     functions = tuple(result for result in results if isinstance(result, Function))
     found, reason = next((result for result in results if isinstance(result, tuple)), (None, ""))
-    return Program(functions, free_symbols(robot), found, reason)
+    closed = found if isinstance(found, Inverse) else None
+    search = found if isinstance(found, InverseSearch) else None
+    return Program(functions, free_symbols(robot), closed, reason, search)
 
 
-def _result(piece: _Traced | _Inverse) -> Function | tuple[Inverse | None, str] | None:
+def _result(piece: _Traced | _Inverse) -> Function | Solved | None:
     return piece.function() if isinstance(piece, _Traced) else piece.solved()
 
 
@@ -86,7 +88,7 @@ class _Inverse:
     size = 40_000
     """As long as a search among so many operations."""
 
-    def solved(self) -> tuple[Inverse | None, str]:
+    def solved(self) -> Solved:
         """The program, or why there is none."""
         return solved(self.trace)
 

@@ -8,7 +8,7 @@ what coincides are values too, 1 or 0, by which the program chooses among the fo
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from typing import Any
@@ -21,8 +21,9 @@ from derive.model.inverse.numeric import Status
 from derive.model.inverse.solve import solve
 from derive.model.inverse.walk import Leaf, Run, pose_of
 from derive.programs.formulation_choice import Formulation
+from derive.programs.inverse_search import search_function
 from derive.programs.newton_step import newton_step
-from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse
+from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse, InverseSearch
 from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
@@ -225,7 +226,7 @@ class TapeField:
         return line_points(self, coefficients)
 
     def general(self, formula: Formula, values: Mapping[str, Value]) -> Sequence[Any]:
-        """Graphs with eigenvalue problems have no program yet.
+        """Graphs with eigenvalue problems have no program (`derive.programs.inverse_search`).
 
         Args:
             formula: The node's formula.
@@ -237,51 +238,25 @@ class TapeField:
         raise NotImplementedError
 
 
-_WITHOUT_PROGRAM = {
-    Kind.GENERAL: "an eigenvalue problem",
-}
+Solved = tuple[Inverse | InverseSearch | None, str]
+"""A program, what finds the solutions without one, or None and the reason why there is neither."""
 
 
-def reason_without_program(graph: SolutionGraph) -> str:
-    """Why no function of inverse kinematics is generated for an arm.
-
-    Args:
-        graph: Its solution.
-
-    Returns:
-        The reason in words; nothing where there is a function.
-    """
-    if not graph.is_closed:
-        return graph.why_not
-    for node in graph.nodes:
-        if node.kind in _WITHOUT_PROGRAM:
-            return f"joint {node.unknown.joints[0] + 1} is a root of {_WITHOUT_PROGRAM[node.kind]}"
-    return ""
-
-
-def _programmed(graph: SolutionGraph) -> SolutionGraph:
-    """The graph without the formulas for special poses that have no program."""
-    nodes = (
-        replace(node, formulas=tuple(formula for formula in node.formulas if formula.kind not in _WITHOUT_PROGRAM))
-        for node in graph.nodes
-    )
-    return replace(graph, nodes=tuple(nodes))
-
-
-def solved(trace: Trace) -> tuple[Inverse | None, str]:
+def solved(trace: Trace) -> Solved:
     """Inverse kinematics of a robot as its file asks for it.
 
     Args:
         trace: Of the robot.
 
     Returns:
-        The program, or None and the reason why there is none.
+        The program or what takes its place, or None and the reason why there is none.
     """
     if not has_exact_rotations(trace.robot):
         return None, "base or tool is a rotation only to the digits that the file gives"
     graph = solve(trace.robot)
-    reason = reason_without_program(graph)
-    return (None, reason) if reason else (inverse_function(trace, graph), "")
+    if not graph.is_closed or any(node.kind is Kind.GENERAL for node in graph.nodes):
+        return search_function(trace, graph)
+    return inverse_function(trace, graph), ""
 
 
 def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
@@ -298,7 +273,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     field = TapeField(domain)
     pose = [[domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
     given = [domain.argument(GIVEN, i) for i in range(len(graph.given))]
-    run = Run(_programmed(graph), field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
+    run = Run(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
     angles: list[Value] = []
     codes: list[Value] = []
     for leaf in run.leaves():

@@ -165,6 +165,79 @@ class Inverse:
 
 
 @dataclass(frozen=True, slots=True)
+class Way:
+    """One way around a loop of joints (`derive.model.inverse.closure.Closure`), and how its equations split by degree.
+
+    Attributes:
+        joints: Number of joints of the loop.
+        dropped: Index of the joint whose numbers are carried around.
+        direction: +1 towards the hand, -1 towards the base.
+        eliminated: How many joints beside the dropped one are eliminated.
+        equations: Number of equations.
+        constant: How many combinations do not hold the hidden joint.
+        linear: How many further ones are of the first degree.
+    """
+
+    joints: int
+    dropped: int
+    direction: int
+    eliminated: int
+    equations: int = 0
+    constant: int = 0
+    linear: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Elimination:
+    """How all joints follow from one eigenvalue problem (`derive.model.inverse.elimination.Elimination`).
+
+    Attributes:
+        ways: Where its equations come from.
+        hidden: Index of the joint whose tan(theta/2), or length, is the eigenvalue.
+        multiplied: Index of the joint with whose half angle the equations are multiplied; None for none.
+        rows: How many rows are of degree 0, 1 and 2.
+        finish: Along which way the eliminated joints follow.
+        start: The joint of the arm at which the loop begins.
+        straight: Slides of which no squares occur.
+    """
+
+    ways: tuple[Way, ...]
+    hidden: int
+    multiplied: int | None
+    rows: tuple[int, int, int]
+    finish: Way
+    start: int
+    straight: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class InverseSearch:
+    """Inverse kinematics of a robot without formulas: what the code that finds its solutions needs of the arm.
+
+    Attributes:
+        function: Its tape gives the constant frames between the joints, from parameters alone.
+        branches: How many rows the result has.
+        joints: Number of joints.
+        given: Indices of the joints that are arguments.
+        entries: The entries of T that are wanted, row and column from 0.
+        eliminations: How joints are found as eigenvalues, the best way first; none for damped Newton from many starts.
+        count: The number of complex solutions of a generic pose; 0 where it is not known.
+        summary: How many solutions there are and how they are found, in words.
+        reason: Why there are no formulas.
+    """
+
+    function: Function
+    branches: int
+    joints: int
+    given: tuple[int, ...]
+    entries: tuple[tuple[int, int], ...]
+    eliminations: tuple[Elimination, ...]
+    count: int
+    summary: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
 class Program:
     """All functions of a robot.
 
@@ -173,12 +246,14 @@ class Program:
         parameters: Names of the run-time parameters, in the order of the parameter vector.
         inverse: Inverse kinematics, of a robot for which there is a closed form.
         without_inverse: Why there is none; empty where there is one, or where nobody asked for it.
+        search: What finds the solutions of a robot that has no closed form.
     """
 
     functions: tuple[Function, ...]
     parameters: tuple[str, ...]
     inverse: Inverse | None = None
     without_inverse: str = ""
+    search: InverseSearch | None = None
 
     def __getitem__(self, name: str) -> Function:
         """The function of that name."""

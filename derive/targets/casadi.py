@@ -13,6 +13,7 @@ from derive.algebra.constants import to_float
 from derive.programs.program import NEAR, Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.targets.c import c_heading
+from derive.targets.escape import python_docstring
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
 from derive.targets.templating import render
@@ -29,7 +30,11 @@ def render_casadi(source: Source) -> dict[str, str]:
     Returns:
         Its text by file name.
     """
-    context = python_context(source) | {"columns": 4 * source.robot.n}
+    search = source.program.search
+    reason = python_docstring(f"{search.reason}, which is no expression") if search else ""
+    context = python_context(source) | {"columns": 4 * source.robot.n, "without_inverse": reason}
+    if search:
+        context["inverse"] = None
     return {FILE: render("casadi/model_casadi.py.jinja", **context)}
 
 

@@ -79,7 +79,9 @@ def render_native(source: Source) -> dict[str, str]:
     all_texts = [*texts, c_inverse(inverse, source).function] if inverse else texts
     counts = {text.name: text.constant_count for text in all_texts}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}
-    if inverse:
+    if inverse is None:
+        module["inverse"] = None
+    else:
         module["inverse_in_one_call"] = not inverse.given and not counts["inverse_kinematics"]
     code = c_context(source) | {"loops": list(zip(texts, loops, strict=True))}
     if inverse:

@@ -7,9 +7,18 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from derive.programs.program import ARGUMENTS, Function, Program, joint_lines
+from derive.programs.program import (
+    ARGUMENTS,
+    Elimination,
+    Function,
+    Inverse,
+    InverseSearch,
+    Program,
+    Way,
+    joint_lines,
+)
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
@@ -92,10 +101,15 @@ class PythonInverse:
         nearest_given: What `q` says besides.
         result: What the entries of the result are.
         notes: Formulation and cost.
+        is_search: Whether the kernel gives the arm's frames alone, and solutions are searched by numbers.
+        entries: The entries of T that are wanted, as a tuple.
+        eliminations: How joints are found as eigenvalues, each as a call.
+        solutions: The number of complex solutions, 0 where it is not known.
+        signs: Factors of the joint variables, as a list.
     """
 
     kernel: PythonFunction
-    step: PythonFunction
+    step: PythonFunction | None
     summary: str
     count: str
     branches: int
@@ -106,6 +120,11 @@ class PythonInverse:
     nearest_given: str
     result: str
     notes: tuple[str, ...]
+    is_search: bool = False
+    entries: str = ""
+    eliminations: tuple[str, ...] = ()
+    solutions: int = 0
+    signs: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,7 +213,7 @@ def python_context(source: Source) -> dict[str, object]:
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
         **case_context(program.all_tapes),
-        "inverse": _inverse(program, robot) if program.inverse else None,
+        "inverse": _inverse(program, robot),
         "inverse_in_one_call": False,
         "functions": [_python_function(function, program.parameters, robot.n) for function in program],
     }
@@ -233,14 +252,16 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
     )
 
 
-def _inverse(program: Program, robot: Robot) -> PythonInverse:
-    inverse = program.inverse
-    assert inverse is not None
+def _inverse(program: Program, robot: Robot) -> PythonInverse | None:
+    """Inverse kinematics by formulas or by a search, if there is any."""
+    inverse = program.inverse or program.search
+    if inverse is None:
+        return None
     names = [robot.joints[i].variable for i in inverse.given]
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
-    return PythonInverse(
+    found = PythonInverse(
         kernel=_python_function(inverse.function, program.parameters, robot.n),
-        step=_python_function(inverse.step, program.parameters, robot.n),
+        step=_python_function(inverse.step, program.parameters, robot.n) if isinstance(inverse, Inverse) else None,
         summary=interface.summary,
         count=inverse.summary,
         branches=inverse.branches,
@@ -254,6 +275,32 @@ def _inverse(program: Program, robot: Robot) -> PythonInverse:
         result=interface.result,
         notes=inverse.function.notes,
     )
+    return found if isinstance(inverse, Inverse) else _searched(found, inverse, robot)
+
+
+def _searched(found: PythonInverse, search: InverseSearch, robot: Robot) -> PythonInverse:
+    """What the code needs besides that searches for solutions."""
+    return replace(
+        found,
+        notes=(),
+        is_search=True,
+        entries=repr(search.entries),
+        eliminations=tuple(map(_elimination, search.eliminations)),
+        solutions=search.count,
+        signs=repr([float(joint.sign) for joint in robot.joints]),
+    )
+
+
+def _elimination(elimination: Elimination) -> str:
+    """A call that makes it anew in the module."""
+    ways = [f"_Reduction({_closure(way)}, {way.equations}, {way.constant}, {way.linear})" for way in elimination.ways]
+    rest = (elimination.hidden, elimination.multiplied, elimination.rows, _closure(elimination.finish))
+    arguments = (f"({_tuple(ways)})", *map(str, rest), str(elimination.start), str(elimination.straight))
+    return f"_Elimination({', '.join(arguments)})"
+
+
+def _closure(way: Way) -> str:
+    return f"_Closure({way.joints}, {way.dropped}, {way.direction}, {way.eliminated})"
 
 
 def _unpacking(names: Sequence[str], source: str) -> str:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from derive.errors import Location
-from derive.programs.program import ARGUMENTS, NEAR, Program, cost_text, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, POSE, Program, cost_text, joint_lines
 from derive.robot.expression import to_text
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.parser import parse_expression
@@ -50,7 +50,7 @@ def render(source: Source) -> dict[str, str]:
     free, numbers = free_symbols(robot), number_of(robot)
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     written = {column.name: _formulas(column.formula, robot) for column in base}
-    inverse = program.inverse
+    inverse = program.inverse or program.search
     context = {
         "title": markdown_text(robot.title),
         "name": robot.name,
@@ -68,6 +68,7 @@ def render(source: Source) -> dict[str, str]:
         "inverse": inverse.summary if inverse is not None else "",
         "branches": inverse.branches if inverse is not None else 0,
         "given": ", ".join(robot.joints[i].variable for i in inverse.given) if inverse is not None else "",
+        "is_search": program.search is not None,
         "without_inverse": program.without_inverse,
         "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
         # symbols whose number is part of the code
@@ -89,15 +90,17 @@ def render(source: Source) -> dict[str, str]:
 def _functions(program: Program) -> list[dict[str, str]]:
     """The rows of the table of functions; inverse kinematics, with all its branches, is the last."""
     shown = [(function, function.arguments, function.shape) for function in program]
-    if (inverse := program.inverse) is not None:
-        arguments = tuple(name for name in inverse.function.arguments if name != NEAR)
+    if (inverse := program.inverse or program.search) is not None:
+        arguments = (POSE, GIVEN) if inverse.given else (POSE,)
         shown.append((inverse.function, arguments, (inverse.branches, inverse.joints)))
     return [
         {
             "call": f"{function.name}({', '.join(arguments)})",
             "shape": shape_text(shape),
             "summary": function.interface.summary,
-            "cost": cost_text(function.operations),
+            "cost": "by numbers"
+            if program.search and function is program.search.function
+            else cost_text(function.operations),
         }
         for function, arguments, shape in shown
     ]

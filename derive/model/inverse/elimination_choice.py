@@ -142,7 +142,9 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
         for option in options[: POLICY.options]:
             found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
             doubts = int(found.doubtful.sum()) > POLICY.trials // 10
-            order = (-found.certain, doubts, option.eigenvalues, len(option.reductions), found.error)
+            # coarse, so that the choice depends on no processor's rounding
+            digits = int(math.log10(max(found.error, 1e-16)) / 4)
+            order = (-found.certain, doubts, option.eigenvalues, len(option.reductions), digits)
             results.append((order, option))
         if results and not min(results, key=lambda each: each[0])[0][1]:
             break

@@ -1,0 +1,137 @@
+"""Inverse kinematics of arms without formulas: what generated code needs to find the joints by itself.
+
+The code for this is the same for every arm: an elimination and an eigenvalue problem (`derive.model.inverse.general`),
+or damped Newton from many starts (`derive.model.inverse.numeric`). Of the arm it needs the frames between its joints,
+which are a tape, exact until numbers are printed and with parameters as arguments, and which joints are eliminated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from derive.mechanics.chain import build_chain
+from derive.mechanics.vectors import Frame
+from derive.model.inverse.closure import Closure
+from derive.model.inverse.elimination import Elimination as ModelElimination
+from derive.model.inverse.general import GeneralSolution
+from derive.model.inverse.graph import SolutionGraph
+from derive.model.inverse.nodes import Kind
+from derive.model.inverse.numeric_chain import POSE, POSITION
+from derive.programs.formulation_choice import Formulation
+from derive.programs.program import Elimination, Function, Interface, InverseSearch, Way
+from derive.programs.tape.scalars import Q, TapeDomain
+from derive.programs.tape.value import Value
+from derive.programs.trace import Trace
+from derive.robot.inverse_options import FREEDOMS
+
+FRAME_ENTRIES = 12
+"""Of the first three rows of a frame."""
+
+MOST_SOLUTIONS = 16
+"""Configurations that an arm of six joints can have; so many rows has the result where their number is not known."""
+
+INTERFACE = Interface(
+    "inverse_kinematics",
+    (),
+    ("branches", "n"),
+    "q",
+    "Joint variables of a pose of the end effector, every solution.",
+    "a row for each solution [rad, m], those that exist first, not a number after them",
+)
+
+
+class _AtZero(TapeDomain):
+    """The scalars of a robot whose joint variables are zero."""
+
+    def argument(self, kind: str, index: int) -> Value:
+        return self.number(0) if kind == Q else super().argument(kind, index)
+
+
+def frames(trace: Trace) -> list[Value]:
+    """The constant frames of T = C_1 M_1 C_2 M_2 ... C_n M_n C_(n+1), M_i the motion of joint i about or along z.
+
+    Args:
+        trace: Of the robot.
+
+    Returns:
+        The first three rows of each, one after the other; base and tool are part of the first and the last.
+    """
+    domain = _AtZero(trace.robot, trace.graph)
+    chain = build_chain(replace(trace.robot, links=(), gravity=None), domain)
+    between = [joint.fixed @ joint.motion(chain.zero, chain.one) for joint in chain.joints]
+    ordered: list[Frame[Value]] = [chain.base @ between[0], *between[1:], chain.tool]
+    return [entry for frame in ordered for row in frame.rows(chain.zero, chain.one)[:3] for entry in row]
+
+
+def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch | None, str]:
+    """What finds all solutions of an arm without formulas.
+
+    Args:
+        trace: Of the robot.
+        graph: Its solution: a general node, or the reason why there is none.
+
+    Returns:
+        What generated code needs, or None and why there is nothing to be had.
+    """
+    free = graph.robot.n - len(graph.given)
+    wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
+    if free > wanted:
+        return None, f"{graph.why_not}; the task fixes {wanted} of {free} joints, so the others are to be `given`"
+    payload = next((node.formulas[0].payload for node in graph.nodes if node.kind is Kind.GENERAL), None)
+    solution: GeneralSolution | None = payload.solution if payload else None
+    places = tuple(sorted(graph.places))
+    entries = next((known for known in (POSE, POSITION) if tuple(sorted(known)) == places), places)
+    words = "the frames between the joints"
+    formulation, tape = trace.choice.cheapest([Formulation(words, lambda: frames(trace))])
+    function = Function(INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words)
+    return InverseSearch(
+        function=function,
+        branches=solution.branches if solution else MOST_SOLUTIONS,
+        joints=trace.n,
+        given=graph.given,
+        entries=entries,
+        eliminations=tuple(map(_plain, solution.eliminations)) if solution else (),
+        count=solution.count if solution else 0,
+        summary=_summary(graph, solution),
+        reason=_reason(graph, solution),
+    ), ""
+
+
+def _plain(elimination: ModelElimination) -> Elimination:
+    """An elimination as numbers alone, which targets may see."""
+    ways = (
+        replace(_way(each.closure), equations=each.equations, constant=each.constant, linear=each.linear)
+        for each in elimination.reductions
+    )
+    return Elimination(
+        ways=tuple(ways),
+        hidden=elimination.hidden,
+        multiplied=elimination.multiplied,
+        rows=elimination.rows,
+        finish=_way(elimination.finish),
+        start=elimination.start,
+        straight=elimination.straight,
+    )
+
+
+def _way(closure: Closure) -> Way:
+    return Way(closure.joints, closure.dropped, closure.direction, closure.eliminated)
+
+
+def _summary(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
+    if solution is None:
+        return (
+            "Damped Newton from many starts: there are no formulas, and solutions may be missing. "
+            f"At most {MOST_SOLUTIONS} are listed."
+        )
+    size = solution.eliminations[0].eigenvalues
+    method = f"from the eigenvalues of a {size}x{size} matrix, each refined by Newton's method"
+    more = ", and no more" if graph.complete else ""
+    return f"A reachable pose has up to {solution.branches} solutions{more}, {method}."
+
+
+def _reason(graph: SolutionGraph, solution: GeneralSolution | None) -> str:
+    if solution is None:
+        return graph.why_not
+    size = solution.eliminations[0].eigenvalues
+    return f"its joints follow from the eigenvalues of a {size}x{size} matrix"
