@@ -13,6 +13,7 @@ from derive.handouts.language import text_for
 from derive.handouts.parts.bodies import energies, has_rotors, inertia, link_jacobians
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
+from derive.handouts.parts.inverse import inverse
 from derive.handouts.parts.jacobian import jacobian
 from derive.handouts.parts.kinematics import end_effector, transforms
 from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
@@ -85,6 +86,7 @@ def section_of(context: Context, name: str) -> Section | None:
         "orientation": Part(_("Position and orientation"), orientation),
         "jacobian": Part(_("Geometric Jacobian"), jacobian),
         "singularities": Part(_("Singularities"), singularities),
+        "inverse": Part(_("Inverse kinematics"), inverse),
         "link-jacobians": Part(
             _("Jacobians of links and motors") if of_motors else _("Jacobians of links"), link_jacobians, True
         ),

@@ -124,11 +124,13 @@ class Table:
         header: Texts of the head, mathematics between dollars.
         rows: Texts of the cells.
         long: Whether it may need more than a page.
+        is_answer: Whether it tells what an exercise asks for, which then leaves it out.
     """
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     long: bool = False
+    is_answer: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,10 +140,12 @@ class Figure:
     Attributes:
         drawing: Lines, areas and labels in the plane.
         caption: Text below.
+        is_answer: Whether it tells what an exercise asks for, which then leaves it out.
     """
 
     drawing: Drawing
     caption: str
+    is_answer: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,19 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from derive.handouts.document import Blank, Block, Document, Formula, Gap, Paragraph, Rows, Section, Steps
+from derive.handouts.document import (
+    Blank,
+    Block,
+    Document,
+    Figure,
+    Formula,
+    Gap,
+    Paragraph,
+    Rows,
+    Section,
+    Steps,
+    Table,
+)
 from derive.handouts.language import Text
 
 _LEAST_LINES = 2.0
@@ -126,7 +138,7 @@ def _asked(document: Document) -> Iterator[tuple[Section, Sequence[Block | _Ques
     for section in document.sections:
         items: list[Block | _Question] = []
         for block in section.blocks:
-            if isinstance(block, Steps) or (isinstance(block, Paragraph | Rows) and block.is_answer):
+            if isinstance(block, Steps) or (isinstance(block, Paragraph | Rows | Table | Figure) and block.is_answer):
                 continue
             if not isinstance(block, Formula):
                 items.append(block)

@@ -16,7 +16,7 @@ from derive.handouts.fragment_writer import fragment
 from derive.handouts.layout.quantity import Item, LaidOut
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
-from derive.handouts.parts import inverse
+from derive.handouts.parts.inverse_formulas import formulas
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.quantities import REGISTRY, Quantity
 from derive.model.quantity_names import parse, pick
@@ -82,7 +82,7 @@ def _quantity(context: Context, name: str) -> Section:
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
     if row.name == "inverse" and entry is None:
-        blocks = tuple(inverse.formulas(context))
+        blocks = tuple(formulas(context))
         if not blocks:
             raise QuantityError(f"formulas for {name} of {context.robot.name}", allowed="arms that have a closed form")
         return Section("", "", blocks)

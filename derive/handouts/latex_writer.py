@@ -39,6 +39,10 @@ _OPEN = "%"
 """Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph."""
 
 
+_TABLE_FOLLOWS = "\\nopagebreak"
+"""Between a paragraph and the table that it announces."""
+
+
 def latex(document: Document, text: Text) -> str:
     """The document as ``sheet.tex``.
 
@@ -159,7 +163,7 @@ def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[
             first, rest = source.split(_DISPLAY_END, 1)
             source = f"\\begingroup\\abovedisplayskip=0pt\n{first}{_DISPLAY_END}\n\\endgroup{rest}"
         elif is_open and not is_display:
-            source = f"\\par\n{source}"
+            source = f"{_TABLE_FOLLOWS if isinstance(block, Table) else ''}\\par\n{source}"
         written.append(source)
         is_open = source.endswith(_OPEN)
     return [*written, "\\par"] if is_open else written

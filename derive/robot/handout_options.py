@@ -20,6 +20,7 @@ PARTS = (
     "orientation",
     "jacobian",
     "singularities",
+    "inverse",
     "link-jacobians",
     "energies",
     "inertia",

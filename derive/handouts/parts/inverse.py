@@ -1,47 +1,406 @@
-"""The formulas of the inverse kinematics, line by line."""
+"""The part with the inverse kinematics: from the pose of the end effector to every configuration that reaches it.
+
+As a teacher writes it: what is given, how many solutions there are, how the problem decouples, then for each joint the
+equation, whence it comes, the formulas, when they are real and where the joint is free; the branches and an example.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import sympy
 
 from derive.handouts.context import Context
-from derive.handouts.document import Formula, Rows
-from derive.handouts.layout.lines import EQUALS, INDENTS, break_lines
-from derive.handouts.notation.derivation import SignLatexPrinter, with_names, with_signs
-from derive.handouts.notation.pieces import Box, concatenate, joined
+from derive.handouts.document import Block, Formula, Paragraph, Rows, Table
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix
+from derive.handouts.notation.pieces import concatenate, joined
+from derive.handouts.notation.symbols import bold
+from derive.handouts.parts.inverse_example import example
+from derive.handouts.parts.inverse_formulas import FormulaWriter
+from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources
+from derive.model.inverse.coincidences import coincidences
+from derive.model.inverse.derivation import Step
 from derive.model.inverse.elementary import Line
+from derive.model.inverse.nodes import Kind
+from derive.model.inverse.origins import Form
+from derive.model.inverse.solutions import InverseKinematics
+from derive.model.inverse.solve import MAX_JOINTS, Freedom, usual_task
+from derive.model.model import Model
+from derive.model.singularities.determinant import Posture, SingularFactor
+from derive.robot.expression import ZERO
+from derive.robot.inverse_options import POSE, InverseOptions
 
-WIDEST_QUOTIENT = 170.0
-"""Widest sum above a divisor [pt], which a narrow column holds."""
+LONGEST_SUM = 80.0
+"""Lines of formulas on paper beyond which the part says how long they are and leaves them to the generated code."""
 
-_LETTER_WIDTH = 6.0
-"""Of running text in mathematics [pt]."""
+MOST_BRANCHES = 16
+"""In the table of branches."""
 
 
-def formulas(context: Context) -> Iterator[Formula]:
-    """The formulas, a block for what the pose is named and one for each unknown.
+def inverse(context: Context) -> Iterator[Block]:
+    """How the joint variables follow from the pose.
 
     Args:
         context: The handout.
 
     Yields:
-        The blocks.
+        The blocks of the part.
     """
+    task = usual_task(context.robot)
     found = context.entries.model.inverse
-    printer = SignLatexPrinter(with_names(context.notation, found), found, WIDEST_QUOTIENT)
-    for lines in (found.definitions, *(step.lines for step in found.steps)):
-        rows = [row for line in lines for row in _rows(context, printer, line)]
-        if rows:
-            yield Formula(rows=(Rows(tuple(map(with_signs, rows))),))
+    if task != found.graph.task:
+        asked = replace(context.robot, inverse=InverseOptions(task))
+        found = Model(asked).inverse
+    part = _Part(context, found)
+    yield from part.given()
+    if not found.graph.is_closed:
+        yield part.why_not()
+        return
+    yield from part.counted()
+    yield from part.decoupled()
+    yield from part.derived()
+    if task != context.entries.model.inverse.graph.task:
+        yield from _Part(context, context.entries.model.inverse).of_whole_pose()
+    yield from part.branches()
+    if context.robot.n > 1 and found.is_explicit:
+        yield from example(context, found)
 
 
-def _rows(context: Context, printer: SignLatexPrinter, line: Line) -> list[str]:
-    """A formula on as many lines as it needs; where it has two values that are written apart, one below the other."""
-    head = concatenate(joined(printer.pieces(line.symbol)), EQUALS)
-    first, *others = line.alternatives
-    rows = break_lines(head, printer.pieces(first))
-    if others:
-        word = context.text("or")
-        either = Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word))
-        rows += break_lines(concatenate(INDENTS[0], either), printer.pieces(others[0]))
-    return rows
+@dataclass
+class _Part:
+    """One arm's inverse kinematics on its way to the page.
+
+    Attributes:
+        context: The handout.
+        found: The inverse kinematics.
+        writer: Writes its formulas.
+    """
+
+    context: Context
+    found: InverseKinematics
+    writer: FormulaWriter = field(init=False)
+
+    def __post_init__(self) -> None:
+        writer = self.writer = FormulaWriter(self.context, self.found)
+        self._tex, self._math, self._pieces = writer.tex, writer.math, writer.printer.pieces
+
+    # -- what is given, and how many solutions there are
+
+    def given(self) -> Iterator[Block]:
+        """What is known, and what is looked for."""
+        _ = self.context.text
+        pose, task = self.found.pose, self.found.graph.task
+        if task == POSE:
+            yield Paragraph(
+                _(
+                    "Given is the pose $%(end)s$ of the end effector in the world; all values of the joint variables "
+                    "are wanted with which the arm reaches it. The entries of the pose are written",
+                    end=bold("T").tex,
+                )
+            )
+            cells = [[joined(self._pieces(entry)) for entry in row] for row in pose.tolist()]
+            yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
+        else:
+            entries = and_list(_, [self._math(pose[i, j]) for i, j in self.found.graph.places])
+            yield Paragraph(
+                _(
+                    "Given are of the pose $%(end)s$ of the end effector the entries %(entries)s; all values of the "
+                    "joint variables are wanted with which the arm reaches them.",
+                    end=bold("T").tex,
+                    entries=entries,
+                )
+            )
+
+    def why_not(self) -> Paragraph:
+        """Why there are no formulas, and what is done instead."""
+        _, n = self.context.text, self.context.robot.n
+        if n > MAX_JOINTS:
+            reason = _("Of an arm with %(n)s joints no closed form is derived.", n=n)
+        else:
+            reason = _(
+                "There is no order of the joints in which each one follows by itself from the pose and the joints "
+                "before it."
+            )
+        rest = _(
+            "Its configurations are computed in numbers: Newton's method with the Jacobian, its steps damped near "
+            "singularities, from many configurations."
+        )
+        return Paragraph(f"{reason} {rest}")
+
+    def counted(self) -> Iterator[Block]:
+        """Redundancy, the conditions on the pose, the number of solutions, and the three cases."""
+        _, found = self.context.text, self.found
+        given = [self._math(step.unknown) for step in found.steps if step.kind is Kind.GIVEN]
+        if given:
+            yield Paragraph(
+                _(
+                    "With %(n)s joints for %(m)s coordinates the arm is redundant of degree $R = N - M = %(r)s$, and "
+                    "a pose has infinitely many solutions. Besides the pose these joint variables are given: "
+                    "%(given)s.",
+                    n=self.context.robot.n,
+                    m=self.context.robot.n - len(given),
+                    r=len(given),
+                    given=and_list(_, given),
+                )
+            )
+        yield from self.conditions()
+        yield Paragraph(self._number_of_solutions(), is_answer=True)
+        if found.count > 1 and found.is_explicit:
+            yield Paragraph(
+                _(
+                    "Three cases can occur: finitely many solutions; none, where a root is not real, for the pose lies "
+                    "outside the workspace; infinitely many, where a joint below is free."
+                ),
+                is_answer=True,
+            )
+
+    def conditions(self) -> Iterator[Block]:
+        """What a pose must satisfy to be reached by an arm with few joints."""
+        _, conditions = self.context.text, self.found.conditions
+        if not conditions:
+            return
+        yield Paragraph(_("With %(n)s joints the arm reaches a pose only if:", n=self.context.robot.n), is_answer=True)
+        within = {line.symbol: line.value for line in self.found.definitions}
+        sides = ((c.left.xreplace(within), c.right.xreplace(within)) for c in conditions)
+        lines = equation_lines(Equation(joined(self._pieces(a)), tuple(self._pieces(b))) for a, b in sides)
+        task = _("Which conditions must a pose satisfy so that the arm can reach it?")
+        yield Formula((Rows(tuple(lines)),), task=task, blanks=("",))
+        variables = {self._variable(k) for k in range(self.context.robot.n)}
+        if any(not variables.isdisjoint(map(str, e.free_symbols)) for c in conditions for e in (c.left, c.right)):
+            yield Paragraph(_("with the joint variables of the solution."), is_answer=True)
+
+    def _number_of_solutions(self) -> str:
+        _, found = self.context.text, self.found
+        if not found.complete:
+            return _("A reachable pose has at most %(leaves)s solutions.", leaves=found.graph.leaves)
+        if found.count == 1:
+            return _("A reachable pose has one solution, and no more.")
+        words = _(
+            "A reachable pose has %(count)s solutions, real or complex, and no more: no posture is missing below.",
+            count=found.count,
+        )
+        if found.is_explicit and found.graph.leaves > found.count:
+            words += " " + _(
+                "Of the %(leaves)s choices of signs some miss the pose; they are told by putting them into $%(end)s$.",
+                leaves=found.graph.leaves,
+                end=bold("T").tex,
+            )
+        return words
+
+    # -- the way
+
+    def decoupled(self) -> Iterator[Block]:
+        """How the problem falls into parts, and names for what the pose is within the arm."""
+        _, found, n = self.context.text, self.found, self.context.robot.n
+        wrist = self._is_decoupled
+        if wrist:
+            yield Paragraph(
+                _(
+                    "Axes 4, 5 and 6 meet in the wrist centre, which joints 4, 5 and 6 do not move. So the problem "
+                    "decouples: the position of the wrist centre follows from the pose and gives joints 1, 2 and 3; "
+                    "the orientation that is left gives joints 4, 5 and 6."
+                )
+            )
+        for total, name in found.sums.items():
+            axes = and_list(_, [str(k + 1) for k in range(n) if sympy.Symbol(self._variable(k)) in total.free_symbols])
+            named = f"${self._tex(name)} = {self._tex(total)}$"
+            words = _("Axes %(axes)s are parallel; %(sum)s is found as an unknown of its own.", axes=axes, sum=named)
+            yield Paragraph(words, is_answer=True)
+        if not found.definitions:
+            if wrist:
+                yield Paragraph(_("Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex))
+            return
+        names = {str(line.symbol) for line in found.definitions}
+        if wrist and len(names) <= 3:
+            words, task = _("The wrist centre:"), _("Find the wrist centre from the pose.")
+            if found.robot.joints[0].d != ZERO:
+                words = _("The wrist centre, seen from where the arm begins to move:")
+        else:
+            words = _("Without base, tool and what is constant at both ends of the arm the pose is:")
+            task = _("Take base, tool and what is constant at both ends of the arm off the pose.")
+        yield Paragraph(words)
+        yield self.writer.formula(found.definitions, task, is_each_asked=True)
+
+    @cached_property
+    def _is_decoupled(self) -> bool:
+        """Whether joints 1 to 3 follow from the position of the wrist centre."""
+        robot, order = self.context.robot, [step.joints for step in self.found.steps if len(step.joints) == 1]
+        if robot.n != 6 or self.found.graph.task != POSE:
+            return False
+        last = [k for joints in order for k in joints].index
+        wrist = [last(k) for k in (3, 4, 5)]
+        arm = [min(k for k, s in enumerate(self.found.steps) if j in s.joints) for j in (0, 1, 2)]
+        return min(wrist) >= 2 and max(arm) < len(self.found.steps) and Freedom(robot, POSE).meet(3)
+
+    def _variable(self, joint: int) -> str:
+        return self.context.robot.joints[joint].variable
+
+    def derived(self) -> Iterator[Block]:
+        """Each unknown in its order."""
+        _, found = self.context.text, self.found
+        written = [self.writer.rows(line) for step in found.steps for line in step.lines]
+        if sum(map(len, written)) > LONGEST_SUM:
+            yield Paragraph(
+                _(
+                    "The formulas need %(lines)s lines, too many to print; `inverse_kinematics` in `model_numpy.py` "
+                    "computes them.",
+                    lines=sum(map(len, written)),
+                ),
+                is_answer=True,
+            )
+            return
+        factors = self.context.entries.model.singularities.factors
+        for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
+            if step.kind is not Kind.GIVEN:
+                yield from self._step(step, merged, free)
+
+    def _step(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[Block]:
+        _, unknown = self.context.text, self._math(step.unknown)
+        if step.kind is Kind.GENERAL:
+            yield Paragraph(self._eigenvalues(step), is_answer=True)
+            return
+        if step.kind is Kind.SUM:
+            words = _("%(unknown)s follows from the angles that are known:", unknown=unknown)
+        else:
+            source = sources(self.context, step.equations)
+            if _is_law_of_cosines(step):
+                source = _("%(source)s: the law of cosines", source=source)
+            words = f"{unknown}: {source}."
+        yield Paragraph(words, is_answer=True)
+        equations = [e for e in step.equations if Line(e.left, e.right) not in step.lines]
+        if equations:
+            lines = [line for e in equations for line in self.writer.broken(self._pieces(e.left), e.right)]
+            yield Rows(tuple(lines), is_answer=True)
+        if step.lines:
+            yield self.writer.formula(step.lines, _("Solve the inverse kinematics for %(unknown)s.", unknown=unknown))
+        remarks = " ".join(self._remarks(step, merged, free))
+        if remarks:
+            yield Paragraph(remarks, is_answer=True)
+
+    def _remarks(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[str]:
+        """When a step has real values, where they are one, and where it has infinitely many."""
+        _, unknown = self.context.text, self._math(step.unknown)
+        if step.kind is Kind.CONIC:
+            yield _(
+                "In $\\tan(%(unknown)s/2)$ this is an equation of the fourth degree: up to four values of %(symbol)s.",
+                unknown=self._tex(step.unknown),
+                symbol=unknown,
+            )
+        if step.exists is not sympy.true:
+            condition = f"${_relation(step.exists, self._tex)}$"
+            yield _(
+                "Real for %(condition)s; with equality, at the boundary of what is reached, its two values are one.",
+                condition=condition,
+            )
+            if merged:
+                yield _("This happens at a singularity of the arm: %(factors)s.", factors=self._zeros(merged))
+        if not step.fails:
+            return
+        where = and_list(_, [f"${self._tex(e)} = 0$" for e in step.fails])
+        if step.instead:
+            instead = and_list(_, [f"${self._tex(e.left)} = {self._tex(e.right)}$" for e in step.instead[0]])
+            yield _(
+                "Where %(zeros)s, it follows from %(equations)s instead (%(source)s).",
+                zeros=where,
+                equations=instead,
+                source=sources(self.context, step.instead[0]),
+            )
+            return
+        yield _(
+            "Where %(zeros)s, %(unknown)s is free: there are infinitely many solutions.", zeros=where, unknown=unknown
+        )
+        if free:
+            yield _("The arm is singular there: %(factors)s.", factors=self._zeros(free))
+
+    def _zeros(self, factors: Sequence[SingularFactor]) -> str:
+        """``$s_5 = 0$ (wrist)``, factors of det J."""
+        _ = self.context.text
+        words = {Posture.WRIST: _("wrist"), Posture.ELBOW: _("elbow"), Posture.SHOULDER: _("shoulder")}
+        found = []
+        for factor in factors:
+            posture = words.get(factor.condition.posture) if factor.condition and factor.condition.posture else None
+            zero = f"${self.context.printer.latex(factor.expression)} = 0$"
+            found.append(f"{zero} ({posture})" if posture else zero)
+        return or_list(_, found)
+
+    def _eigenvalues(self, step: Step) -> str:
+        """What a joint of an eigenvalue problem follows from."""
+        _, unknown = self.context.text, self._math(step.unknown)
+        node = next(node for node in self.found.graph.nodes if node.kind is Kind.GENERAL)
+        hidden, others, eliminated = node.formulas[0].payload.joints
+        (joint,) = step.joints
+        if joint in eliminated:
+            return _("%(unknown)s follows from linear equations with the joints that are known.", unknown=unknown)
+        if joint in others:
+            return _("%(unknown)s follows from the eigenvector.", unknown=unknown)
+        name = self.context.notation.glyph
+        between, without = (
+            and_list(_, [f"${name(self._variable(k)).box.tex.strip()}$" for k in sorted(joints)])
+            for joints in ((hidden, *others), eliminated)
+        )
+        return _(
+            "No joint follows from the pose by itself. Equations between %(between)s hold whatever %(without)s are; "
+            "they are an eigenvalue problem, and %(unknown)s follows from the eigenvalues of a matrix of "
+            "%(size)s rows.",
+            between=between,
+            without=without,
+            unknown=unknown,
+            size=node.formulas[0].payload.solution.eliminations[0].eigenvalues,
+        )
+
+    # -- the branches
+
+    def branches(self) -> Iterator[Block]:
+        """Which signs lead to which posture."""
+        _, solutions = self.context.text, self.found.solutions
+        if not 1 < len(solutions) <= MOST_BRANCHES:
+            return
+        columns = {sign: step.unknown for step in self.found.steps for line in step.lines for sign in line.signs}
+        postures = [branch_name(_, self.writer.printer.notation, solution.name) for solution in solutions]
+        signs = [[f"${'+' if solution.signs[sign] > 0 else '-'}$" for sign in columns] for solution in solutions]
+        has_names = not any(re.match(r"[+-]", posture) for posture in postures)
+        rows = [
+            (str(number), *([posture] if has_names else []), *own)
+            for number, (posture, own) in enumerate(zip(postures, signs, strict=True), 1)
+        ]
+        words = _("The signs in the formulas of the joints lead to these branches:")
+        if any(len(line.alternatives) > 1 for step in self.found.steps for line in step.lines):
+            words = _("The signs in the formulas lead to these branches; of two values, + is the first one:")
+        yield Paragraph(words, is_answer=True)
+        heads = [_("Branch")] if has_names else []
+        heads += [_("sign in %(unknown)s", unknown=self._math(unknown)) for unknown in columns.values()]
+        yield Table(("", *heads), tuple(rows), is_answer=True)
+
+    def of_whole_pose(self) -> Iterator[Block]:
+        """What changes where the orientation is given, too, of an arm solved for its position."""
+        _ = self.context.text
+        yield Paragraph(
+            _(
+                "If the orientation is given besides, the arm has fewer joints than the pose has coordinates, and "
+                "fewer of the solutions are left."
+            )
+        )
+        yield from self.conditions()
+        yield Paragraph(self._number_of_solutions(), is_answer=True)
+
+
+def _is_law_of_cosines(step: Step) -> bool:
+    """Whether an equation says what the sides of a triangle make of the cosine of one of its angles."""
+    if len(step.equations) != 1:
+        return False
+    (equation,) = step.equations
+    angles = equation.left.atoms(sympy.cos, sympy.sin)
+    squared = any(origin.form in (Form.SQUARES, Form.DISTANCE) for origin in equation.origins)
+    return squared and len(angles) == 1 and len(step.joints) == 1 and bool(equation.left.is_Mul)
+
+
+def _relation(relation: Any, write: Any) -> str:
+    """``|D| <= 1`` or ``A^2 + B^2 >= K^2``."""
+    left, right = relation.lhs, relation.rhs
+    shown = f"\\lvert {write(left.args[0])} \\rvert" if isinstance(left, sympy.Abs) else write(left)
+    sign = "\\leq" if relation.rel_op == "<=" else "\\geq"
+    return f"{shown} {sign} {write(right)}"

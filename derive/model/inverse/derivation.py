@@ -249,6 +249,8 @@ class Derivation:
         Where of two equations one is the other turned by a right angle, these are the coefficients of one, or what
         stands on the right of both, which then vanish too.
         """
+        if formula.kind is Kind.TYPE_2:  # 0 = C is no equation for the unknown only where C vanishes, too
+            return [tuple(p for p in formula.equations[0].linear if p)]
         if formula.kind is not Kind.TYPE_3:
             return [formula.degenerate]
         (a, b, c), (d, e, g) = (equation.linear for equation in formula.equations)

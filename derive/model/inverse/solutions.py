@@ -288,11 +288,11 @@ class InverseKinematics:
                     f"the inverse kinematics without a number for {listed(missing)}",
                     allowed="numbers of all joints and parameters",
                 )
-            values = self._with_pose(known, known)
+            values = self.values_at(known, known)
             columns = [] if self.is_explicit else list(self._columns_in_floats(known, values))
             for solution in self.solutions:
                 numbers = solution.numbers(values)
-                if numbers is not None and self._error(values, numbers) < CLOSE:
+                if numbers is not None and self.error(values, numbers) < CLOSE:
                     columns.append([written(numbers.get(q, known[q])) for q in self._variables])
         return sympy.ImmutableMatrix(len(columns), self.robot.n, list(chain.from_iterable(columns))).T
 
@@ -317,7 +317,7 @@ class InverseKinematics:
                     numbers = solution.numbers(values)
                     if numbers is None:
                         continue
-                    error = self._error(values, numbers)
+                    error = self.error(values, numbers)
                     branches, spurious = branches + (error < CLOSE), spurious + (error >= CLOSE)
                     worst = max(worst, error) if error < CLOSE else worst
                     hit = hit or self._same(q, numbers)
@@ -332,10 +332,16 @@ class InverseKinematics:
             q: Numbers = {}
             for joint, symbol in zip(self.robot.joints, self._variables, strict=True):
                 q[symbol] = mpmath.mpf(rng.randint(-300, 300) if joint.is_revolute else rng.randint(20, 90)) / 101
-            yield self._with_pose(values, q), q
+            yield self.values_at(values, q), q
 
-    def _with_pose(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
-        """Numbers of parameters, of the pose at a configuration, and of the joints that are given."""
+    def values_at(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
+        """Numbers of parameters, of the pose at a configuration, and of the joints that are given.
+
+        Args:
+            values: Numbers of the parameters.
+            q: Numbers of the joint variables.
+            domain: What the numbers are.
+        """
         end = forward_kinematics(self._chain(values, q, domain))
         found = {symbol: number for symbol, number in values.items() if symbol not in self._variables}
         for (i, j), symbol in self._derivation.pose.items():
@@ -347,8 +353,13 @@ class InverseKinematics:
         robot = replace(self.robot, links=(), gravity=None)
         return build_chain(robot, domain(robot, [q[symbol] for symbol in self._variables], values))
 
-    def _error(self, values: Numbers, numbers: Numbers) -> Any:
-        """The largest difference between the pose of a solution and the one that was asked for."""
+    def error(self, values: Numbers, numbers: Numbers) -> Any:
+        """The largest difference between the pose of a solution and the one that was asked for.
+
+        Args:
+            values: Numbers of pose, parameters and given joints, see `values_at`.
+            numbers: Those of the solution, see `Solution.numbers`.
+        """
         end = forward_kinematics(self._chain(values, {**values, **numbers}))
         reached = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
         wanted = self._derivation.pose
@@ -374,7 +385,7 @@ class InverseKinematics:
             symbol: rng.uniform(-3, 3, LOOKED_AT) if joint.is_revolute else rng.uniform(-1, 1, LOOKED_AT)
             for joint, symbol in zip(self.robot.joints, self._variables, strict=True)
         }
-        values = self._with_pose({symbol: float(x) for symbol, x in known.items()}, q, ArrayDomain)
+        values = self.values_at({symbol: float(x) for symbol, x in known.items()}, q, ArrayDomain)
         seen = [self._placed(known, own) for own in (self._joint_arrays(branch, values, q) for branch in branches)]
         if not all(seen):
             return signs

@@ -19,7 +19,7 @@ from derive.model.inverse.formulas import CoincidenceError, Derivation
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.pool import Links, Pool, identity_atoms
 from derive.model.inverse.unknowns import InverseDomain, baked, shifted, with_numbers
-from derive.robot.inverse_options import FREEDOMS, ROWS, Task
+from derive.robot.inverse_options import FREEDOMS, ROWS, TASKS, InverseOptions, Task
 from derive.robot.robot import Robot
 
 MAX_JOINTS = 10
@@ -66,6 +66,21 @@ def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> Solutio
         with suppress(CoincidenceError):
             return _solved(arm, task, choices, wanted - freedom.rank)
     return refusal(robot, task, choices[0], "parameters whose numbers coincide with what no symbol says")
+
+
+def usual_task(robot: Robot) -> Task:
+    """The task by which textbooks solve an arm: that of its file, or coordinates of the position alone.
+
+    These are asked of two or three joints that move the end effector in as many coordinates.
+
+    Args:
+        robot: The robot.
+    """
+    if robot.inverse != InverseOptions() or robot.n not in (2, 3):
+        return robot.inverse.task
+    moved = tuple(row for row in TASKS["position"] if Freedom(robot, (row,)).rank)
+    is_square = len(moved) == robot.n == Freedom(robot, moved).rank
+    return moved if is_square else robot.inverse.task
 
 
 def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missing: int) -> SolutionGraph:
@@ -157,15 +172,19 @@ class Freedom:
         """
         n, extra = self.robot.n, self.robot.n - self.rank
         sets = sorted(combinations(range(n), extra), key=lambda joints: tuple(-k for k in reversed(joints)))
-        if extra == 1 and n == 7 and self._meet(0) and self._meet(4):
+        if extra == 1 and n == 7 and self.meet(0) and self.meet(4):
             sets.sort(key=lambda joints: joints != (2,))
         for joints in sets:
             rest = [k for k in range(n) if k not in joints]
             if self._rank(rest) == len(rest):
                 yield joints
 
-    def _meet(self, first: int) -> bool:
-        """Whether the axes of three joints meet in one point."""
+    def meet(self, first: int) -> bool:
+        """Whether the axes of three joints meet in one point.
+
+        Args:
+            first: The first of them, from 0.
+        """
         if not all(joint.is_revolute for joint in self.robot.joints[first : first + 3]):
             return False
         position = self._pool.inside(first, first + 2).position

@@ -1,0 +1,146 @@
+"""The drawing of an arm in several configurations over each other: one line for each, with the numbers of its branches.
+
+Configurations whose links cover each other, such as those of a wrist that is flipped or not, are one line.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from derive.handouts.figure.arm import HEIGHT, arm_view
+from derive.handouts.figure.drawing import Array, Color, Drawing, Path, Point, label_width
+from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, moved
+from derive.handouts.figure.projection import View
+from derive.handouts.figure.scene import Scene, arm_scene
+from derive.robot.robot import Robot
+
+COLORS: tuple[Color, ...] = (
+    (0.00, 0.32, 0.62),
+    (0.80, 0.33, 0.00),
+    (0.00, 0.48, 0.36),
+    (0.62, 0.20, 0.52),
+    (0.45, 0.36, 0.00),
+    (0.25, 0.25, 0.28),
+)
+"""Told apart by readers who see few colours; after them lines are dashed, too."""
+
+_WIDTH = 300.0
+_TALLEST = min(HEIGHT, 230.0)
+_ROOM = 40.0
+"""Room for arrows and numbers at both sides [pt]."""
+
+_JOINT = 2.4
+"""Radius of the dot of a joint [pt]."""
+
+_ARROW = 24.0
+_SAME = 1e-6
+"""Lines closer to each other than this part of the arm's size are one."""
+
+
+def branches_drawing(
+    robot: Robot, frames: Sequence[Sequence[Sequence[Sequence[float]]]], names: Sequence[str], title: str
+) -> Drawing | None:
+    """The drawing of an arm in several configurations.
+
+    Args:
+        robot: The robot.
+        frames: For each configuration frame 0, frames 1 to n and the end effector in the world, 4x4 each [m].
+        names: What stands beside each.
+        title: What the drawing shows.
+
+    Returns:
+        The drawing; None for an arm whose links cover each other in all of them.
+    """
+    scenes = [arm_scene(robot, own) for own in frames]
+    lines = [_line(scene) for scene in scenes]
+    size = max(scene.size for scene in scenes)
+    groups: list[list[int]] = []
+    for k, line in enumerate(lines):
+        group = next((g for g in groups if _is_same(line, lines[g[0]], _SAME * size)), None)
+        if group is None:
+            groups.append([k])
+        else:
+            group.append(k)
+    if len(groups) < 2:
+        return None
+    view = _view(scenes[0])
+    flat = [[view.flat(point) for point in lines[group[0]]] for group in groups]
+    spread = np.ptp(np.array([point for line in flat for point in line]), axis=0)
+    scale = min((room - 2 * _ROOM) / extent for room, extent in zip((_WIDTH, _TALLEST), spread, strict=True) if extent)
+    paper = Paper()
+    shown = [[(scale * x, scale * y) for x, y in line] for line in flat]
+    for index, (group, places) in enumerate(zip(groups, shown, strict=True)):
+        color, dashed = COLORS[index % len(COLORS)], index >= len(COLORS)
+        paper.draw(Path(tuple(places), stroke=color, width=1.5, dashed=dashed))
+        for joint in scenes[group[0]].joints:
+            paper.draw(_dot(view.flat(joint.anchor * scale), color))
+    _draw_ends(paper, view, scenes[0], frames[0][-1], scale)
+    for index, (group, places) in enumerate(zip(groups, shown, strict=True)):
+        text = ",".join(names[k] for k in group)
+        others = [point for other in shown if other is not places for point in other]
+        place, direction = _apart(places, others)
+        paper.label(text, around(place, direction, 9.0, label_width(text)), COLORS[index % len(COLORS)])
+    return moved(paper.items, 3.0, title)
+
+
+def _line(scene: Scene) -> list[Array]:
+    """The links as one line from the base to the end effector."""
+    points = [scene.places[0]]
+    for segment in scene.segments:
+        points += [p for p in (segment.start, segment.end) if np.linalg.norm(p - points[-1]) > _SAME * scene.size]
+    return points
+
+
+def _is_same(a: Sequence[Array], b: Sequence[Array], near: float) -> bool:
+    return len(a) == len(b) and all(np.linalg.norm(p - q) < near for p, q in zip(a, b, strict=True))
+
+
+def _view(scene: Scene) -> View:
+    """From where a planar arm is seen as it is, else as arms are."""
+    normal = scene.joints[0].direction
+    flat = all(abs((place - scene.places[0]) @ normal) < _SAME * scene.size for place in scene.places)
+    if not flat:
+        return arm_view(scene)
+    up = np.array(scene.up)
+    if abs(normal @ up) > 0.99:
+        return View(math.radians(-90.0), math.radians(89.999), scene.up)
+    first = np.array((1.0, 0.0, 0.0)) if abs(up[0]) < 0.9 else np.array((0.0, 1.0, 0.0))
+    first = first - up * (first @ up)
+    second = np.cross(up, first)
+    return View(math.atan2(float(normal @ second), float(normal @ first)), 0.0, scene.up)
+
+
+def _dot(center: Point, color: Color) -> Path:
+    turns = [2 * math.pi * k / 12 for k in range(12)]
+    corners = tuple((center[0] + _JOINT * math.cos(t), center[1] + _JOINT * math.sin(t)) for t in turns)
+    return Path(corners, closed=True, stroke=color, fill=(1.0, 1.0, 1.0), width=0.8)
+
+
+def _draw_ends(paper: Paper, view: View, scene: Scene, end: Sequence[Sequence[float]], scale: float) -> None:
+    """The ground below the base, and the axes of the pose that all reach."""
+    x, y = view.flat(scene.places[0] * scale)
+    paper.draw(Path(((x - 12, y - 5), (x + 12, y - 5)), stroke=DIMENSION, width=1.2))
+    pose = np.array(end)
+    for letter in (0, 2):
+        tip = view.flat(pose[:3, 3] * scale + _ARROW * pose[:3, letter])
+        start = view.flat(pose[:3, 3] * scale)
+        if math.dist(start, tip) > 4.0:
+            paper.arrow(start, tip, AXIS_COLORS[letter], 0.9)
+
+
+def _apart(line: Sequence[Point], others: Sequence[Point]) -> tuple[Point, Point]:
+    """The place on a line that is farthest from other lines, and the direction away from their middle."""
+    places = [
+        ((1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]) for a, b in _pairs(line) for t in (0.3, 0.5, 0.7, 1.0)
+    ]
+    place = max(places, key=lambda p: round(min((math.dist(p, other) for other in others), default=0.0), 6))
+    middle = np.mean(np.array([*line, *others]), axis=0)
+    return place, (float(place[0] - middle[0]), float(place[1] - middle[1]))
+
+
+def _pairs(line: Sequence[Point]) -> list[tuple[Point, Point]]:
+    return [(a, b) for a, b in pairwise(line) if math.dist(a, b) > 1e-9]

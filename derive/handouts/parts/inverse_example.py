@@ -1,0 +1,198 @@
+"""The example of the inverse kinematics: one pose, all configurations that reach it, and the arm drawn in each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import mpmath
+import sympy
+
+from derive.errors import DeriveError
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Entry, Figure, Formula, Paragraph, Rows
+from derive.handouts.figure.branches import branches_drawing
+from derive.handouts.layout.lines import EQUALS, matrix
+from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic
+from derive.handouts.notation.symbols import bold
+from derive.handouts.parts.example import configuration
+from derive.lecture.sympy_conversion import Expr
+from derive.mechanics.floats import value_at
+from derive.model.inverse.in_numbers import Numbers
+from derive.model.inverse.solutions import CLOSE, InverseKinematics
+from derive.model.point import DIGITS
+from derive.robot.expression import Number
+from derive.robot.robot import Robot
+
+_PLACES = 4
+"""Decimals of lengths and radians; two less of degrees."""
+
+_DIGIT = 5.0
+"""Width of a digit [pt]."""
+
+_COPIED = "{:.12g}".format
+_LEAST = 1e-9
+"""Two configurations closer to each other than this are one [rad or m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """One configuration that reaches the pose.
+
+    Attributes:
+        number: That of its branch, from 1.
+        q: Its joint variables [rad or m], angles in (-pi, pi].
+    """
+
+    number: int
+    q: tuple[float, ...]
+
+
+def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
+    """All solutions at one pose in numbers, each put back, and a drawing of them.
+
+    Args:
+        context: The handout.
+        found: The inverse kinematics.
+
+    Yields:
+        Blocks; none where the robot cannot be drawn for lack of numbers.
+    """
+    _, poses = context.text, context.poses
+    if poses is None:
+        return
+    assumed = tuple((name, Number(Fraction(str(value)))) for name, value, _unit in poses.assumed)
+    robot = replace(
+        context.robot, figure=replace(context.robot.figure, values=(*context.robot.figure.values, *assumed))
+    )
+    numbers = {sympy.Symbol(name): float(value) for name, value in poses.values.items()}
+    try:
+        q = next(q for q in _configurations(robot) if _is_regular(found, reached(found, numbers, q), q))
+    except (StopIteration, DeriveError):
+        return
+    solutions = reached(found, numbers, q)
+    yield Paragraph(_("In numbers, at the pose of this configuration (%(values)s):", values=_stated(context, q)))
+    yield Rows((_pose(context, value_at(robot, "T", q)),))
+    yield Paragraph(
+        _(
+            "The configurations that reach it; put into $%(end)s$, each gives the pose back with all of its digits:",
+            end=bold("T").tex,
+        )
+    )
+    yield _table(context, found, solutions)
+    if len(solutions) > 1:
+        frames = [poses.frames(solution.q) for solution in solutions]
+        numbers_of = [str(solution.number) for solution in solutions]
+        title = _("The arm in all configurations that reach one pose")
+        drawing = branches_drawing(context.robot, frames, numbers_of, title)
+        if drawing is not None:
+            caption = _("The arm in these configurations, drawn over each other; numbers are those of the branches.")
+            yield Figure(drawing, caption, is_answer=True)
+
+
+def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[float]) -> list[Found]:
+    """Every solution of the pose of a configuration, computed with fifty digits and put back.
+
+    Args:
+        found: The inverse kinematics.
+        numbers: Numbers of the parameters.
+        q: The configuration [rad or m].
+    """
+    variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
+    solutions = []
+    with mpmath.workdps(DIGITS):
+        given: Numbers = {symbol: mpmath.mpf(x) for symbol, x in zip(variables, q, strict=True)}
+        parameters: Numbers = {symbol: mpmath.mpf(x) for symbol, x in numbers.items()}
+        values = found.values_at(parameters, given)
+        for number, solution in enumerate(found.solutions, 1):
+            solved = solution.numbers(values)
+            if solved is not None and found.error(values, {**given, **solved}) < CLOSE:
+                whole = {**given, **solved}
+                kept = (
+                    _in_one_turn(float(whole[symbol])) if joint.is_revolute else float(whole[symbol])
+                    for symbol, joint in zip(variables, found.robot.joints, strict=True)
+                )
+                solutions.append(Found(number, tuple(kept)))
+    return solutions
+
+
+def _in_one_turn(angle: float) -> float:
+    return angle - 2 * math.pi * math.ceil((angle - math.pi) / (2 * math.pi))
+
+
+def _configurations(robot: Robot) -> Iterator[tuple[float, ...]]:
+    """That of the figure, or a generic one; then the generic one alone."""
+    yield configuration(robot).q
+    yield configuration(replace(robot, figure=replace(robot.figure, q=None))).q
+
+
+def _is_regular(found: InverseKinematics, solutions: Sequence[Found], q: Sequence[float]) -> bool:
+    """Whether a pose has as many different configurations as others: one that teaches nothing special."""
+    turned = [tuple(_in_one_turn(x) if j.is_revolute else x for x, j in zip(q, found.robot.joints, strict=True))]
+    own = any(_apart(solution.q, turned[0]) < _LEAST for solution in solutions)
+    pairs = ((a, b) for k, a in enumerate(solutions) for b in solutions[:k])
+    return own and all(_apart(a.q, b.q) > _LEAST for a, b in pairs)
+
+
+def _apart(a: Sequence[float], b: Sequence[float]) -> float:
+    return max(abs(math.remainder(x - y, 2 * math.pi)) for x, y in zip(a, b, strict=True))
+
+
+# -- print
+
+
+def _stated(context: Context, q: Sequence[float]) -> str:
+    """The configuration, each variable with its unit."""
+    written = []
+    for joint, value in zip(context.robot.joints, q, strict=True):
+        symbol = context.notation.glyph(joint.variable).box.tex.strip()
+        unit = _unit(context, joint.is_revolute)
+        written.append(f"${symbol} = {_number(context, value, joint.is_revolute).tex}{unit}$")
+    return ("; " if context.text.comma else ", ").join(written)
+
+
+def _unit(context: Context, is_angle: bool) -> str:
+    if is_angle:
+        return "^{\\circ}" if context.notation.degrees else "\\,\\mathrm{rad}"
+    return "\\,\\mathrm{m}"
+
+
+def _number(context: Context, value: float, is_angle: bool = False) -> Box:
+    """A number with a few decimals, an angle in degrees where the robot file has these."""
+    in_degrees = is_angle and context.notation.degrees
+    shown = f"{math.degrees(value) if in_degrees else value:.{_PLACES - 2 * in_degrees}f}"
+    if not float(shown):
+        shown = shown.removeprefix("-")
+    return Box(shown.replace(".", DECIMAL_COMMA) if context.notation.comma else shown, _DIGIT * len(shown) + _DIGIT)
+
+
+def _pose(context: Context, rows: Sequence[Sequence[float]]) -> str:
+    """T; what is 0, 1 or -1 but for rounding is written so."""
+    whole = {value: round(value) for row in rows for value in row if abs(value - round(value)) < _LEAST}
+    cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
+    return concatenate(bold("T"), EQUALS, matrix(cells)).tex
+
+
+def _table(context: Context, found: InverseKinematics, solutions: Sequence[Found]) -> Formula:
+    """The configurations one below the other, as an array."""
+    _, joints = context.text, context.robot.joints
+    names = [context.notation.glyph(joint.variable).box.tex.strip() for joint in joints]
+    heads = [
+        f"{name}\\,[{_unit(context, joint.is_revolute).removeprefix(chr(92) + ',')}]"
+        if not (joint.is_revolute and context.notation.degrees)
+        else f"{name}\\,[{{}}^{{\\circ}}]"
+        for name, joint in zip(names, joints, strict=True)
+    ]
+    rows = [
+        " & ".join((str(s.number), *(_number(context, x, j.is_revolute).tex for x, j in zip(s.q, joints, strict=True))))
+        for s in solutions
+    ]
+    body = " \\\\ ".join(rows)
+    head = f"& {' & '.join(heads)} \\\\ \\hline \\rule{{0pt}}{{2.4ex}}"
+    array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} {head}{body} \\end{{array}}"
+    python = "[" + ", ".join("[" + ", ".join(map(_COPIED, s.q)) + "]" for s in solutions) + "]"
+    entries = (Entry(bold("q").tex, array, python),)
+    task = _("Compute in numbers all configurations that reach this pose.")
+    return Formula((Rows((array,)),), function="inverse_kinematics", entries=entries, task=task, blanks=("",))

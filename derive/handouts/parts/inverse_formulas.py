@@ -1,0 +1,134 @@
+"""The formulas of an inverse kinematics as displays: broken into lines, to be copied, blank in an exercise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import Any
+
+import sympy
+
+from derive.handouts.context import Context
+from derive.handouts.document import Entry, Formula, Rows
+from derive.handouts.layout.lines import EQUALS, INDENTS, break_lines
+from derive.handouts.notation.derivation import (
+    LONGEST_PAIR,
+    SignLatexPrinter,
+    derivation_python,
+    formula,
+    with_names,
+    with_signs,
+)
+from derive.handouts.notation.pieces import EMPTY, Box, Break, Piece, concatenate, joined
+from derive.model.inverse.elementary import Line
+from derive.model.inverse.solutions import InverseKinematics
+
+WIDEST_QUOTIENT = 170.0
+"""Widest sum above a divisor [pt], which a narrow column holds."""
+
+WIDEST_LEFT = 200.0
+"""Widest left side of an equation whose right side is broken alone [pt]."""
+
+_LETTER_WIDTH = 6.0
+"""Of running text in mathematics [pt]."""
+
+
+def formulas(context: Context) -> Iterator[Formula]:
+    """The formulas, a block for what the pose is named and one for each unknown.
+
+    Args:
+        context: The handout.
+
+    Yields:
+        The blocks.
+    """
+    found = context.entries.model.inverse
+    writer = FormulaWriter(context, found)
+    for lines in (found.definitions, *(step.lines for step in found.steps)):
+        if lines:
+            yield writer.formula(lines)
+
+
+class FormulaWriter:
+    """Writes the formulas of one arm.
+
+    Args:
+        context: The handout.
+        found: The inverse kinematics.
+
+    Attributes:
+        printer: Writes expressions with the signs and names of the derivation.
+    """
+
+    def __init__(self, context: Context, found: InverseKinematics) -> None:
+        self._context, self._found = context, found
+        self.printer = SignLatexPrinter(with_names(context.notation, found), found, WIDEST_QUOTIENT)
+
+    def tex(self, e: Any) -> str:
+        """An expression on one line.
+
+        Args:
+            e: The expression.
+        """
+        return self.printer.latex(e).strip()
+
+    def math(self, e: Any) -> str:
+        """An expression in running text.
+
+        Args:
+            e: The expression.
+        """
+        return f"${self.tex(e)}$"
+
+    def formula(self, lines: Sequence[Line], task: str = "", *, is_each_asked: bool = False) -> Formula:
+        """Lines of a solution as one formula.
+
+        Args:
+            lines: The lines.
+            task: What an exercise asks in their place.
+            is_each_asked: Whether it asks for each of them, not only for the last one.
+        """
+        either = f" \\text{{ {self._context.text('or')} }} "
+        written = [formula(line, self.tex, " = ", either, " + \\pi").partition(" = ") for line in lines]
+        entries = tuple(
+            Entry(left, right, self._assignments[line]) for line, (left, _, right) in zip(lines, written, strict=True)
+        )
+        rows = tuple(row for line in lines for row in self.rows(line))
+        names = tuple(self.tex(line.symbol) for line in lines)
+        blanks = names if is_each_asked else names[-1:]
+        return Formula((Rows(rows),), entries=entries, task=task, blanks=blanks if task else ())
+
+    @cached_property
+    def _assignments(self) -> dict[Line, str]:
+        """Each formula in Python."""
+        return dict(zip(self._found.lines, derivation_python(self._found), strict=True))
+
+    def rows(self, line: Line) -> list[str]:
+        """A formula on as many lines as it needs; of two values written apart one below the other.
+
+        Args:
+            line: The formula.
+        """
+        first, *others = line.alternatives
+        rows = self.broken(self.printer.pieces(line.symbol), first)
+        if others:
+            word = self._context.text("or")
+            either = Box(f"\\ \\text{{{word}}}\\ ", 8.0 + _LETTER_WIDTH * len(word))
+            is_short = sum(value.count_ops() for value in line.alternatives) < LONGEST_PAIR
+            second = others[0] if is_short else line.symbol + sympy.pi
+            rows += break_lines(concatenate(INDENTS[0], either), self.printer.pieces(second))
+        return [with_signs(row) for row in rows]
+
+    def broken(self, left: Sequence[Piece], right: Any) -> list[str]:
+        """An equation on as many lines as it needs, its left side broken, too, where it is long.
+
+        Args:
+            left: The left side.
+            right: The right side, an expression.
+        """
+        head, pieces = concatenate(joined(left), EQUALS), self.printer.pieces(right)
+        if head.width < WIDEST_LEFT:
+            rows = break_lines(head, pieces)
+        else:
+            rows = break_lines(EMPTY, [*left, Piece(Box("= ", 12.0), Break.BINARY), *pieces])
+        return [with_signs(row) for row in rows]

@@ -1,0 +1,171 @@
+"""Words for the steps of an inverse kinematics: where their equations come from, and the names of the branches."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+
+from derive.handouts.context import Context
+from derive.handouts.language import Text
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.pieces import EMPTY, Box, concatenate, script
+from derive.handouts.notation.symbols import bold
+from derive.handouts.parts.table import BASE, TOOL
+from derive.model.inverse.branch_names import Word
+from derive.model.inverse.derivation import PrintedEquation
+from derive.model.inverse.origins import Form, Origin
+from derive.robot.description import IDENTITY
+
+_INVERSE = Box("-1", 11.0)
+_SIGN_OF_ROOT = re.compile(r"epsilon_(\w+)=([+-])1")
+_SIDE_OF_ZERO = re.compile(r"(\w+) ([<>]) 0")
+
+
+def sources(context: Context, equations: Iterable[PrintedEquation]) -> str:
+    """Which entries of which product some equations are.
+
+    Args:
+        context: The handout.
+        equations: The equations of one step.
+
+    Returns:
+        Words with mathematics, without a full stop.
+    """
+    _ = context.text
+    groups: dict[tuple[Form, str], list[Origin]] = {}
+    for equation in equations:
+        for origin in equation.origins:
+            groups.setdefault((origin.form, _product(context, origin)), []).append(origin)
+    phrases = [_phrase(context, form, matrix, found) for (form, matrix), found in groups.items()]
+    if any(len(equation.origins) > 1 for equation in equations):
+        phrases.append(_("the other unknown eliminated"))
+    return "; ".join(dict.fromkeys(phrases))
+
+
+def _phrase(context: Context, form: Form, matrix: str, origins: Sequence[Origin]) -> str:
+    """What is made of which entries of one product."""
+    _ = context.text
+    places = list(dict.fromkeys(entry for origin in origins for entry in origin.entries))
+    entries = and_list(_, [f"$({','.join(map(str, place))})$" for place in places])
+    first, last = origins[0].first, origins[0].last
+    match form:
+        case Form.SQUARES:
+            return _("entries %(entries)s of %(matrix)s, squared and added", entries=entries, matrix=matrix)
+        case Form.ENTRY if len(places) > 1:
+            return _("entries %(entries)s of %(matrix)s", entries=entries, matrix=matrix)
+        case Form.ENTRY:
+            return _("entry %(entries)s of %(matrix)s", entries=entries, matrix=matrix)
+        case Form.COMPONENT:
+            axes = and_list(_, [f"${'xyz'[place[0] - 1]}$" for place in places])
+            return _(
+                "component %(components)s of the vector between axes %(first)s and %(last)s, in the frame of joint "
+                "%(joint)s",
+                components=axes,
+                first=first,
+                last=last,
+                joint=last if origins[0].inverse else first,
+            )
+        case Form.DISTANCE:
+            return _("the squared distance between axes %(first)s and %(last)s", first=first, last=last)
+        case Form.DIRECTIONS:
+            return _(
+                "entry %(entries)s of the rotation between axes %(first)s and %(last)s",
+                entries=entries,
+                first=first,
+                last=last,
+            )
+        case Form.MOMENT:
+            return _(
+                "entry %(entries)s of the moments of %(matrix)s (Raghavan and Roth)", entries=entries, matrix=matrix
+            )
+
+
+def _product(context: Context, origin: Origin) -> str:
+    r"""``$(\mathbf{T}_3^0)^{-1}\mathbf{T} = \mathbf{T}_6^3$``: what the joints from first to last are, both ways."""
+    robot, frame = context.robot, context.symbols.frame
+    first, last, n = origin.first, origin.last, context.robot.n
+    left = [_inverted(_between(context, 0, first - 1))] if first > 1 else []
+    left += [_inverted(BASE)] if robot.base != IDENTITY else []
+    right = [_inverted(TOOL)] if robot.tool != IDENTITY else []
+    right += [_inverted(_between(context, last, n))] if last < n else []
+    own = _between(context, first - 1, last) if last >= first else Box("\\mathbf{I}", 8.0)
+    if not left and not right and not origin.inverse:
+        return f"${bold('T').tex}$"
+    whole = concatenate(*left, bold("T"), *right)
+    if origin.inverse:
+        whole, own = (_inverted(whole) if left or right else script(whole, sup=_INVERSE)), _inverted(own)
+    if first == 1 and last == n and not origin.inverse:
+        own = frame("T", n, 0)
+    return f"${whole.tex} = {own.tex}$"
+
+
+def _between(context: Context, start: int, end: int) -> Box:
+    """The transform from one frame to a later one: that of a row where they are neighbours."""
+    return context.symbols.frame("A" if end == start + 1 else "T", end, start)
+
+
+def _inverted(box: Box) -> Box:
+    return script(concatenate(Box("(", 5.0), box, Box(")", 5.0)), EMPTY, _INVERSE)
+
+
+def and_list(text: Text, words: Sequence[str]) -> str:
+    """Words with commas, the last one behind an *and*.
+
+    Args:
+        text: The language.
+        words: One at least.
+    """
+    if len(words) == 1:
+        return words[0]
+    return text("%(others)s and %(last)s", others=", ".join(words[:-1]), last=words[-1])
+
+
+def or_list(text: Text, words: Sequence[str]) -> str:
+    """Words with commas, the last one behind an *or*.
+
+    Args:
+        text: The language.
+        words: One at least.
+    """
+    if len(words) == 1:
+        return words[0]
+    return text("%(others)s or %(last)s", others=", ".join(words[:-1]), last=words[-1])
+
+
+def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str], str] | None = None) -> str:
+    """The name of a branch in the reader's language.
+
+    Args:
+        text: The language.
+        notation: The robot's notation.
+        name: As `derive.model.inverse.branch_names` gives it.
+        plain: How a symbol is written in running text; None for LaTeX between dollar signs.
+
+    Returns:
+        Words; what is on which side of zero, and the signs of roots, as mathematics.
+    """
+    words = _branch_words(text)
+
+    def _of(part: str) -> str:
+        side, root = _SIDE_OF_ZERO.fullmatch(part), _SIGN_OF_ROOT.fullmatch(part)
+        if side:
+            symbol = notation.glyph(side[1]).box.tex.strip()
+            return f"${symbol} {side[2]} 0$" if plain is None else f"{plain(symbol)} {side[2]} 0"
+        if root:
+            return root[2] if plain is None else root[2].replace("-", "\N{MINUS SIGN}")
+        return words.get(part, part)
+
+    return ", ".join(map(_of, name.split(", "))) if name else ""
+
+
+def _branch_words(_: Text) -> dict[str, str]:
+    return {
+        Word.SHOULDER_RIGHT: _("shoulder right"),
+        Word.SHOULDER_LEFT: _("shoulder left"),
+        Word.ELBOW_UP: _("elbow up"),
+        Word.ELBOW_DOWN: _("elbow down"),
+        Word.ELBOW_LEFT: _("elbow left"),
+        Word.ELBOW_RIGHT: _("elbow right"),
+        Word.WRIST: _("wrist not flipped"),
+        Word.WRIST_FLIPPED: _("wrist flipped"),
+    }

@@ -1,0 +1,44 @@
+"""The drawing of an arm in several configurations over each other."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from derive.handouts.figure.branches import branches_drawing
+from derive.handouts.figure.drawing import Drawing, Label, Path
+from derive.handouts.figure.poses import RobotPoses
+from derive.robot.robot import Robot
+
+ARM = Robot.load("planar-2r-perugia")
+
+
+def drawn(*configurations: tuple[float, float]) -> Drawing | None:
+    poses = RobotPoses(ARM)
+    names = [str(k) for k in range(1, len(configurations) + 1)]
+    return branches_drawing(ARM, [poses.frames(q) for q in configurations], names, "two elbows")
+
+
+def lines(drawing: Drawing | None) -> list[Path]:
+    assert drawing is not None
+    return [item for item in drawing.items if isinstance(item, Path) and item.width == 1.5]
+
+
+def test_a_planar_arm_is_seen_from_above_and_both_elbows_end_at_one_point() -> None:
+    up, down = lines(drawn((0.2, 0.9), (1.1, -0.9)))
+    scale = math.dist(up.points[0], up.points[1])
+    assert math.dist(down.points[0], down.points[1]) == pytest.approx(scale, rel=1e-2)  # nothing is foreshortened
+    angle = math.atan2(up.points[1][1] - up.points[0][1], up.points[1][0] - up.points[0][0])
+    assert angle == pytest.approx(0.2, abs=1e-2)
+
+
+def test_configurations_that_cover_each_other_are_one_line_with_both_numbers() -> None:
+    drawing = drawn((0.2, 0.9), (1.1, -0.9), (0.2, 0.9))
+    assert len(lines(drawing)) == 2
+    assert drawing is not None
+    assert [item.latex for item in drawing.items if isinstance(item, Label)] == ["1,3", "2"]
+
+
+def test_an_arm_that_looks_the_same_in_all_of_them_is_not_drawn() -> None:
+    assert drawn((0.2, 0.9), (0.2, 0.9)) is None
