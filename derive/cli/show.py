@@ -49,6 +49,7 @@ WIDTH = 120
 
 DESCRIBED = {
     "workspace": "where the arm reaches, in formulas, if no joint has limits",
+    "aspects": "sets of configurations without a singularity; whether the arm is cuspidal",
 }
 """What is described by sentences, and is no quantity of the model."""
 
@@ -114,6 +115,8 @@ def run(arguments: argparse.Namespace) -> int:
             if with_numbers or arguments.abbreviate is not None:
                 option = "--abbreviate" if arguments.abbreviate else "--at"
                 raise QuantityError(f"{option} with {name}", remedy=f"ask for {name} without {option}")
+            if name == "aspects" and form in ("latex", "python"):
+                raise QuantityError(f"--format {form} with {name}", allowed="text and json")
             shown.append((name, getattr(model, name)))
         elif arguments.abbreviate is None:
             shown.append((name, model.quantity(name)))
@@ -178,23 +181,30 @@ def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
 
 
 def _derivation(robot: Robot, form: str, value: Any, digits: int | None) -> list[str]:
-    """The lines of an inverse kinematics or a workspace; none for any other quantity."""
+    """The lines of an inverse kinematics, a workspace or aspects; none for any other quantity."""
+    from derive.handouts.notation.aspects import aspects_text
     from derive.handouts.notation.derivation import derivation_lines
     from derive.handouts.notation.notation import Notation
+    from derive.handouts.notation.text import TextPrinter
     from derive.handouts.notation.workspace import workspace_lines
+    from derive.model.inverse.aspects import Aspects
     from derive.model.inverse.reach import Reach
     from derive.model.inverse.solutions import InverseKinematics
 
     notation = replace(Notation.of(robot), digits=digits)
     if isinstance(value, Reach):
         return workspace_lines(value, form, notation)
+    if isinstance(value, Aspects):
+        return aspects_text(value, TextPrinter(robot, notation).doprint)
     return derivation_lines(value, form, notation) if isinstance(value, InverseKinematics) else []
 
 
 def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
-    """A matrix by rows, an inverse kinematics or a workspace by its parts, a scalar as text."""
+    """A matrix by rows, an inverse kinematics or a workspace, aspects by their parts, a scalar as text."""
+    from derive.handouts.notation.aspects import aspects_parts
     from derive.handouts.notation.derivation import derivation_parts
     from derive.handouts.notation.workspace import workspace_parts
+    from derive.model.inverse.aspects import Aspects
     from derive.model.inverse.reach import Reach
     from derive.model.inverse.solutions import InverseKinematics
 
@@ -202,6 +212,8 @@ def _as_json(robot: Robot, value: Any, printer: Printer) -> Any:
         return derivation_parts(value)
     if isinstance(value, Reach):
         return workspace_parts(value)
+    if isinstance(value, Aspects):
+        return aspects_parts(value)
     rows = _entries(value, printer)
     return printer(value) if rows is None else rows
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache, cached_property
@@ -15,6 +16,8 @@ from derive.errors import QuantityError
 from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.vectors import Vector, multiply, transpose
+from derive.model.inverse.aspects import Aspects, find_aspects
+from derive.model.inverse.in_numbers import parameter_numbers
 from derive.model.inverse.reach import Reach, find_reach
 from derive.model.inverse.solutions import InverseKinematics
 from derive.model.inverse.solve import solve
@@ -378,3 +381,11 @@ class KinematicModel:
     def workspace(self) -> Reach:
         """What the arm reaches if no joint has limits, by the square roots of its inverse kinematics."""
         return find_reach(self.robot, self.style, self.inverse)
+
+    @cached_property
+    def aspects(self) -> Aspects:
+        """The sets of configurations without a singularity, and whether the arm changes posture within one of them."""
+        numbers = parameter_numbers(self.robot, random.Random(12))
+        return find_aspects(
+            self.workspace.inverse, self.singularities, {str(symbol): float(x) for symbol, x in numbers.items()}
+        )

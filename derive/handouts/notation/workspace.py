@@ -107,11 +107,11 @@ def workspace_parts(reach: Reach) -> dict[str, Any]:
 def _in_decimals(bound: Bound) -> Bound:
     """A bound whose ends are decimals where they hold numbers alone, with more digits than are printed."""
 
-    def decimal(e: Any) -> Any:
+    def _decimal(e: Any) -> Any:
         return sympy.Rational(str(sympy.N(e, 30))) if e is not None and e.is_number and not e.is_Rational else e
 
-    radii = None if bound.radii is None else (decimal(bound.radii[0]), decimal(bound.radii[1]))
-    return replace(bound, least=decimal(bound.least), most=decimal(bound.most), radii=radii)
+    radii = None if bound.radii is None else (_decimal(bound.radii[0]), _decimal(bound.radii[1]))
+    return replace(bound, least=_decimal(bound.least), most=_decimal(bound.most), radii=radii)
 
 
 def comparison(bound: Bound, write: Print, at_most: str) -> str:

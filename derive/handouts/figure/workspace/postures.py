@@ -141,13 +141,13 @@ class Postures:
         for way, margins in enumerate(self.reach.margins(self._poses_tried, self._values)):
             for side in range(len(margins)):
 
-                def margin(u: Array, v: Array, way: int = way, side: int = side) -> Array:
+                def _margin(u: Array, v: Array, way: int = way, side: int = side) -> Array:
                     grid = np.broadcast_arrays(u, v)
                     flat = self._in_space(plane, np.stack([part.ravel() for part in grid]))
                     values = self.reach.margins(self.poses(flat), self._values)[way][side]
                     return np.nan_to_num(values, nan=-1.0).reshape(grid[0].shape)
 
-                found.append(zeros(margin, sides[0], sides[1]).transpose(1, 2, 0))
+                found.append(zeros(_margin, sides[0], sides[1]).transpose(1, 2, 0))
         segments = np.concatenate(found)
         if plane.picture is Picture.SECTION:
             segments = segments[np.any(segments[..., 0] > 0.0, axis=1)]

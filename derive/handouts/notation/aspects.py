@@ -1,0 +1,104 @@
+"""The aspects of an arm as lines of text and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from derive.errors import listed
+from derive.handouts.notation.text import PlainPrinter
+from derive.model.inverse.aspects import Aspects
+from derive.robot.names import robot_symbols
+
+_MANY = 16
+"""Solutions that are listed one by one."""
+
+
+def aspects_text(found: Aspects, write: Callable[[Any], str]) -> list[str]:
+    """The aspects as plain text.
+
+    Args:
+        found: The aspects.
+        write: Writes an expression.
+    """
+    if found.why_not:
+        return [f"aspects are not told apart: {found.why_not}"]
+    joints = [joint.variable for joint in found.inverse.robot.joints]
+    lines = [_counted(found, joints)]
+    for number, factor in enumerate(found.factors, 1):
+        posture = f" ({factor.posture.value})" if factor.posture else ""
+        lines.append(f"   {number}. {write(factor.expression)}{posture}")
+    pairs = zip(found.inverse.solutions, found.signs, strict=bool(found.signs))
+    listed_signs = [f"   {_signs(signs)}  {solution.name}" for solution, signs in pairs if signs is not None]
+    if 1 < len(listed_signs) <= _MANY and len(listed_signs) == len(found.signs):
+        lines += ["signs of these in each solution:" if len(found.factors) > 1 else "its sign in each solution:"]
+        lines += listed_signs
+    lines += _crossing(found, joints)
+    known = {name for name, _ in found.inverse.robot.parameters}
+    geometry = replace(found.inverse.robot, links=(), gravity=None)
+    assumed = [name for name in robot_symbols(geometry) if name not in known and name in found.values]
+    if assumed:
+        numbers = ", ".join(f"{name} = {found.values[name]:.4g}" for name in assumed)
+        lines.append(f"looked at with {numbers}, for which the file has no numbers")
+    return lines
+
+
+def _counted(found: Aspects, joints: list[str]) -> str:
+    """How many aspects, in words."""
+    what = "sets of configurations that no singularity parts"
+    if found.count is None:
+        group = next(group for group in found.groups if group.parts is None)
+        named = listed(joints[k] for k in group.joints)
+        return f"aspects ({what}) are not counted: det J depends on {named} together"
+    told = "by the signs of" if found.factors else "by the sign of det J"
+    return f"{found.count} aspect{'s' if found.count > 1 else ''}, if no joint has limits: {what}; told apart {told}"
+
+
+def _signs(signs: tuple[int, ...]) -> str:
+    return " ".join("+" if sign > 0 else "-" for sign in signs)
+
+
+def _crossing(found: Aspects, joints: list[str]) -> list[str]:
+    """Whether the arm changes posture within an aspect."""
+    poses = len(found.solutions)
+    if found.crossing is not None:
+        width = max(8, *map(len, joints))
+        rows = zip(joints, found.crossing.path.T, strict=True)
+        least = f"{100 * found.crossing.clearance:.2g} % of its largest value"
+        return [
+            "cuspidal: it changes posture without meeting a singularity. On the way from one solution of a pose to",
+            f"another one, straight from each column to the next, det J is never less than {least}:",
+            *(f"   {name:<{width}}{''.join(f'{value:10.4f}' for value in row)}" for name, row in rows),
+        ]
+    if found.shared:
+        return [
+            f"at {found.shared} of {poses} random poses two solutions have the same signs; no path between them that",
+            "meets no singularity was found, which does not prove that there is none",
+        ]
+    where = f"at {poses} random poses every solution lies in an aspect of its own"
+    return [f"{where}: the arm changes posture through singularities only"]
+
+
+def aspects_parts(found: Aspects) -> dict[str, Any]:
+    """What there is to know of the aspects, for JSON.
+
+    Args:
+        found: The aspects.
+    """
+    write = PlainPrinter().doprint
+    crossing = found.crossing
+    signs = found.signs or (None,) * len(found.inverse.solutions)
+    return {
+        "count": found.count,
+        "why_not": found.why_not,
+        "factors": [write(factor.expression) for factor in found.factors],
+        "poses": len(found.solutions),
+        "poses_with_shared_signs": found.shared,
+        "cuspidal": found.is_cuspidal,
+        "path": None if crossing is None else crossing.path.tolist(),
+        "solutions": [
+            {"name": solution.name, "signs": None if own is None else list(own)}
+            for solution, own in zip(found.inverse.solutions, signs, strict=True)
+        ],
+    }

@@ -1,0 +1,483 @@
+"""Aspects: the connected sets of configurations without a singularity; arms that change posture within one of them.
+
+In most arms each solution of a pose lies in an aspect of its own: the signs of the factors of det J are its shoulder,
+elbow and wrist. A cuspidal arm has two solutions in one aspect, and a path from one to the other on which it is never
+singular. Such a path is looked for and, where it is found, verified; that none was found proves nothing.
+
+Sources: Borrel and Liegeois, A study of multiple manipulator inverse kinematic solutions, 1986 (aspects); Wenger,
+A new general formalism for the kinematic analysis of all nonredundant manipulators, 1992; Wenger, Cuspidal robots,
+2019; Salunkhe et al., Necessary and sufficient condition for a generic 3R serial manipulator to be cuspidal, 2022.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations, pairwise
+
+import numpy as np
+import sympy
+
+from derive.lecture.sympy_conversion import Expr
+from derive.model.inverse.branches import InverseSolver
+from derive.model.inverse.in_numbers import Numbers, array_value
+from derive.model.inverse.numeric_chain import Array, NumericChain
+from derive.model.inverse.solutions import InverseKinematics
+from derive.model.singularities.determinant import Condition, Outcome, Singularities
+
+POSES = 12
+"""Random poses whose solutions are looked at."""
+
+MILESTONES = 500
+"""Random configurations by way of which a path is looked for."""
+
+GRIDS = {1: 4096, 2: 300, 3: 72}
+"""Cells along each joint, for factors of so many joints."""
+
+SPECK = 2e-4
+"""Sets smaller than this part of a grid lie between its lines where two curves cross."""
+
+PAIRS = 8
+"""Pairs of solutions between which a path is looked for."""
+
+_NEIGHBOURS = 12
+_STEPS = 48
+"""Places on a straight piece of a path at which it is tried."""
+
+_HALVINGS = 14
+CLEAR = 1e-7
+"""Of a configuration without a singularity det J is larger than this part of its largest value."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Joints that stand together in factors of det J.
+
+    Attributes:
+        joints: Their indices, from 0.
+        factors: Indices of the factors.
+        parts: Into how many connected sets the zeros of the factors cut them; None for too many joints.
+    """
+
+    joints: tuple[int, ...]
+    factors: tuple[int, ...]
+    parts: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """A path between two solutions of one pose on which the arm is never singular.
+
+    Attributes:
+        path: Corners of the path, (k, n); straight pieces lie between them.
+        clearance: The smallest amount of det J on the way, as a part of its largest value anywhere.
+    """
+
+    path: Array
+    clearance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Aspects:
+    """The aspects of an arm whose joints have no limits.
+
+    Attributes:
+        inverse: Its inverse kinematics: of the position, for arms of few joints.
+        factors: Where det J is zero, factor by factor.
+        groups: The joints that stand together in them.
+        why_not: Why there are none to be told apart; empty where there are.
+        solutions: How many real solutions each of the poses has that were looked at.
+        shared: How many of these poses have two solutions with the same signs of all factors.
+        crossing: A path between two solutions of one pose; None where none was found.
+        signs: The signs of the factors in each solution of `inverse` in closed form, where they are always the same.
+        values: Numbers of the parameters with which the arm was looked at.
+    """
+
+    inverse: InverseKinematics
+    factors: tuple[Condition, ...] = ()
+    groups: tuple[Group, ...] = ()
+    why_not: str = ""
+    solutions: tuple[int, ...] = ()
+    shared: int = 0
+    crossing: Crossing | None = None
+    signs: tuple[tuple[int, ...] | None, ...] = ()
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def count(self) -> int | None:
+        """How many aspects there are; None where they were not counted."""
+        parts = [group.parts for group in self.groups]
+        return None if self.why_not or None in parts else math.prod(part for part in parts if part is not None)
+
+    @property
+    def is_cuspidal(self) -> bool:
+        """Whether the arm changes posture without meeting a singularity; false where no such path was found."""
+        return self.crossing is not None
+
+
+class _Determinant:
+    """det J in numbers, of the rows that decide its rank; in parts of its largest value.
+
+    Args:
+        chain: The arm.
+
+    Attributes:
+        basis: Orthonormal rows of what the joints move; None where they are not as many as the joints.
+    """
+
+    def __init__(self, chain: NumericChain) -> None:
+        self._chain, self._scale = chain, 1.0
+        self.basis: Array | None = None
+        q = random_configurations(chain, 4000, 5)
+        for columns_of in (self._twist, self._linear):
+            columns = columns_of(q[:200])
+            rows = columns.transpose(0, 2, 1).reshape(-1, columns.shape[1])
+            values, vectors = np.linalg.eigh(rows.T @ rows / len(rows))
+            kept = vectors[:, values > 1e-12 * max(values[-1], 1e-300)]
+            if kept.shape[1] == chain.n:
+                self.basis, self._columns = kept, columns_of
+                self._scale = float(np.abs(self(q)).max()) or 1.0
+                return
+
+    def __call__(self, q: Array) -> Array:
+        """Its value.
+
+        Args:
+            q: (..., n) configurations.
+        """
+        basis = np.eye(6) if self.basis is None else self.basis
+        found: Array = np.linalg.det(basis.T @ self._columns(q)) / self._scale
+        return found
+
+    def _linear(self, q: Array) -> Array:
+        """Velocities of the end effector's origin by each joint, (..., 3, n)."""
+        _, slope = self._chain.pose_and_jacobian(q)
+        return np.swapaxes(slope[..., :, 3], -1, -2) / self._chain.reach
+
+    def _twist(self, q: Array) -> Array:
+        """Twists about the world's origin by each joint, (..., 6, n)."""
+        pose, slope = self._chain.pose_and_jacobian(q)
+        spin = slope[..., :3] @ np.swapaxes(pose[..., None, :3, :3], -1, -2)
+        angular = np.stack([spin[..., 2, 1], spin[..., 0, 2], spin[..., 1, 0]], axis=-1)
+        linear = slope[..., 3] - np.cross(angular, pose[..., None, :3, 3])
+        return np.swapaxes(np.concatenate([linear / self._chain.reach, angular], axis=-1), -1, -2)
+
+
+def random_configurations(chain: NumericChain, count: int, seed: int) -> Array:
+    """Configurations of an arm without joint limits, (count, n): slides by as much as the arm reaches.
+
+    Args:
+        chain: The arm.
+        count: How many.
+        seed: Of the random numbers.
+    """
+    most = np.where(chain.revolute, math.pi, chain.reach)
+    return np.random.default_rng(seed).uniform(-most, most, (count, chain.n))
+
+
+def find_aspects(inverse: InverseKinematics, singular: Singularities, values: Mapping[str, float]) -> Aspects:
+    """The aspects of an arm, and whether it changes posture within one of them.
+
+    Args:
+        inverse: Its inverse kinematics: of the position, for arms of few joints.
+        singular: Where its Jacobian loses rank.
+        values: Numbers of all parameters.
+    """
+    if inverse.graph.given:
+        return Aspects(inverse, why_not="the arm has more joints than the task needs")
+    chain = NumericChain.of(inverse.robot, values)
+    determinant = _Determinant(chain)
+    if determinant.basis is None:
+        return Aspects(inverse, why_not="no determinant decides the rank of J")
+    if singular.outcome is Outcome.NEVER:
+        return Aspects(inverse, why_not="the arm is never singular, all configurations are one aspect")
+    look = _Look(inverse, chain, determinant, singular, values)
+    poses = list(look.poses())
+    pairs = [list(look.pairs(q)) for q in poses]
+    tried = [pair for near in pairs for pair in near][:PAIRS]
+    crossing = next((found for pair in tried if (found := look.crossing(*pair)) is not None), None)
+    shared = sum(1 for near in pairs if near)
+    signs = tuple(look.signs_of_branches())
+    counts, groups = tuple(map(len, poses)), tuple(look.groups())
+    return Aspects(inverse, look.conditions, groups, "", counts, shared, crossing, signs, values)
+
+
+class _Look:
+    """Looks at one arm in numbers.
+
+    Args:
+        inverse: Its inverse kinematics.
+        chain: Its numbers.
+        determinant: det J.
+        singular: Its factors.
+        values: Numbers of all parameters.
+
+    Attributes:
+        conditions: The factors by whose signs aspects are told apart; none where det J itself is taken.
+    """
+
+    def __init__(
+        self,
+        inverse: InverseKinematics,
+        chain: NumericChain,
+        determinant: _Determinant,
+        singular: Singularities,
+        values: Mapping[str, float],
+    ) -> None:
+        self._inverse, self._chain, self._determinant = inverse, chain, determinant
+        self._values = values
+        self._q = [sympy.Symbol(joint.variable) for joint in inverse.robot.joints]
+        product = np.ones(64)
+        sample = random_configurations(chain, 64, 6)
+        for factor in singular.factors:
+            product = product * self._number(factor.expression, sample) ** factor.exponent
+        ratio = determinant(sample) / product
+        is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
+        self.conditions = singular.conditions if is_same else ()
+        moving = [tuple(j - 1 for j in condition.joints) for condition in self.conditions]
+        self._joints = moving or [self._moving(sample)]
+        self._roads: dict[tuple[int, ...], _Roads] = {}
+
+    def _number(self, expression: Expr, q: Array) -> Array:
+        known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in self._values.items()}
+        known |= {symbol: q[..., k] for k, symbol in enumerate(self._q)}
+        return np.broadcast_to(np.asarray(array_value(expression, known)), q.shape[:-1])
+
+    def _moving(self, sample: Array) -> tuple[int, ...]:
+        """The joints that change det J."""
+        found, rng = [], np.random.default_rng(7)
+        for k in range(self._chain.n):
+            moved = sample.copy()
+            moved[:, k] += rng.uniform(0.5, 1.0, len(sample))
+            if np.abs(self._determinant(moved) - self._determinant(sample)).max() > 1e-9:
+                found.append(k)
+        return tuple(found)
+
+    def signs(self, q: Array) -> Array:
+        """The signs of all factors, (..., factors); of det J where it has none.
+
+        Args:
+            q: (..., n) configurations.
+        """
+        factors = [self._number(condition.expression, q) for condition in self.conditions] or [self._determinant(q)]
+        return np.stack([np.where(factor > 0.0, 1, -1) for factor in factors], axis=-1)
+
+    def groups(self) -> Iterator[Group]:
+        """Joints that stand together in factors, and into how many parts these cut them."""
+        sets: list[tuple[set[int], set[int]]] = []
+        for factor, joints in enumerate(self._joints):
+            together = [pair for pair in sets if pair[0] & set(joints)]
+            sets = [pair for pair in sets if pair not in together]
+            sets.append((set(joints).union(*(p[0] for p in together)), {factor}.union(*(p[1] for p in together))))
+        for members, factors in sorted(sets, key=lambda pair: min(pair[0])):
+            yield Group(tuple(sorted(members)), tuple(sorted(factors)), self._parts(sorted(members), sorted(factors)))
+
+    def _parts(self, joints: Sequence[int], factors: Sequence[int]) -> int | None:
+        """Connected sets of a grid on which no sign changes."""
+        cells = GRIDS.get(len(joints))
+        if cells is None:
+            return None
+        turns = [bool(self._chain.revolute[j]) for j in joints]
+        share = 2.0 * (np.arange(cells) + math.sqrt(2.0) - 1.0) / cells
+        q = np.zeros((*(cells,) * len(joints), self._chain.n))
+        for axis, (joint, turn) in enumerate(zip(joints, turns, strict=True)):
+            values = share * math.pi if turn else (share - 1.0) * self._chain.reach
+            q[..., joint] = values.reshape([-1 if k == axis else 1 for k in range(len(joints))])
+        code = ((self.signs(q)[..., list(factors)] > 0) * 2 ** np.arange(len(factors))).sum(axis=-1)
+        _, sizes = np.unique(connected(code, turns), return_counts=True)
+        return int(np.sum(sizes > SPECK * code.size))
+
+    def poses(self) -> Iterator[Array]:
+        """The real solutions of random poses, (solutions, n) each."""
+        q = random_configurations(self._chain, POSES, 8)
+        goal, _ = self._chain.pose_and_jacobian(q)
+        solver = InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values)
+        for found in solver.solve(goal).q:
+            yield found[np.isfinite(found).all(axis=-1)]
+
+    def pairs(self, q: Array) -> Iterator[tuple[Array, Array]]:
+        """Solutions of one pose with the same signs.
+
+        Args:
+            q: All of them, (solutions, n).
+        """
+        signs, clear = self.signs(q), np.abs(self._determinant(q)) > CLEAR
+        for i, j in combinations(range(len(q)), 2):
+            if clear[i] and clear[j] and (signs[i] == signs[j]).all():
+                yield q[i], q[j]
+
+    def crossing(self, start: Array, end: Array) -> Crossing | None:
+        """A path without a singularity from one configuration to another.
+
+        Args:
+            start: The one.
+            end: The other.
+        """
+        signs = self.signs(start)
+        key = tuple(int(x) for x in signs)
+        if key not in self._roads:
+            free = random_configurations(self._chain, 40 * MILESTONES, 9)
+            active = sorted(set().union(*self._joints))
+            places = free[(self.signs(free) == signs).all(axis=-1)][:MILESTONES]
+            self._roads[key] = _Roads(self._chain, self._determinant, places, active)
+        return self._roads[key].path(start, end)
+
+    def signs_of_branches(self) -> Iterator[tuple[int, ...] | None]:
+        """For each solution in closed form the signs of the factors, where they are the same at all poses."""
+        q = random_configurations(self._chain, POSES, 10)
+        goal, _ = self._chain.pose_and_jacobian(q)
+        for solution in self._inverse.solutions if self.conditions else ():
+            seen = set[tuple[int, ...]]()
+            for pose in goal:
+                known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in self._values.items()}
+                known |= {self._inverse.pose[i, j]: pose[i, j] for i in range(3) for j in range(4)}
+                with np.errstate(all="ignore"):
+                    for line in solution.lines:
+                        known[line.symbol] = array_value(line.value, known)
+                found = np.array([float(known[symbol]) for symbol in self._q])
+                if np.isfinite(found).all():
+                    seen.add(tuple(int(x) for x in self.signs(found)))
+            yield seen.pop() if len(seen) == 1 else None
+
+
+def connected(code: Array, closed: Sequence[bool]) -> Array:
+    """A label for every cell of a grid, the same for cells of one value that hang together.
+
+    Args:
+        code: The value of every cell.
+        closed: For each axis whether its ends meet.
+    """
+    label = np.arange(code.size).reshape(code.shape)
+    while True:
+        before = label
+        for axis, is_closed in enumerate(closed):
+            for step in (1, -1):
+                same = np.roll(code, step, axis) == code
+                if not is_closed:
+                    edge = 0 if step > 0 else -1
+                    same[tuple(edge if k == axis else slice(None) for k in range(code.ndim))] = False
+                label = np.where(same, np.minimum(label, np.roll(label, step, axis)), label)
+        label = label.ravel()[label]
+        if (label == before).all():
+            return label
+
+
+class _Roads:
+    """Straight pieces between random configurations on which det J is not zero (a probabilistic roadmap).
+
+    Source: Kavraki et al., Probabilistic roadmaps for path planning in high-dimensional configuration spaces, 1996.
+
+    Args:
+        chain: The arm.
+        determinant: det J.
+        places: Configurations with the same signs of all factors, (k, n).
+        active: The joints that change det J.
+    """
+
+    def __init__(self, chain: NumericChain, determinant: _Determinant, places: Array, active: Sequence[int]) -> None:
+        self._chain, self._determinant, self._active = chain, determinant, list(active)
+        self._places = places
+        pairs = {(min(i, j), max(i, j)) for i, near in enumerate(self._near(places)) for j in near if i != j}
+        self._pairs = sorted(pairs)
+        self._clear = self._clearances(places[[i for i, _ in self._pairs]], places[[j for _, j in self._pairs]])
+
+    def _way(self, start: Array, end: Array) -> Array:
+        """The shortest way, around by the other side where angles are nearer there."""
+        way = end - start
+        found: Array = np.where(self._chain.revolute, way - 2.0 * math.pi * np.round(way / (2.0 * math.pi)), way)
+        return found
+
+    def _near(self, q: Array) -> list[list[int]]:
+        """The nearest milestones of configurations."""
+        found = []
+        for own in q:
+            way = self._way(own, self._places)[:, self._active]
+            found.append(np.argsort(np.sum(way**2, axis=-1), kind="stable")[: _NEIGHBOURS + 1].tolist())
+        return found
+
+    def _clearances(self, starts: Array, ends: Array) -> Array:
+        """The smallest amount of det J on straight pieces; 0 where it changes its sign."""
+        share = np.linspace(0.0, 1.0, _STEPS)[:, None, None]
+        values = self._determinant(starts + share * self._way(starts, ends))
+        same = (np.sign(values) == np.sign(values[0])).all(axis=0)
+        return np.where(same, np.abs(values).min(axis=0, initial=np.inf), 0.0)
+
+    def path(self, start: Array, end: Array) -> Crossing | None:
+        """The path that stays clearest of singularities.
+
+        Args:
+            start: A configuration.
+            end: Another one with the same signs.
+        """
+        places = np.concatenate([self._places, start[None], end[None]])
+        pairs, clear = list(self._pairs), list(self._clear)
+        for own, near in zip((len(places) - 2, len(places) - 1), self._near(places[-2:]), strict=True):
+            pairs += [(j, own) for j in near]
+            clear += list(self._clearances(places[near], np.broadcast_to(places[own], (len(near), self._chain.n))))
+        pairs.append((len(places) - 2, len(places) - 1))
+        clear += list(self._clearances(start[None], end[None]))
+        home, roads = list(range(len(places))), dict[int, list[int]]()
+        for k in sorted(range(len(pairs)), key=lambda k: -clear[k]):
+            i, j = pairs[k]
+            if clear[k] > CLEAR and _root(home, i) != _root(home, j):
+                home[_root(home, i)] = _root(home, j)
+                roads.setdefault(i, []).append(j)
+                roads.setdefault(j, []).append(i)
+        corners = _walk(roads, len(places) - 2, len(places) - 1)
+        if corners is None:
+            return None
+        path = [start]
+        for place in self._shortened(places[corners])[1:]:
+            path.append(path[-1] + self._way(path[-1], place))
+        return self._verified(np.array(path))
+
+    def _shortened(self, corners: Array) -> list[Array]:
+        """The path without corners that straight pieces leave out which are nearly as clear of singularities."""
+        enough = self._clearances(corners[:-1], corners[1:]).min() / 2.0
+        found, at = [corners[0]], 0
+        while at < len(corners) - 1:
+            ahead = self._clearances(np.broadcast_to(corners[at], corners[at + 1 :].shape), corners[at + 1 :])
+            at += 1 + int(np.flatnonzero(ahead >= enough).max(initial=0))
+            found.append(corners[at])
+        return found
+
+    def _verified(self, path: Array) -> Crossing | None:
+        """The path, where det J keeps its sign between places so near that it changes by less than half of itself."""
+        share = np.linspace(0.0, 1.0, _STEPS)[:, None]
+        q = np.concatenate([a + share * (b - a) for a, b in pairwise(path)])
+        for _ in range(_HALVINGS):
+            values = self._determinant(q)
+            if np.abs(values).min() <= CLEAR or np.ptp(np.sign(values)) > 0.0:
+                return None
+            small = np.minimum(np.abs(values[:-1]), np.abs(values[1:]))
+            rough = np.flatnonzero(np.abs(np.diff(values)) > small / 2.0)
+            if not len(rough):
+                return Crossing(path, float(np.abs(values).min()))
+            q = np.insert(q, rough + 1, (q[rough] + q[rough + 1]) / 2.0, axis=0)
+        return None
+
+
+def _root(home: list[int], place: int) -> int:
+    """Which set a place belongs to."""
+    while home[place] != place:
+        home[place] = home[home[place]]
+        place = home[place]
+    return place
+
+
+def _walk(roads: Mapping[int, Sequence[int]], start: int, end: int) -> list[int] | None:
+    """The places on the way through a tree."""
+    before, front = {start: start}, [start]
+    while front and end not in before:
+        place = front.pop()
+        for beside in roads.get(place, ()):
+            if beside not in before:
+                before[beside] = place
+                front.append(beside)
+    if end not in before:
+        return None
+    found = [end]
+    while found[-1] != start:
+        found.append(before[found[-1]])
+    return found[::-1]
