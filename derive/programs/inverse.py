@@ -31,6 +31,7 @@ from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, has_exact_rotations
 from derive.robot.expression import Expression, Pi
+from derive.robot.inverse_options import FREEDOMS
 
 DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
@@ -38,6 +39,9 @@ nodes, or `FREE`, one that does not exist with the joints that are free where th
 
 CLOSED = Fraction(1, 10**7)
 """A branch whose pose is farther off than this part of the arm's reach is none: the pose is not reached."""
+
+REFINED = 3e-11
+"""The same after Newton's method, of an arm with a joint for every coordinate of its task."""
 
 INTERFACE = Interface(
     "inverse_kinematics",
@@ -286,7 +290,9 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     widths = {POSE: POSE_ENTRIES, GIVEN: len(graph.given), NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
-    return Inverse(function, step, len(codes), n, graph.given, count_text(graph))
+    wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
+    closed = float(CLOSED) if n - len(graph.given) < wanted else REFINED
+    return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed)
 
 
 def count_text(graph: SolutionGraph) -> str:

@@ -154,6 +154,7 @@ class Inverse:
         joints: Number of joints.
         given: Indices of the joints that are arguments.
         summary: How many solutions there are, in words.
+        closed: Error of the pose, lengths relative to the reach, up to which a branch in doubt is a solution.
     """
 
     function: Function
@@ -162,6 +163,7 @@ class Inverse:
     joints: int
     given: tuple[int, ...]
     summary: str
+    closed: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,7 @@ class CInverse:
         constants_argument: Hands them on.
         branches: Number of branches.
         size: Joint variables of all branches.
+        closed: Error of the pose of a branch in doubt up to which it is a solution.
         loads: The arguments that are read.
         declaration: Parameters of the public function.
         batch_declaration: Of that of a batch.
@@ -66,6 +67,7 @@ class CInverse:
     constants_argument: str
     branches: int
     size: int
+    closed: str
     loads: tuple[Load, ...]
     declaration: str
     batch_declaration: str
@@ -115,6 +117,7 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
         constants_argument=", k" if step.constant_count else "",
         branches=inverse.branches,
         size=inverse.branches * inverse.joints,
+        closed=repr(inverse.closed),
         loads=tuple(Load(name, inverse.function.widths[name], name == NEAR) for name in function.used),
         declaration=_declared(inputs, "restrict "),
         batch_declaration=f"size_t count, {_declared(inputs, 'restrict ')}",

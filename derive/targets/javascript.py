@@ -64,6 +64,7 @@ class JavaScriptInverse:
         entries: Lines of the names of the entries of a pose.
         near_entries: Lines of those of ``near``.
         size: Joint variables of all branches.
+        closed: Error of the pose of a branch in doubt up to which it is a solution.
         given_count: Number of given joints.
         unpack_given: Statements that check their variables and name them.
         given_of_q: Their variables in a configuration.
@@ -77,6 +78,7 @@ class JavaScriptInverse:
     entries: tuple[str, ...]
     near_entries: tuple[str, ...]
     size: int
+    closed: str
     given_count: int
     unpack_given: tuple[str, ...]
     given_of_q: str
@@ -207,6 +209,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         entries=wrapped(entry_names(function, POSE, 0)),
         near_entries=wrapped(entry_names(function, NEAR, 0)),
         size=inverse.branches * inverse.joints,
+        closed=repr(inverse.closed),
         given_count=count,
         unpack_given=(given,) if count else (),
         given_of_q=", ".join(f"q[{i}]" for i in inverse.given),

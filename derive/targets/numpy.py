@@ -94,6 +94,7 @@ class PythonInverse:
         summary: First line of the docstring.
         count: How many solutions there are.
         branches: Number of branches.
+        closed: Error of the pose of a branch in doubt up to which it is a solution.
         given_names: Names of the given joints, quoted, as the inside of a tuple.
         given_joints: Their indices, as the inside of a tuple.
         given_argument: What stands behind ``T`` in a list of arguments.
@@ -113,6 +114,7 @@ class PythonInverse:
     summary: str
     count: str
     branches: int
+    closed: str
     given_names: str
     given_joints: str
     given_argument: str
@@ -265,6 +267,7 @@ def _inverse(program: Program, robot: Robot) -> PythonInverse | None:
         summary=interface.summary,
         count=inverse.summary,
         branches=inverse.branches,
+        closed=repr(inverse.closed),
         given_names=_tuple([python_string(name) for name in names]) if names else "",
         given_joints=_tuple([str(i) for i in inverse.given]) if names else "",
         given_argument=", given" if names else "",
