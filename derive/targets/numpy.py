@@ -267,7 +267,7 @@ def _inverse(program: Program, robot: Robot) -> PythonInverse | None:
         summary=interface.summary,
         count=inverse.summary,
         branches=inverse.branches,
-        closed=repr(inverse.closed),
+        closed=repr(inverse.closed) if isinstance(inverse, Inverse) else "",
         given_names=_tuple([python_string(name) for name in names]) if names else "",
         given_joints=_tuple([str(i) for i in inverse.given]) if names else "",
         given_argument=", given" if names else "",
