@@ -50,11 +50,10 @@ def test_a_solver_that_misses_the_configuration_of_a_pose_has_no_time(problem: P
         problem.solutions([np.empty((0, 6))])
 
 
-def test_figures_and_reasons_reach_the_page(monkeypatch: pytest.MonkeyPatch, problem: Problem) -> None:
-    solver = InverseSolver.of(problem.case.robot, solve(problem.case.robot))
-
+def test_figures_and_reasons_reach_the_page(monkeypatch: pytest.MonkeyPatch, found: list[Array]) -> None:
     def _right(given: Problem) -> Solving:
-        return one_by_one(lambda pose: solver.solve(pose).q, lambda rows: rows, given.poses[:CHECKED])
+        known = dict(zip(map(bytes, given.poses), found, strict=False))
+        return one_by_one(lambda pose: known[bytes(pose)], lambda rows: rows, given.poses[:CHECKED])
 
     def _refused(given: Problem) -> Solving:
         raise ValueError("takes joints that turn alone")
