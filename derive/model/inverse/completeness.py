@@ -85,6 +85,8 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
         for row, column in graph.places:
             ours = again.position[row] if column == 3 else again.rotation[row][column]
             closes &= (ours - pose[row][column]).values == 0
+        for excess in _off_circle(leaf):
+            closes &= excess.values == 0
         closing.append(closes)
     counts = [_distinct(leaves, closing, int(k)) for k in good[:_COUNTED]]
     return max(counts)
@@ -113,6 +115,8 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
         miss = np.zeros(_COMPLEX)
         for i, j in graph.places:
             miss = np.maximum(miss, np.abs((again.position[i] if j == 3 else again.rotation[i][j]) - pose[i][j]))
+        for excess in _off_circle(leaf):
+            miss = np.maximum(miss, np.abs(excess))
         flat = np.stack([np.broadcast_to(x, (_COMPLEX,)) for own in leaf.joints for x in own])
         for k in np.flatnonzero(miss < _CLOSES * size):
             if all(np.abs(flat[:, k] - other).max() > _CLOSES for other in solutions[k]):
@@ -120,6 +124,11 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     counts = sorted(len(found) for found in solutions)
     middle = counts[len(counts) // 2]
     return middle if counts.count(middle) > len(counts) // 2 else 0
+
+
+def _off_circle(leaf: Leaf[Any, Any]) -> list[Any]:
+    """By how much c^2 + s^2 of the joints differ from 1: a pose may be right with pairs that are of no angle."""
+    return [pair[0] * pair[0] + pair[1] * pair[1] - 1 for pair in leaf.joints if len(pair) == 2]
 
 
 def _distinct(leaves: Sequence[Leaf[Residue, Any]], closing: Sequence[Any], sample: int) -> int:

@@ -25,7 +25,7 @@ from derive.model.inverse.pool import dimension
 from derive.model.inverse.unknowns import turned
 from derive.model.inverse.walk import Run, pose_of
 from derive.robot.evaluate import to_float
-from derive.robot.expression import Expression
+from derive.robot.expression import Expression, names
 from derive.robot.inverse_options import ROWS
 from derive.robot.names import free_symbols
 
@@ -120,7 +120,8 @@ class _Leaving:
     def __init__(self, graph: SolutionGraph, numbers: Mapping[str, Expression]) -> None:
         rng = np.random.default_rng(6)
         values: dict[str, Fraction | float] = {name: to_float(value, {}) for name, value in numbers.items()}
-        values |= {name: float(rng.uniform(0.3, 1)) for name in free_symbols(graph.robot) if name not in values}
+        free = [*free_symbols(graph.robot), *(name for shift in graph.shifts for name in names(shift))]
+        values |= {name: float(rng.uniform(0.3, 1)) for name in dict.fromkeys(free) if name not in values}
         field: Any = FloatField(values)
         q = rng.uniform(0.3, 1.2, graph.robot.n)
         joints = [(np.cos(x), np.sin(x)) if j.is_revolute else (x,) for j, x in zip(graph.robot.joints, q, strict=True)]
