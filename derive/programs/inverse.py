@@ -316,7 +316,7 @@ def _without_given(interface: Interface) -> Interface:
 
 
 def _closes(trace: Trace, run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Mask:
-    """Whether a solution's pose is the one that is asked for, but for `CLOSED` of it, by cosines and sines of angles."""
+    """Whether a solution of cosines and sines of angles has the pose that is asked for, but for `CLOSED` of it."""
     pose, entries = pose_of(run, leaf.joints), run.graph.places
     turns = [abs(pose.rotation[i][j] - run.pose[i][j]) for i, j in entries if j < 3]
     turns += [abs(pair[0] * pair[0] + pair[1] * pair[1] - 1) for pair in leaf.joints if len(pair) == 2]

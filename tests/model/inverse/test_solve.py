@@ -175,3 +175,29 @@ def test_a_wrist_that_is_one_by_the_numbers_of_its_parameters_alone_is_solved_wi
     graph = solve(Robot.from_text(COINCIDENCE))
     assert (graph.count, graph.leaves) == (8, 8)
     assert all(node.kind != "general" for node in graph.nodes)
+
+
+OPPOSED = """
+name: opposed
+convention: standard
+joints:
+  - {type: revolute, alpha: 0.3, d: d1}
+  - {type: prismatic, alpha: pi/2}
+  - {type: revolute, a: a3, alpha: pi/2}
+  - {type: revolute, alpha: pi, d: d4}
+  - {type: revolute, a: a5, alpha: pi, theta: q5 + pi/2}
+  - {type: revolute, alpha: pi/2}
+"""
+"""An arm of which a branch has the right pose with numbers that are no cosine and sine of an angle."""
+
+
+def test_a_branch_is_counted_where_its_cosines_and_sines_are_those_of_angles() -> None:
+    graph = solve(Robot.from_text(OPPOSED))
+    assert (graph.leaves, graph.count, graph.complete) == (2, 1, True)
+
+
+def test_the_constant_of_a_given_slide_may_be_an_argument() -> None:
+    text = "name: rails\nconvention: standard\nparameters: {d2: 0.2}\nruntime: [d2]\njoints:\n"
+    rows = ["{type: prismatic, a: 0.1}", "{type: prismatic, q: x2, d: d2 + x2, alpha: pi}", "{type: revolute, a: 0.3}"]
+    graph = solve(Robot.from_text(text + "".join(f"  - {row}\n" for row in rows)))
+    assert (graph.given, graph.count, graph.complete) == ((1,), 1, True)
