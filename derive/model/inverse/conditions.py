@@ -8,7 +8,8 @@ six directions in which it can be left; where an equation needs joints, these fo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Container, Iterable, Mapping
 from fractions import Fraction
 from itertools import combinations
 from typing import Any
@@ -37,6 +38,8 @@ _STEP = 1e-5
 _INDEPENDENT = 1e-6
 """A derivative that adds less than this to the others says nothing new."""
 
+_PLACE = re.compile(r"T\[(\d),(\d)\]")
+
 _CONSTANT_ORDER = ((1, 3), (2, 3), (3, 3), (3, 1), (3, 2), (1, 1), (2, 1), (1, 2), (2, 2), (1, 4), (2, 4), (3, 4))
 """Entries of T in the order in which they are looked at: books begin with the third column."""
 
@@ -62,13 +65,13 @@ def entry_conditions(graph: SolutionGraph, evidence: Evidence, constants: Mappin
         elif equal:
             found.append(Equation({(): entry - equal[0][1] * equal[0][0]}, 0 if j < 4 else 1, whole))
         known.append((tuple(map(int, residues)), entry))
-    return sorted(found, key=lambda equation: len(equation.coefficient().raw) > 1 and not _has_number(equation))
+    return sorted(found, key=lambda equation: _number_of(equation) is None)
 
 
 def conditions(
     graph: SolutionGraph,
     missing: int,
-    equations: Iterator[tuple[Polynomial, Source]],
+    equations: Iterable[tuple[Polynomial, Source]],
     evidence: Evidence,
     constants: Mapping[str, Expression],
     numbers: Mapping[str, Expression],
@@ -84,14 +87,14 @@ def conditions(
         numbers: Numbers of the parameters that have them.
 
     Returns:
-        The conditions; a number of the third column of R that only tells a sign stands among them too.
+        The conditions; a 1 or -1 of R that only tells a sign, after the zeros beside it, stands among them too.
     """
     leaving = _Leaving(graph, numbers)
-    chosen: list[Equation] = []
-    for equation in entry_conditions(graph, evidence, constants):
-        tells_sign = _has_number(equation) and "T[3,3]" in str(equation.coefficient().raw)
-        if leaving.adds(equation.coefficient()) or tells_sign:
-            chosen.append(equation)
+    entries = entry_conditions(graph, evidence, constants)
+    says = [_number_of(equation) for equation in entries]
+    added = [leaving.adds(equation.coefficient()) for equation in entries]
+    zeros = {said[0] for said, is_new in zip(says, added, strict=True) if said and is_new and said[1] == 0}
+    chosen = [e for e, said, is_new in zip(entries, says, added, strict=True) if is_new or _tells_sign(said, zeros)]
     for p, source in equations:
         if leaving.rank >= missing:
             break
@@ -100,10 +103,21 @@ def conditions(
     return tuple(chosen)
 
 
-def _has_number(equation: Equation) -> bool:
-    """Whether an entry is said to be 0, 1 or -1."""
+def _number_of(equation: Equation) -> tuple[tuple[int, int], int] | None:
+    """The place of an entry of T that is said to be 0, 1 or -1, and that number."""
     p = equation.coefficient()
-    return len(p) == 1 or any(not any(exponents) for exponents, _ in p.terms())
+    places = _PLACE.findall(" ".join(name for name, degree in zip(p.ring.names, p.degrees(), strict=True) if degree))
+    numbers = [-int(coefficient) for exponents, coefficient in p.terms() if not any(exponents)]
+    return ((int(places[0][0]), int(places[0][1])), sum(numbers)) if len(places) == 1 else None
+
+
+def _tells_sign(said: tuple[tuple[int, int], int] | None, zeros: Container[tuple[int, int]]) -> bool:
+    """Whether an entry of R is 1 or -1 and the others of its row or column are among the zeros."""
+    if said is None or said[1] == 0 or said[0][1] == 4:
+        return False
+    i, j = said[0]
+    row, column = ([(i, k) for k in (1, 2, 3) if k != j], [(k, j) for k in (1, 2, 3) if k != i])
+    return all(place in zeros for place in row) or all(place in zeros for place in column)
 
 
 class _Leaving:

@@ -248,7 +248,15 @@ class Derivation:
         order = np.argsort(self.search.lengths, kind="stable")
         numbers = [int(k) for k in order if self.evidence.allowed[k]][:_CONDITIONS]
         cuts = ((k, *self.evidence.equations[k]) for k in numbers)
-        pool = ((self.polynomial(k), Source(cut.first + 1, cut.last + 1, entry)) for k, cut, entry in cuts)
+        pool = [(self.polynomial(k), Source(cut.first + 1, cut.last + 1, entry)) for k, cut, entry in cuts]
+        homes = {name: (own.is_angle, index) for own, index in self.homes.items() for name in own.generators}
+
+        def _length(row: tuple[Polynomial, Source]) -> tuple[int, int]:
+            """Terms and slides; and how late in the graph its joints are found."""
+            found = [homes[name] for name in _names(row[0]) if name in homes]
+            return len(row[0].raw) + sum(not turns for turns, _ in found), max((k for _, k in found), default=-1)
+
+        pool.sort(key=_length)
         complete = replace(graph, definitions=tuple(self.pose.definitions.items()))
         found = conditions(complete, missing, pool, self.evidence, self.constants, self.numbers)
         used = {name for equation in found for name in _names(equation.coefficient())}
@@ -324,7 +332,14 @@ class Derivation:
         best = step.best
         alike = [c for c in step.choices if (c.kind, c.cost[0]) == (best.kind, best.cost[0])][:_COMPARED]
         written = [
-            (self._cost(formula) + _LONG_SUM * len(unknown.joints), len(unknown.joints), k, formula, unknown, choice)
+            (
+                self._cost(formula) + _LONG_SUM * len(unknown.joints),
+                _rank(formula, unknown),
+                k,
+                formula,
+                unknown,
+                choice,
+            )
             for k, (choice, unknown) in enumerate(product(alike, self.domain.between(step.group, step.parts)))
             if (formula := self._formula(choice, state, unknown)) is not None
         ]
@@ -371,6 +386,11 @@ class Derivation:
         missing = {u for u in self.domain.unknowns() if u not in self.homes and used & set(u.generators)}
         mixed = len({(e.source.first, e.source.last, e.source.entry[0], e.dimension) for e in formula.equations}) - 1
         return operations + 6 * len(missing) + 6 * mixed
+
+
+def _rank(formula: Formula, unknown: Unknown) -> tuple[int, int]:
+    """Which of equally long formulas is the better one: of few joints; of the position, which seldom fails."""
+    return len(unknown.joints), sum(equation.dimension == 0 for equation in formula.equations)
 
 
 def _operations(plan: Plan) -> int:

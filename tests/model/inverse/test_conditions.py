@@ -1,0 +1,28 @@
+"""What is said of reachable poses holds there, and what does not hold elsewhere tells them apart, signs included."""
+
+from __future__ import annotations
+
+import pytest
+
+from derive.handouts.notation.derivation import derivation_lines
+from derive.handouts.notation.notation import Notation
+from derive.model.model import Model
+from derive.robot.robot import Robot
+
+ARMS = {
+    "{type: revolute, d: d1}, {type: prismatic, alpha: -pi/2}, {type: prismatic}": (
+        "r33 = 0, r31 = 0, r32 = -1, px*c1 = -py*s1"
+    ),
+    "{type: prismatic, alpha: pi/2}, {type: prismatic, alpha: pi/2, theta: pi/2}, {type: prismatic}": (
+        "r13 = 1, r23 = 0, r33 = 0, r31 = 1, r32 = 0"
+    ),
+    "{type: revolute, d: d1, alpha: -pi/2}, {type: revolute, a: a2}, {type: revolute, a: a3}, "
+    "{type: revolute, a: a4, alpha: -pi/2}, {type: revolute, d: d5}": "r23*c1 = r13*s1",
+}
+
+
+@pytest.mark.parametrize("joints", ARMS)
+def test_conditions_are_those_of_textbooks_with_their_signs(joints: str) -> None:
+    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{joints}]\n")
+    lines = derivation_lines(Model(robot).inverse, "text", Notation.of(robot))
+    assert lines[1] == f"a pose can be reached only if {ARMS[joints]}"
