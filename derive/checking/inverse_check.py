@@ -24,22 +24,25 @@ from derive.checking.inverse_reading import Vocabulary
 from derive.checking.inverse_repair import InverseRepair, Repairer
 from derive.checking.latex_names import SIGN
 from derive.checking.printed import Asked
-from derive.checking.printed_inverse import Formula, Line, Place, PrintedInverse, with_calls
+from derive.checking.printed_inverse import Formula, Line, Place, PrintedInverse, count_calls, with_calls
 from derive.errors import listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
-from derive.robot.expression import Call, Expression, children, names
+from derive.robot.expression import Expression, Pi, add, names
 from derive.robot.names import robot_symbols
-from derive.robot.robot import Robot
 
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
 """The changes that are tried where a line is never right."""
 
+SHOWN_OF = 12
+"""Configurations among which one is chosen that shows a difference."""
+
 RIGHT = Verdict(equal=True, exact=False)
 WRONG = Verdict(equal=False, exact=False)
 
-_ARCS = ("acos", "asin", "atan")
+TRIED_FOR_BRANCHES = 16
+"""Poses at which it is counted how many of their solutions are given."""
 
 
 def inverse_findings(model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> Iterator[Finding]:
@@ -78,23 +81,27 @@ class _InverseCheck:
                 self._places = kept
         self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task)
 
+    @property
+    def _required(self) -> tuple[Place, ...]:
+        return tuple(place for place in self._places if place.required)
+
     def _is_right(self, printed: PrintedInverse) -> bool:
-        return all(printed.hits(line, place) for line in printed.given for place in self._places if place.required)
+        return all(printed.hits(line, place) for line in printed.given for place in self._required)
 
     def _in_order(self, printed: PrintedInverse) -> tuple[PrintedInverse, str]:
         """The solution with atan2 for what may take the cosine first: whichever makes more lines right."""
         every = [f for line in printed.lines for f in line.formulas]
-        calls = sum(_count(f.expression, "Atan2") for f in every)
+        calls = sum(count_calls(f.expression, "Atan2") for f in every)
         ways = {}
         for swapped in (False, True):
             change = {id(f): with_calls(f.expression, "Atan2", "atan2", swapped) for f in every}
             if self._asked.cosine_first:  # every atan2 is the book's
                 change = {id(f): _turned(f.expression) for f in every}
             ways[swapped] = printed.mapped(change)
-        is_lone = calls == 1 and not any("tan2" not in f.text for f in every if _count(f.expression, "Atan2"))
+        is_lone = calls == 1 and not any("tan2" not in f.text for f in every if count_calls(f.expression, "Atan2"))
         if not calls or self._asked.cosine_first is not None or is_lone:
             return ways[False], ""
-        some = [place for place in self._places if place.required][:8]
+        some = self._required[:8]
         right = {s: sum(all(p.hits(line, x) for x in some) for line in p.given) for s, p in ways.items()}
         swapped = right[True] > right[False]
         return ways[swapped], " (its arctangent takes the cosine first)" if swapped else ""
@@ -107,8 +114,9 @@ class _InverseCheck:
         failing = [line for line in self._printed.given if not all(self._hits(line))]
         for line in self._printed.given:
             if line not in failing:
-                for formula in line.formulas:
-                    found[formula] = self._never_right(line, formula) or self._right(line, formula)
+                never = [wrong for f in line.formulas if (wrong := self._never_right(line, f))]
+                found.update({formula: self._right(line) for formula in line.formulas[: not never]})
+                found.update(dict(zip(line.formulas[1:], never, strict=False)))
         done: set[int] = set()
         for line in failing:
             if id(line) not in done:
@@ -121,7 +129,7 @@ class _InverseCheck:
         yield from sorted(found.values(), key=lambda f: (f.location.line, f.location.column))
 
     def _hits(self, line: Line) -> list[bool]:
-        return [self._printed.hits(line, place) for place in self._places if place.required]
+        return [self._printed.hits(line, place) for place in self._required]
 
     def _never_right(self, line: Line, formula: Formula) -> Finding | None:
         """The verdict on an alternative that is right nowhere, although another one is."""
@@ -131,48 +139,57 @@ class _InverseCheck:
         if any(self._printed.hits(alone, place) for place in self._places):
             return None
         self.is_wrong = True
-        example = self._example(alone, [place for place in self._places if place.required])
+        example = self._example(alone, self._required)
         return self._finding(line.quantity, formula, replace(WRONG, counter_example=example))
 
-    def _right(self, line: Line, formula: Formula) -> Finding:
-        return self._finding(
-            line.quantity, formula, RIGHT, right=self._ours.text(line), same=self._ours.has_form(formula)
-        )
+    def _right(self, line: Line) -> Finding:
+        formula = line.formulas[0]
+        whole = replace(formula, text=" or ".join(f.text for f in line.formulas))
+        is_same = len(line.formulas) == 1 and self._ours.has_form(formula)
+        return self._finding(line.quantity, whole, RIGHT, right=self._ours.text(line), same=is_same)
 
     def _failing(self, line: Line, failing: Sequence[Line]) -> tuple[list[Line], Finding, Formula]:
         """What is wrong with a line: itself, or a quantity that it names; with the lines that this repairs."""
         hits = self._hits(line)
-        required = [place for place in self._places if place.required]
-        bad = [place for place, hit in zip(required, hits, strict=True) if not hit]
-        ordered = [*bad, *(place for place in required if place not in bad)]
-        is_partial = any(hits) and sum(hits) >= len(hits) // 8
+        bad = [place for place, hit in zip(self._required, hits, strict=True) if not hit]
+        ordered = [*bad, *(place for place in self._required if place not in bad)]
+        verdict = replace(WRONG, counter_example=self._example(line, bad))
+        is_partial = sum(hits) >= max(1, len(hits) // 8)
         kinds = (SlipKind.PLUS_MINUS, SlipKind.ATAN2, *KINDS) if is_partial else (*KINDS, SlipKind.ATAN2)
-        repair, repaired = self._repair(line, failing, ordered, kinds)
-        changed, formula = (repair.line, repair.formula) if repair else (line, line.formulas[0])
-        has_arc = any(
-            _count(f.expression, arc)
-            for part in (*self._printed.named_before(line), line)
-            for f in part.formulas
-            for arc in _ARCS
-        )
+        has_arc = self._printed.has_arc(line)
+        second = self._second(line, ordered) if is_partial and not has_arc else None
+        repair, repaired = (None, [line]) if second else self._repair(line, failing, ordered, kinds)
+        if second is None and repair is None and is_partial:
+            second = self._second(line, ordered)
+        if second is not None:
+            text = f"second solution missing: or {line.quantity} + pi"
+            said = Repair((SlipKind.PLUS_MINUS,), text, second)
+            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=said)
+            return [line], replace(finding, some=True), line.formulas[0]
         is_some = is_partial and (repair.edits[0].kind is SlipKind.PLUS_MINUS if repair else not has_arc)
         self.is_wrong = self.is_wrong or not is_some
-        example = self._example(line, bad)
-        said = None
-        if repair is not None:
-            text = changes_text(repair.edits, self._model.robot)
-            said = Repair(tuple(edit.kind for edit in repair.edits), shown(text), repair.expression)
-        verdict = replace(WRONG, counter_example=example)
-        right = self._ours.text(changed) if changed.target is not None else _repaired(repair, self._model.robot)
-        finding = self._finding(
-            changed.quantity,
-            formula,
-            verdict,
-            right=right or _repaired(repair, self._model.robot),
-            repair=said,
-            some=is_some,
-        )
-        return repaired, finding, formula
+        if repair is None:
+            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line))
+            return repaired, replace(finding, some=is_some), line.formulas[0]
+        return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
+
+    def _second(self, line: Line, ordered: Sequence[Place]) -> Expression | None:
+        """The solution half a turn away, if a line only lacks that."""
+        if not self._printed.is_angle(line):
+            return None
+        others = [replace(f, expression=add(f.expression, Pi())) for f in line.formulas]
+        both = replace(line, formulas=(*line.formulas, *others))
+        is_right = all(self._printed.hits(both, place) for place in ordered)
+        return others[0].expression if is_right else None
+
+    def _repaired(self, repair: InverseRepair, verdict: Verdict) -> Finding:
+        """The verdict on a line that is repaired."""
+        robot, line = self._model.robot, repair.line
+        text = shown(changes_text(repair.edits, robot))
+        said = Repair(tuple(edit.kind for edit in repair.edits), text, repair.expression)
+        ours = self._ours.text(line) if line.target is not None else ""
+        right = ours or shown(notation_text(repair.expression, robot))
+        return self._finding(line.quantity, repair.formula, verdict, right=right, repair=said)
 
     def _repair(
         self, line: Line, failing: Sequence[Line], ordered: Sequence[Place], kinds: Sequence[SlipKind]
@@ -190,58 +207,42 @@ class _InverseCheck:
 
     def _check_together(self, group: Sequence[Line], found: dict[Formula, Finding]) -> None:
         """Lines that are right one by one, but with choices that contradict each other."""
-        required = [place for place in self._places if place.required]
-        bad = [place for place in required if not self._printed.hit_together(group, place)]
+        bad = [place for place in self._required if not self._printed.hit_together(group, place)]
         if not bad:
             return
-        ordered = [*bad, *(place for place in required if place not in bad)]
+        ordered = [*bad, *(place for place in self._required if place not in bad)]
         sites = [(line, formula) for line in reversed(group) for formula in line.formulas]
         repair = Repairer(self._printed, group, ordered, self._known).first(KINDS, sites)
         line, formula = (repair.line, repair.formula) if repair else (group[-1], group[-1].formulas[0])
         self.is_wrong = True
-        said = None
-        if repair is not None:
-            text = shown(changes_text(repair.edits, self._model.robot))
-            said = Repair(tuple(edit.kind for edit in repair.edits), text, repair.expression)
-        note = f"; with the same signs as {listed(other.quantity for other in group if other is not line)}"
-        finding = self._finding(line.quantity, formula, WRONG, right=self._ours.text(line), repair=said)
-        found[formula] = replace(finding, note=note)
+        plain = self._finding(line.quantity, formula, WRONG, right=self._ours.text(line))
+        note = f" with the same signs as in {listed(other.quantity for other in group if other is not line)}"
+        found[formula] = replace(self._repaired(repair, WRONG) if repair else plain, note=note)
 
     @cached_property
     def _known(self) -> tuple[str, ...]:
         """Names that may have been meant: parameters, joint variables, the pose in the letters of the text."""
-        robot, used = self._model.robot, self._vocabulary
-        pose = list(used.pose.entries)
-        stems = {name.rstrip("0123456789xyz") for name in pose}
-        for stem in stems:
-            columns = {name.removeprefix(stem) for name in pose if name.startswith(stem)}
-            if columns & {"x", "y", "z"}:
-                pose += [f"{stem}{axis}" for axis in "xyz"]
-        usable = [name for name in dict.fromkeys(pose) if name in self._places[0].values]
+        robot, pose = self._model.robot, self._vocabulary.pose
         symbols = robot_symbols(replace(robot, links=(), gravity=None))
         named = [line.name for line in self._printed.lines if line.target is None]
-        return tuple(dict.fromkeys((*symbols, *(j.variable for j in robot.joints), *usable, *used.pose.wrist, *named)))
+        usable = (name for name in (*pose.entries, *pose.relatives, *pose.wrist) if name in self._places[0].values)
+        return tuple(dict.fromkeys((*symbols, *(joint.variable for joint in robot.joints), *usable, *named)))
 
     def _example(self, line: Line, bad: Sequence[Place]) -> CounterExample | None:
-        """A configuration at which a line fails, with the value that is nearest to the right one there."""
+        """A configuration at which a line fails most visibly, with the value that is nearest to the right one there."""
         parts = (*self._printed.named_before(line), line)
         used = dict.fromkeys(name for part in parts for f in part.formulas for name in names(f.expression))
-        for place in bad[:1]:
+        is_angle, found = self._printed.is_angle(line), []
+        for k, place in enumerate(bad[:SHOWN_OF]):
             wanted = self._printed.wanted(line, place)
-            values = list(self._printed.values(line, place))
-            is_angle = self._printed.is_angle(line)
-            nearest = min(
-                values,
-                key=lambda v: abs(math.remainder(v - wanted, math.tau) if is_angle else v - wanted),
-                default=math.nan,
-            )
-            point = [
-                (n.strip("()"), Fraction(round(place.values[n], 4)).limit_denominator(10**4))
-                for n in used
-                if n in place.values
-            ]
-            return CounterExample(tuple(point), nearest, wanted)
-        return None
+            gaps = [(value - wanted, value) for value in self._printed.values(line, place)]
+            gaps = [(abs(math.remainder(gap, math.tau) if is_angle else gap), value) for gap, value in gaps]
+            found.append((*min(gaps, default=(math.inf, math.nan)), k, wanted))
+        if not found:
+            return None
+        _, nearest, k, wanted = max(found, key=lambda each: (each[0] < math.inf, each[0]))
+        known = {name: Fraction(f"{bad[k].values[name]:.4f}") for name in used if name in bad[k].values}
+        return CounterExample(tuple((name.strip("()"), value) for name, value in known.items()), nearest, wanted)
 
     def _finding(
         self,
@@ -252,45 +253,34 @@ class _InverseCheck:
         right: str = "",
         repair: Repair | None = None,
         same: bool = False,
-        some: bool = False,
     ) -> Finding:
-        return Finding(
-            quantity,
-            0,
-            0,
-            Role.SOLUTION,
-            formula.text,
-            verdict,
-            right,
-            formula.location,
-            repair=repair,
-            same=same,
-            some=some,
-        )
+        where = formula.location
+        return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, where, repair=repair, same=same)
 
     # -- branches
 
     def branches(self) -> Finding:
         """Whether all branches are given, or which are missing."""
-        required = [place for place in self._places if place.required]
-        hits = [self._is_met(place) for place in required]
         ours, robot, found = self._ours, self._model.robot, self._printed.determined
-        variables = [joint.variable for joint in robot.joints]
-        rest = [name for name in variables if name not in found and name not in ours.given]
+        rest = [joint.variable for joint in robot.joints if joint.variable not in (*found, *ours.given)]
         of = f" of {listed(found)}; no formula for {listed(rest)}" if rest else ""
         missing: tuple[str, ...] = ()
-        if all(hits):
+        is_whole = all(self._is_met(place) for place in self._required)
+        if is_whole:
             count = ours.count
             what = f"all {count} solutions" if count > 1 else "the one solution" if count else "all solutions"
             if not all(self._is_met(place) for place in self._places if not place.required):
                 slides = listed(joint.variable for joint in robot.joints if not joint.is_revolute)
                 what = f"all solutions with positive {slides}"
         else:
-            missing = ours.missing(required, hits)
-            what = f"{ours.count - len(missing)} of {ours.count} solutions" if missing else "some solutions"
-        text, verdict = f"{what}{of}{self._note}", RIGHT if all(hits) else WRONG
-        where = self._asked.location
-        return Finding("inverse", 0, 0, Role.BRANCHES, text, verdict, "", where, some=not all(hits), missing=missing)
+            met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], self._is_met)
+            what = f"{met} of {ours.count} solutions" if met else "some solutions"
+        needed = {part for line in self._printed.given for part in self._printed.named_before(line)}
+        idle = [line.name for line in self._printed.named.values() if line not in needed]
+        unused = f"; {listed(idle)} not used" if idle else ""
+        text, where = f"{what}{of}{unused}{self._note}", self._asked.location
+        verdict = RIGHT if is_whole else WRONG
+        return Finding("inverse", 0, 0, Role.BRANCHES, text, verdict, "", where, some=not is_whole, missing=missing)
 
     def _is_met(self, place: Place) -> bool:
         return all(self._printed.hit_together(group, place) for group in self._printed.coupled())
@@ -305,15 +295,6 @@ def shown(text: str) -> str:
     text = re.sub(rf"([+-]) -?{SIGN}\w*\*?", lambda m: f"{m[1]}- " if m[1] == "+" else "-+ ", text)
     text = re.sub(rf"-{SIGN}\w*\*?", "-+", text)
     return re.sub(rf"{SIGN}\w*\*?", "+-", text)
-
-
-def _repaired(repair: InverseRepair | None, robot: Robot) -> str:
-    return shown(notation_text(repair.expression, robot)) if repair else ""
-
-
-def _count(e: Expression, function: str) -> int:
-    own = isinstance(e, Call) and e.function == function
-    return own + sum(_count(part, function) for part in children(e))
 
 
 def _turned(e: Expression) -> Expression:

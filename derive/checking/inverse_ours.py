@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, lru_cache
@@ -10,10 +11,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 import sympy
 
+from derive.checking.edits import Evaluator
 from derive.checking.findings import Shape, form_of
 from derive.checking.inverse_poses import PoseNames
 from derive.checking.latex_names import SIGN
-from derive.checking.printed_inverse import Formula, Line, Place, PrintedInverse, is_same
+from derive.checking.printed_inverse import Formula, Line, Place, PrintedInverse
 from derive.errors import CheckError, DeriveError
 from derive.handouts.notation.derivation import SignPrinter, pose_names, with_names
 from derive.handouts.notation.notation import Notation
@@ -68,7 +70,7 @@ class OurSolution:
         robot, rows = self._model.robot, self._pose.rows
         if self._asked is not None:
             return self._asked
-        if rows and Freedom(robot, rows).rank == robot.n:
+        if rows and "phi" not in rows and Freedom(robot, rows).rank == robot.n:  # a planar pose is the whole pose
             return rows
         return robot.inverse.task
 
@@ -142,38 +144,52 @@ class OurSolution:
                     waiting.append(self._lines[other].value)
         return ", ".join(found.values())
 
-    def missing(self, places: Sequence[Place], hits: Sequence[bool]) -> tuple[str, ...]:
-        """The names of the branches of which no configuration is met.
+    def met(self, places: Sequence[Place], is_met: Callable[[Place], bool]) -> tuple[int, tuple[str, ...]]:
+        """How many of the solutions of a pose are given, and the names of the branches that never are.
 
         Args:
-            places: Configurations.
-            hits: Which of them the printed solution gives.
-        """
-        inverse = self.inverse
-        if inverse is None or not inverse.is_explicit:
-            return ()
-        met: dict[str, bool] = {}
-        for name, hit in zip(self._branches(inverse, places), hits, strict=True):
-            met[name] = met.get(name, False) or hit
-        return tuple(solution.name for solution in inverse.solutions if not met.get(solution.name, True))
+            places: Configurations; what is looked at are all solutions of their poses.
+            is_met: Whether the printed solution gives a configuration.
 
-    def _branches(self, inverse: InverseKinematics, places: Sequence[Place]) -> list[str]:
-        """The branch that each configuration is on; empty where none is close."""
+        Returns:
+            The number, 0 where it is not the same at all poses or not known; the names.
+        """
+        if self.inverse is None or not self.inverse.is_explicit:
+            return 0, ()
+        counts = [0] * len(places)
+        missing = []
+        for name, reached in self._solutions_at(self.inverse, places):
+            hits = [place is not None and is_met(place) for place in reached]
+            counts = [count + hit for count, hit in zip(counts, hits, strict=True)]
+            if any(reached) and not any(hits):
+                missing.append(name)
+        return counts[0] if len(set(counts)) == 1 else 0, tuple(missing)
+
+    def _solutions_at(
+        self, inverse: InverseKinematics, places: Sequence[Place]
+    ) -> Iterator[tuple[str, list[Place | None]]]:
+        """Each branch by its name, and its configurations at the poses of some; None where it does not exist."""
         robot, joints = self._model.robot, self._model.robot.joints
         symbols = (*robot_symbols(replace(robot, links=(), gravity=None)), *self.given)
         values = {sympy.Symbol(name): np.array([place.values[name] for place in places]) for name in symbols}
         for i in range(3):
             for j in range(4):
                 values[inverse.pose[i, j]] = np.array([place.pose[i][j] for place in places])
-        found = [""] * len(places)
         for solution in inverse.solutions:
             known = dict(values)
             with np.errstate(all="ignore"):
                 for line in solution.lines:
                     known[line.symbol] = array_value(line.value, known)
-            own = [np.broadcast_to(known[sympy.Symbol(joint.variable)], len(places)) for joint in joints]
-            for k, place in enumerate(places):
-                pairs = zip(joints, own, strict=True)
-                if all(is_same(float(q[k]), place.values[joint.variable], joint.is_revolute) for joint, q in pairs):
-                    found[k] = solution.name
-        return found
+            own = {j.variable: np.broadcast_to(known[sympy.Symbol(j.variable)], len(places)) for j in joints}
+            yield (
+                solution.name,
+                [self._moved(place, {n: float(q[k]) for n, q in own.items()}) for k, place in enumerate(places)],
+            )
+
+    def _moved(self, place: Place, q: Mapping[str, float]) -> Place | None:
+        """Another configuration of the same pose."""
+        if not all(map(math.isfinite, q.values())):
+            return None
+        values = {**place.values, **q}
+        sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
+        return replace(place, values={**values, **sums})

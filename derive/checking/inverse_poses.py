@@ -38,6 +38,9 @@ BATCHES = 5
 CONFIGURATIONS = 12
 """Configurations of each."""
 
+ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
+"""Angles of joints that are tried, none close to a right angle, where arms are singular."""
+
 _ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
 _WRIST = re.compile(r"[pP]?[wWcC]([xyz])|([xyz])[wWcC]")
@@ -53,12 +56,14 @@ class PoseNames:
         entries: Row and column, from 1, of each name.
         wrist: Which coordinate, from 0, of the wrist's centre a name is.
         angles: Names of the planar orientation.
+        relatives: Entries whose names differ from those by their indices only, which may have been meant.
     """
 
     robot: Robot
     entries: Mapping[str, tuple[int, int]]
     wrist: Mapping[str, int]
     angles: Mapping[str, Expression]
+    relatives: Mapping[str, tuple[int, int]]
 
     @classmethod
     def of(cls, robot: Robot, words: Iterable[str]) -> PoseNames:
@@ -100,7 +105,9 @@ class PoseNames:
                     angles[word] = Call(function, (angle,)) if function else angle
         if example.wrist is None:
             wrist = {}
-        return cls(robot, entries, wrist, angles)
+        relatives = {other: place for word in entries for other, place in _relatives(word, entries[word])}
+        relatives = {name: at for name, at in relatives.items() if name not in own and name not in words}
+        return cls(robot, entries, wrist, angles, relatives)
 
     @property
     def meanings(self) -> dict[str, Expression]:
@@ -161,6 +168,15 @@ class _Arm:
         return centre if max(gaps) < 1e-9 else None
 
 
+def _relatives(word: str, place: tuple[int, int]) -> Iterator[tuple[str, tuple[int, int]]]:
+    """Names with other indices than one, and their entries."""
+    if word[-1].isdigit():
+        columns = (1, 2, 3, 4) if word[0] in "tT" else (1, 2, 3)
+        yield from ((f"{word[:-2]}{i}{j}", (i, j)) for i in (1, 2, 3) for j in columns)
+    else:
+        yield from ((f"{word[:-1]}{axis}", (i, place[1])) for i, axis in enumerate("xyz", 1))
+
+
 def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = False) -> tuple[Place, ...]:
     """Random configurations with everything that a formula may know; the same ones each time.
 
@@ -179,7 +195,7 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
     q, required = [], np.ones(CONFIGURATIONS, dtype=bool)
     for joint in robot.joints:
         if joint.is_revolute:
-            own = np.array([rng.randint(-310, 310) / 100 for _ in range(CONFIGURATIONS)])
+            own = np.array([rng.choice(ANGLES) for _ in range(CONFIGURATIONS)])
         elif (limits := _limits(joint.limits, values)) is not None:
             own = np.array([round(rng.uniform(*limits), 2) for _ in range(CONFIGURATIONS)])
         else:
@@ -187,11 +203,11 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
             required &= own > 0
         q.append(own)
     arm = _Arm(robot, values, q)
-    centre = arm.wrist if names.wrist else None
+    centre, entries = arm.wrist if names.wrist else None, {**names.relatives, **names.entries}
     for k in range(CONFIGURATIONS):
         known = {**values, **{joint.variable: float(x[k]) for joint, x in zip(robot.joints, q, strict=True)}}
         known.update({name: Evaluator(known)(meaning) for name, meaning in sums.items()})
-        known.update({name: float(arm.pose[i - 1][j - 1][k]) for name, (i, j) in names.entries.items()})
+        known.update({name: float(arm.pose[i - 1][j - 1][k]) for name, (i, j) in entries.items()})
         known["(phi)"] = float(np.arctan2(arm.pose[1][0][k], arm.pose[0][0][k]))
         if centre is not None:
             known.update({name: float(centre[k][axis]) for name, axis in names.wrist.items()})

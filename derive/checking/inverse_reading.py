@@ -15,7 +15,7 @@ from derive.checking.latex_names import SIGN
 from derive.checking.printed_inverse import Formula, Line, PrintedInverse
 from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import notation_text, resolve_tokens
-from derive.robot.expression import ZERO, Call, Expression, Name, Number, add, names, negate, substitute
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, add, names, negate
 from derive.robot.names import joint_label, robot_symbols
 from derive.robot.robot import Robot
 
@@ -270,5 +270,7 @@ def _without_itself(line: Line) -> Line:
     if not isinstance(line.target, Name):
         return line
     first, *others = line.formulas
-    own = {line.target.name: first.expression}
-    return replace(line, formulas=(first, *(replace(f, expression=substitute(f.expression, own)) for f in others)))
+    own = line.target.name
+    return replace(
+        line, formulas=(first, *(replace(f, first=own if own in names(f.expression) else "") for f in others))
+    )

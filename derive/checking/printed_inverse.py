@@ -19,7 +19,7 @@ import numpy as np
 from derive.checking.edits import Evaluator
 from derive.checking.latex_names import SIGN
 from derive.errors import CheckError, Location, listed
-from derive.robot.expression import Call, Expression, Name, children, linear_terms, names, rebuilt
+from derive.robot.expression import ZERO, Call, Expression, Name, children, linear_terms, names, rebuilt, substitute
 from derive.robot.robot import Robot
 
 MAX_SIGNS = 10
@@ -45,11 +45,13 @@ class Formula:
         expression: What it says, in the names of the robot, of the pose and of named quantities.
         text: As it is printed.
         location: Where it stands.
+        first: The name that means the first alternative in it, as in ``or q4 + pi``.
     """
 
     expression: Expression
     text: str
     location: Location
+    first: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,8 +104,8 @@ class PrintedInverse:
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
         self.named = {line.name: line for line in self.lines if line.target is None}
         self.given = tuple(line for line in self.lines if line.target is not None)
-        self._before: dict[int, tuple[Line, ...]] = {}
-        self._choices: dict[int, dict[str, tuple[float, ...]]] = {}
+        self._before: dict[Line, tuple[Line, ...]] = {}
+        self._choices: dict[Line, dict[str, tuple[float, ...]]] = {}
 
     def check_size(self) -> None:
         """Refuse what cannot be tried.
@@ -152,11 +154,11 @@ class PrintedInverse:
         Raises:
             CheckError: Some need each other.
         """
-        if id(line) not in self._before:
+        if line not in self._before:
             found: dict[str, Line] = {}
             self._collect(line, found, ())
-            self._before[id(line)] = tuple(found.values())
-        return self._before[id(line)]
+            self._before[line] = tuple(found.values())
+        return self._before[line]
 
     def _collect(self, line: Line, found: dict[str, Line], above: tuple[str, ...]) -> None:
         for formula in line.formulas:
@@ -174,14 +176,14 @@ class PrintedInverse:
         Args:
             line: The line.
         """
-        if id(line) not in self._choices:
+        if line not in self._choices:
             parts = (*self.named_before(line), line)
             switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in parts}
-            self._choices[id(line)] = {
+            self._choices[line] = {
                 **dict.fromkeys(self._signs(line), (1.0, -1.0)),
                 **{name: values for name, values in switches.items() if len(values) > 1},
             }
-        return self._choices[id(line)]
+        return self._choices[line]
 
     def _signs(self, line: Line) -> tuple[str, ...]:
         formulas = [f for part in (*self.named_before(line), line) for f in part.formulas]
@@ -204,7 +206,8 @@ class PrintedInverse:
         known = {**place.values, **choice}
         for part in (*self.named_before(line), line):
             formula = part.formulas[int(choice.get(part.switch, 0))]
-            known[part.name or part.quantity] = value = Evaluator(known)(formula.expression)
+            own = {formula.first: Evaluator(known)(part.formulas[0].expression)} if formula.first else {}
+            known[part.name or part.quantity] = value = Evaluator({**known, **own})(formula.expression)
         return value
 
     def values(self, line: Line, place: Place, fixed: Choice | None = None) -> Iterator[float]:
@@ -279,6 +282,15 @@ class PrintedInverse:
                 waiting = [line for line in waiting if line not in more]
                 keys.update(name for line in more for name in self.choices(line))
             yield tuple(line for line in self.given if line in group)
+
+    def has_arc(self, line: Line) -> bool:
+        """Whether an arc function of one argument stands in a line or in what it needs.
+
+        Args:
+            line: The line.
+        """
+        formulas = [f.expression for part in (*self.named_before(line), line) for f in part.formulas]
+        return any(count_calls(e, arc) for e in formulas for arc in ("acos", "asin", "atan"))
 
     def is_angle(self, line: Line) -> bool:
         """Whether a line is right up to full turns.
@@ -363,7 +375,8 @@ class PrintedInverse:
     def _needs(self, line: Line) -> Iterator[tuple[str, Vector]]:
         for part in (*self.named_before(line), line):
             for formula in part.formulas:
-                yield from self._needed(formula.expression)
+                own = {formula.first: ZERO} if formula.first else {}
+                yield from self._needed(substitute(formula.expression, own))
 
     def _needed(self, e: Expression) -> Iterator[tuple[str, Vector]]:
         if isinstance(e, Name | Call) and (found := self.meaning(e)):
@@ -434,3 +447,14 @@ def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
     if isinstance(whole, Call) and whole.function == old:
         return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
     return whole
+
+
+def count_calls(e: Expression, function: str) -> int:
+    """How often a function is called.
+
+    Args:
+        e: An expression.
+        function: The name of the function.
+    """
+    own = isinstance(e, Call) and e.function == function
+    return own + sum(count_calls(part, function) for part in children(e))

@@ -30,5 +30,6 @@ def test_our_formula_stands_with_what_it_names() -> None:
 def test_branches_that_are_met_nowhere_are_missing() -> None:
     found, (_, vocabulary) = ours()
     tried = places(vocabulary.pose, vocabulary.sums)
-    assert found.missing(tried, [place.values["q2"] < 0 for place in tried]) == ("elbow down",)
-    assert found.missing(tried, [True] * len(tried)) == ()
+    assert found.met(tried, lambda place: place.values["q2"] < 0) == (1, ("elbow down",))
+    assert found.met(tried, lambda place: True) == (2, ())
+    assert found.met(tried, lambda place: place.values["q1"] < 0) == (0, ())
