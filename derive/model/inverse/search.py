@@ -298,12 +298,12 @@ class Search:
         return Step(group, parts, tuple(choices), tuple(order))
 
     def _lengths(self, coefficients: Array, order: Sequence[int], degrees: Array) -> list[Choice]:
-        """Ways to find a slide."""
-        choices = []
+        """Ways to find a slide: without a division where there is one."""
+        constant = [k for k in order if degrees[k] == 1 and self._constant(coefficients[k, :, 1])][:CONSIDERED]
+        choices = [Choice(Kind.TYPE_1, (k,), (0, int(self.lengths[k]))) for k in constant]
         for k in order[:CONSIDERED]:
-            if degrees[k] == 1:
-                constant = self._constant(coefficients[k, :, 1])
-                choices.append(Choice(Kind.TYPE_1, (k,), (0 if constant else 1, int(self.lengths[k]))))
+            if degrees[k] == 1 and k not in constant:
+                choices.append(Choice(Kind.TYPE_1, (k,), (1, int(self.lengths[k]))))
             elif degrees[k] == 2:
                 choices.append(Choice(Kind.QUADRATIC, (k,), (RANK[Kind.QUADRATIC], int(self.lengths[k]))))
         return choices
