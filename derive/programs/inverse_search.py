@@ -18,7 +18,8 @@ from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.numeric_chain import POSE, POSITION
 from derive.programs.formulation_choice import Formulation
-from derive.programs.program import Elimination, Function, Interface, InverseSearch, Way
+from derive.programs.program import GIVEN, NEAR, POSE_ENTRIES, Elimination, Function, Interface, InverseSearch, Way
+from derive.programs.program import POSE as POSE_ARGUMENT
 from derive.programs.tape.scalars import Q, TapeDomain
 from derive.programs.tape.value import Value
 from derive.programs.trace import Trace
@@ -83,7 +84,9 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
     entries = next((known for known in (POSE, POSITION) if tuple(sorted(known)) == places), places)
     words = "the frames between the joints"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: frames(trace))])
-    function = Function(INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words)
+    given = {GIVEN: len(graph.given)} if graph.given else {}
+    widths = {POSE_ARGUMENT: POSE_ENTRIES, **given, NEAR: trace.n}
+    function = Function(INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words, widths=widths)
     return InverseSearch(
         function=function,
         branches=solution.branches if solution else MOST_SOLUTIONS,

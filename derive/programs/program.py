@@ -217,7 +217,8 @@ class InverseSearch:
     """Inverse kinematics of a robot without formulas: what the code that finds its solutions needs of the arm.
 
     Attributes:
-        function: Its tape gives the constant frames between the joints, from parameters alone.
+        function: Its tape gives the constant frames between the joints, from parameters alone; its widths are those of
+            the arguments of inverse kinematics.
         branches: How many rows the result has.
         joints: Number of joints.
         given: Indices of the joints that are arguments.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.programs.program import joint_lines
+from derive.programs.program import Inverse, InverseSearch, Program, joint_lines
 from derive.programs.tape.tape import Op
 from derive.targets.c_function import c_function
 from derive.targets.c_inverse import c_inverse
@@ -46,7 +46,8 @@ def c_context(source: Source) -> dict[str, object]:
     """
     program, prefix = source.program, c_prefix(source.robot.name)
     functions = [c_function(function, program.parameters) for function in program]
-    inverse = c_inverse(program.inverse, source) if program.inverse else None
+    solved = solvable(program)
+    inverse = c_inverse(solved, source) if solved else None
     texts = [*functions, inverse.function] if inverse else functions
     return c_heading(source) | {
         "parameters": [{"name": name, "place": str(i)} for i, name in enumerate(program.parameters)],
@@ -60,6 +61,16 @@ def c_context(source: Source) -> dict[str, object]:
         "has_sign": any(node.op is Op.SIGN for tape in program.all_tapes for node in tape.nodes),
         "has_batches": any(function.arguments for function in texts),
     }
+
+
+def solvable(program: Program) -> Inverse | InverseSearch | None:
+    """Inverse kinematics that C has: by a program, or by eigenvalues.
+
+    Args:
+        program: Of the robot.
+    """
+    search = program.search if program.search and program.search.eliminations else None
+    return program.inverse or search
 
 
 def c_heading(source: Source) -> dict[str, object]:

@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from derive.programs.program import NEAR, POSE, Inverse
+from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
 from derive.robot.robot import Robot
 from derive.targets.c_function import CFunction, c_function, pointers
+from derive.targets.c_search import CSearch, c_search
 from derive.targets.escape import c_comment
 from derive.targets.target import Source, joint_limits
 
@@ -58,10 +59,11 @@ class CInverse:
         start_call: Arguments of a call with the free joints elsewhere.
         row_call: Inputs of a call for one row of a batch.
         documentation: Lines of the comment of the first.
+        search: What the solver takes of the arm, where there is no program.
     """
 
     function: CFunction
-    step: CFunction
+    step: CFunction | None
     step_constants: str
     constants_declaration: str
     constants_argument: str
@@ -85,9 +87,10 @@ class CInverse:
     start_call: str
     row_call: str
     documentation: tuple[str, ...]
+    search: CSearch | None
 
 
-def c_inverse(inverse: Inverse, source: Source) -> CInverse:
+def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
     """Inverse kinematics in C.
 
     Args:
@@ -97,13 +100,16 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
     Returns:
         Its texts.
     """
-    step, robot = c_function(inverse.step, source.program.parameters), source.robot
-    function = c_function(inverse.function, source.program.parameters, step.constant_count)
+    robot, parameters = source.robot, source.program.parameters
+    step = c_function(inverse.step, parameters) if isinstance(inverse, Inverse) else None
+    further = step.constant_count if step else 0
+    function = c_function(inverse.function, parameters, further)
     hoisted = ["k"] if function.constant_count else []
-    inputs = [*function.arguments, *hoisted]
+    names = list(inverse.function.widths)
+    inputs = [*names, *hoisted]
     limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
     nearest = [POSE, NEAR, *hoisted]
-    rows = [f"{name} + {inverse.function.widths[name]} * row" for name in function.arguments if name != NEAR]
+    rows = [f"{name} + {inverse.function.widths[name]} * row" for name in names if name != NEAR]
     rows.append(f"{NEAR} ? {NEAR} + {inverse.joints} * row : NULL")
 
     def _declared(names: Iterable[str], qualifier: str, *, status: bool = True) -> str:
@@ -112,12 +118,12 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
     return CInverse(
         function=function,
         step=step,
-        step_constants=f", k + {function.constant_count - step.constant_count}" if step.constant_count else "",
-        constants_declaration=", const double *restrict k" if step.constant_count else "",
-        constants_argument=", k" if step.constant_count else "",
+        step_constants=f", k + {function.constant_count - further}" if further else "",
+        constants_declaration=", const double *restrict k" if further else "",
+        constants_argument=", k" if further else "",
         branches=inverse.branches,
         size=inverse.branches * inverse.joints,
-        closed=repr(inverse.closed),
+        closed=repr(inverse.closed) if isinstance(inverse, Inverse) else "",
         loads=tuple(Load(name, inverse.function.widths[name], name == NEAR) for name in function.used),
         declaration=_declared(inputs, "restrict "),
         batch_declaration=f"size_t count, {_declared(inputs, 'restrict ')}",
@@ -135,6 +141,7 @@ def c_inverse(inverse: Inverse, source: Source) -> CInverse:
         start_call=", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
         row_call=", ".join([*rows, *hoisted]),
         documentation=_inverse_documentation(inverse, robot, function.constant_count),
+        search=c_search(inverse, robot) if isinstance(inverse, InverseSearch) else None,
     )
 
 
@@ -142,10 +149,16 @@ def _bound(value: float) -> str:
     return repr(value) if isfinite(value) else "-INFINITY" if value < 0 else "INFINITY"
 
 
-def _inverse_documentation(inverse: Inverse, robot: Robot, constant_count: int) -> tuple[str, ...]:
+def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, constant_count: int) -> tuple[str, ...]:
     """The lines of the comment in the header."""
     interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
     constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."
+    near = (
+        "where joints are that are free at a pose, a configuration; NULL for zeros. If the others",
+        "have no solution with them there, they are elsewhere.",
+    )
+    if isinstance(inverse, InverseSearch):
+        near = ("not looked at: at poses with infinitely many solutions some are returned;", "it may be NULL.")
     return (
         interface.summary,
         "",
@@ -154,12 +167,12 @@ def _inverse_documentation(inverse: Inverse, robot: Robot, constant_count: int) 
         "",
         "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
         *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),
-        "@param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others",
-        "                    have no solution with them there, they are elsewhere.",
+        f"@param[in]  near    {near[0]}",
+        f"                    {near[1]}",
         *([constants] if constant_count else []),
         f"@param[out] q       joint variables, {inverse.branches} x {inverse.joints}: {interface.result}.",
         f"@param[out] status  what each branch is, {inverse.branches}; may be NULL.",
         "@return the number of solutions.",
         "",
-        *inverse.function.notes,
+        *(inverse.function.notes if isinstance(inverse, Inverse) else ()),
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
-from derive.programs.program import Function, Inverse
-from derive.targets.c import c_context
+from derive.programs.program import Function, Inverse, InverseSearch
+from derive.targets.c import c_context, solvable
 from derive.targets.c_function import CFunction, c_function
 from derive.targets.c_inverse import c_inverse
 from derive.targets.numpy import python_context
@@ -75,7 +75,7 @@ def render_native(source: Source) -> dict[str, str]:
     """
     texts = [c_function(function, source.program.parameters) for function in source.program]
     loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
-    inverse = source.program.inverse
+    inverse = solvable(source.program)
     all_texts = [*texts, c_inverse(inverse, source).function] if inverse else texts
     counts = {text.name: text.constant_count for text in all_texts}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}
@@ -134,12 +134,12 @@ class InverseLoop:
     starts: str
 
 
-def _inverse_loop(inverse: Inverse, text: CFunction) -> InverseLoop:
+def _inverse_loop(inverse: Inverse | InverseSearch, text: CFunction) -> InverseLoop:
     function = inverse.function
-    widths = [function.widths[name] for name in function.arguments]
+    widths = [*function.widths.values()]
     widths += [text.constant_count] if text.constant_count else []
     count, size = len(widths), inverse.branches * inverse.joints
-    names = [*function.arguments, *(["k"] if text.constant_count else [])]
+    names = [*function.widths, *(["k"] if text.constant_count else [])]
     inputs = tuple(Input(name, widths[i], i, count + 2 + i) for i, name in enumerate(names))
     return InverseLoop(
         inputs=inputs,

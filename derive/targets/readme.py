@@ -69,6 +69,7 @@ def render(source: Source) -> dict[str, str]:
         "branches": inverse.branches if inverse is not None else 0,
         "given": ", ".join(robot.joints[i].variable for i in inverse.given) if inverse is not None else "",
         "is_search": program.search is not None,
+        "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
         "without_inverse": program.without_inverse,
         "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
         # symbols whose number is part of the code
