@@ -150,7 +150,7 @@ def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bo
     """
     decimals: dict[str, Fraction] = {}
     marked = _with_marked_decimals(printed, decimals)
-    digits = max((_significant(value) for value in decimals.values()), default=0)
+    digits = max((significant(value) for value in decimals.values()), default=0)
     if digits not in ROUNDED:
         return False
     halves = {name: 0.5 * 10.0 ** (floor(log10(abs(value))) - digits + 1) for name, value in decimals.items()}
@@ -175,15 +175,21 @@ def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bo
 
 def _with_marked_decimals(e: Expression, decimals: dict[str, Fraction]) -> Expression:
     """A formula with a name for each of its decimals, which are collected."""
-    if isinstance(e, Number) and e.value.denominator != 1 and _significant(e.value):
+    if isinstance(e, Number) and significant(e.value):
         name = f"(decimal {len(decimals)})"
         decimals[name] = e.value
         return Name(name)
     return rebuilt(e, lambda part: _with_marked_decimals(part, decimals))
 
 
-def _significant(value: Fraction) -> int:
-    """Significant digits of a decimal; 0 of a fraction that is none."""
+def significant(value: Fraction) -> int:
+    """Significant digits of a decimal; 0 of a fraction that is none, or of a whole number.
+
+    Args:
+        value: The number.
+    """
+    if value.denominator == 1:
+        return 0
     scaled = value * 10**DECIMAL_PLACES
     return len(str(abs(scaled.numerator)).strip("0")) if scaled.denominator == 1 else 0
 

@@ -79,7 +79,7 @@ class _InverseCheck:
             kept, self._places = self._places, numeric
             if not self._is_right(self._printed):
                 self._places = kept
-        self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task)
+        self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task, self._places)
 
     @property
     def _required(self) -> tuple[Place, ...]:
@@ -276,7 +276,8 @@ class _InverseCheck:
             met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], self._is_met)
             what = f"{met} of {ours.count} solutions" if met else "some solutions"
         needed = {part for line in self._printed.given for part in self._printed.named_before(line)}
-        idle = [line.name for line in self._printed.named.values() if line not in needed]
+        pose = self._vocabulary.pose.entries
+        idle = [n for n, line in self._printed.named.items() if line not in needed and n not in pose]
         unused = f"; {listed(idle)} not used" if idle else ""
         text, where = f"{what}{of}{unused}{self._note}", self._asked.location
         verdict = RIGHT if is_whole else WRONG

@@ -45,10 +45,13 @@ class OurSolution:
         printed: The printed solution.
         pose: Its names of the pose.
         task: The rows of its task; None where the names that it uses say it.
+        places: Configurations at which formulas are tried.
     """
 
-    def __init__(self, model: Model, printed: PrintedInverse, pose: PoseNames, task: Task | None) -> None:
-        self._model, self._printed, self._pose, self._asked = model, printed, pose, task
+    def __init__(
+        self, model: Model, printed: PrintedInverse, pose: PoseNames, task: Task | None, places: Sequence[Place]
+    ) -> None:
+        self._model, self._printed, self._pose, self._asked, self._places = model, printed, pose, task, places
 
     @cached_property
     def inverse(self) -> InverseKinematics | None:
@@ -57,8 +60,7 @@ class OurSolution:
         with suppress(DeriveError):
             task = self._task
             rank = Freedom(robot, task).rank
-            about = self._printed.about
-            given = [k for k, joint in enumerate(robot.joints) if joint.variable not in about]
+            given = [k for k, joint in enumerate(robot.joints) if joint.variable in self._printed.free]
             if task == robot.inverse.task and (rank == robot.n or len(given) != robot.n - rank):
                 return model.inverse
             return _solved(robot, task, tuple(given) if rank < robot.n else None, model.style)
@@ -99,7 +101,7 @@ class OurSolution:
             signs = {sign.name: Name(SIGN) for sign in line.signs}
             with suppress(DeriveError):
                 whole = substitute(substitute(expression_from_sympy(line.value), signs), known)
-                forms.add(form_of(whole))
+                forms.add(form_of(substitute(whole, self._twins)))
                 if name.isidentifier() and name not in joints:
                     known[name] = whole
         return forms
@@ -121,7 +123,20 @@ class OurSolution:
                         known[part.name] = substitute(part.formulas[0].expression, known)
         whole = substitute(formula.expression, known)
         signs = {name: Name(SIGN) for name in names(whole) if name[0] == SIGN}
-        return form_of(substitute(whole, signs)) in self._forms
+        return form_of(substitute(substitute(whole, signs), self._twins)) in self._forms
+
+    @cached_property
+    def _twins(self) -> Mapping[str, Expression]:
+        """Entries of the pose by the first one that is the same at every reachable pose, as r21 = r12 of a SCARA."""
+        if self.inverse is None:
+            return {}
+        columns = {
+            str(self.inverse.pose[i, j]): np.array([place.pose[i][j] for place in self._places])
+            for i in range(3)
+            for j in range(4)
+        }
+        first = ((a, next(b for b, other in columns.items() if np.allclose(x, other))) for a, x in columns.items())
+        return {a: Name(b) for a, b in first if a != b}
 
     def text(self, line: Line) -> str:
         """Our formula for what a line gives, with what it names; empty where there is none.

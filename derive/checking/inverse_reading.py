@@ -134,6 +134,16 @@ class Vocabulary:
                 return joint.variable
         return ""
 
+    def is_forward(self, word: str, e: Expression) -> bool:
+        """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone.
+
+        Args:
+            word: The name on its left side.
+            e: Its right side.
+        """
+        is_plain = self.pose.entries.keys().isdisjoint(names(e)) and self.new.isdisjoint(names(e))
+        return word in self.pose.entries and is_plain and self.has_joints(e)
+
     def has_joints(self, e: Expression) -> bool:
         """Whether joint variables occur in an expression.
 
@@ -224,7 +234,7 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[_Read]) -> Iterator[Line]:
         raise CheckError(
             "formula without a left side", remedy="write theta1 = ...", location=first.formulas[0].location
         )
-    if first.word in vocabulary.new and not (first.word in vocabulary.pose.entries and joints(others[0].expression)):
+    if first.word in vocabulary.new and not vocabulary.is_forward(first.word, others[0].expression):
         value = next((side for side in others if not joints(side.expression)), others[0])
         yield Line(first.word, value.formulas, name=first.word)
         for side in others:

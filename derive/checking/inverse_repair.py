@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import combinations
 
 from derive.checking.diagnosis import PAIRED
 from derive.checking.edits import Edit, Replacements, SlipKind, Spot, edits, is_token
@@ -23,6 +24,7 @@ from derive.robot.expression import (
     Number,
     Power,
     Product,
+    Sum,
     add,
     children,
     multiply,
@@ -36,6 +38,9 @@ MAX_TRIED = 20_000
 
 MAX_PAIRS = 6_000
 """Pairs of changes of one kind that are tried."""
+
+LONGEST_SUM = 8
+"""Terms of a sum of which neighbouring ones are squared."""
 
 MISSING = Name(f"{SIGN}new")
 """A plus-minus that is put in."""
@@ -120,6 +125,8 @@ class Repairer:
                 yield from _plus_minus(spot)
             if kind is SlipKind.ATAN2:
                 yield from _atan2(spot)
+            if kind is SlipKind.EXPONENT and isinstance(spot.node, Sum):
+                yield from _squares(spot, spot.node.terms)
 
     def _least(self, line: Line, formula: Formula, candidates: Sequence[tuple[Edit, ...]]) -> InverseRepair | None:
         """The candidate that touches least, of those that are right."""
@@ -156,6 +163,15 @@ def _plus_minus(spot: Spot) -> Iterator[Edit]:
             if isinstance(factor, Call) and factor.function == "sqrt":
                 new = multiply(*node.factors[:i], multiply(MISSING, factor), *node.factors[i + 1 :])
                 yield Edit(SlipKind.PLUS_MINUS, spot, new, factor, multiply(MISSING, factor))
+
+
+def _squares(spot: Spot, terms: Sequence[Expression]) -> Iterator[Edit]:
+    """Neighbouring terms of a sum squared: what ``(a1 + a2)**2 - x**2`` was without its first exponent."""
+    for i, j in combinations(range(min(len(terms), LONGEST_SUM) + 1), 2):
+        if 1 < j - i < len(terms):
+            part = add(*terms[i:j])
+            square = power(part, 2)
+            yield Edit(SlipKind.EXPONENT, spot, add(*terms[:i], square, *terms[j:]), part, square)
 
 
 def _atan2(spot: Spot) -> Iterator[Edit]:

@@ -33,6 +33,7 @@ _TOKEN = re.compile(
     r"|(?P<tan>A[ ]tan(?=\s*\())|(?P<word>[A-Za-z][A-Za-z0-9_]*)|(?P<other>.)",
     re.DOTALL,
 )
+_COMMENT = re.compile(r"#[^\n]*")
 _OR = re.compile(r"(?<![A-Za-z0-9_])(?:or|oppure|ou)(?![A-Za-z0-9_])")
 _LEAD = re.compile(r"\s*(?:where|with|and|dove|con|e|onde|com)\s+(?=[A-Za-z])")
 _NEXT = re.compile(
@@ -56,6 +57,7 @@ def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -
         CheckError: A line without an equals sign, or more lines than are read.
     """
     found: list[list[Side]] = []
+    text = _COMMENT.sub(lambda match: " " * len(match[0]), text)
     for begin, end in _spans(text):
         lead = _LEAD.match(text, begin, end)
         sides = _cut(text, lead.end() if lead else begin, end, re.compile("="))

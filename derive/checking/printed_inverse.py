@@ -17,9 +17,21 @@ from itertools import product
 import numpy as np
 
 from derive.checking.edits import Evaluator
+from derive.checking.findings import ROUNDED, significant
 from derive.checking.latex_names import SIGN
 from derive.errors import CheckError, Location, listed
-from derive.robot.expression import ZERO, Call, Expression, Name, children, linear_terms, names, rebuilt, substitute
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Name,
+    Number,
+    children,
+    linear_terms,
+    names,
+    rebuilt,
+    substitute,
+)
 from derive.robot.robot import Robot
 
 MAX_SIGNS = 10
@@ -98,12 +110,22 @@ class PrintedInverse:
         robot: Whose solution it is.
         lines: Its lines, those that only name quantities too.
         sums: What names such as q23 stand for.
+
+    Attributes:
+        robot: Whose solution it is.
+        lines: Its lines.
+        sums: What names such as q23 stand for.
+        named: The lines that only name quantities, by name.
+        given: The lines with a target.
+        close: Difference below which values are the same; decimals of many digits count as rounded.
     """
 
     def __init__(self, robot: Robot, lines: Sequence[Line], sums: Mapping[str, Expression]) -> None:
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
         self.named = {line.name: line for line in self.lines if line.target is None}
         self.given = tuple(line for line in self.lines if line.target is not None)
+        decimals = [d for line in lines for f in line.formulas for d in _digits(f.expression)]
+        self.close = max(CLOSE, 10.0 ** (3 - max(decimals))) if decimals else CLOSE
         self._before: dict[Line, tuple[Line, ...]] = {}
         self._choices: dict[Line, dict[str, tuple[float, ...]]] = {}
 
@@ -247,7 +269,7 @@ class PrintedInverse:
             fixed: Choices that are made already.
         """
         wanted, is_angle = self.wanted(line, place), self.is_angle(line)
-        return any(is_same(value, wanted, is_angle) for value in self.values(line, place, fixed))
+        return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
 
     def hit_together(self, lines: Sequence[Line], place: Place) -> bool:
         """Whether some choice gives what all of some lines are about.
@@ -335,15 +357,31 @@ class PrintedInverse:
         vector = self.combination(e)
         return ("", vector) if vector else None
 
+    @property
+    def _steps(self) -> list[tuple[Line, tuple[str, Vector]]]:
+        return [(line, m) for line in self.given if line.target and (m := self.meaning(line.target))]
+
     @cached_property
-    def about(self) -> frozenset[str]:
-        """The joint variables that some line is about."""
-        found: set[str] = set()
-        for line in self.given:
-            meaning = self.meaning(line.target) if line.target else None
-            if meaning is not None:
-                found |= {j.variable for j, c in zip(self.robot.joints, meaning[1], strict=True) if c}
-        return frozenset(found)
+    def free(self) -> tuple[str, ...]:
+        """The joint variables that are taken as known: no line gives them, or only as a part of a sum."""
+        own = [vector for _, (_, vector) in self._steps]
+        units = {joint.variable: _unit(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
+        untouched = [name for j, name in enumerate(units) if not any(vector[j] for vector in own)]
+        alone = [name for name, unit in units.items() if unit not in own]
+        return tuple(untouched if self._order(untouched)[1] == [] else alone)
+
+    def _order(self, free: Sequence[str]) -> tuple[_Known, list[Line]]:
+        """What is known at the end where some joint variables are, and the lines that need each other."""
+        variables = [joint.variable for joint in self.robot.joints]
+        known, waiting = _Known([variables.index(name) for name in free], len(variables)), self._steps
+        while waiting:
+            ready = [step for step in waiting if all(known.has(*need) for need in self._needs(step[0]))]
+            if not ready:
+                break
+            for _, found in ready:
+                known.add(*found)
+            waiting = [step for step in waiting if step not in ready]
+        return known, [line for line, _ in waiting]
 
     @cached_property
     def determined(self) -> tuple[str, ...]:
@@ -352,25 +390,14 @@ class PrintedInverse:
         Raises:
             CheckError: Lines that need each other.
         """
-        variables = [joint.variable for joint in self.robot.joints]
-        steps = [(line, m) for line in self.given if line.target and (m := self.meaning(line.target))]
-        about = [any(m[1][j] for _, m in steps) for j in range(len(variables))]
-        known = _Known([j for j, is_given in enumerate(about) if not is_given], len(variables))
-        waiting = list(steps)
-        while waiting:
-            ready = [step for step in waiting if all(known.has(*need) for need in self._needs(step[0]))]
-            if not ready:
-                first, whole = waiting[0][0], listed(dict.fromkeys(line.quantity for line, _ in waiting))
-                found = f"{whole} are given by each other" if len(waiting) > 1 else f"{whole} is given by itself"
-                where = first.formulas[0].location
-                raise CheckError(found, remedy="give one of them by the pose alone", location=where)
-            for step in ready:
-                known.add(*step[1])
-            waiting = [step for step in waiting if step not in ready]
-        units = [_unit(j, len(variables)) for j in range(len(variables))]
-        return tuple(
-            v for v, unit, is_ours in zip(variables, units, about, strict=True) if is_ours and known.has("", unit)
-        )
+        known, left = self._order(self.free)
+        if left:
+            whole = listed(dict.fromkeys(line.quantity for line in left))
+            found = f"{whole} are given by each other" if len(left) > 1 else f"{whole} is given by itself"
+            where = left[0].formulas[0].location
+            raise CheckError(found, remedy="give one of them by the pose alone", location=where)
+        units = {joint.variable: _unit(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
+        return tuple(name for name, unit in units.items() if name not in self.free and known.has("", unit))
 
     def _needs(self, line: Line) -> Iterator[tuple[str, Vector]]:
         for part in (*self.named_before(line), line):
@@ -421,17 +448,26 @@ def _unit(j: int, n: int) -> Vector:
     return tuple(Fraction(int(k == j)) for k in range(n))
 
 
-def is_same(value: float, wanted: float, is_angle: bool) -> bool:
+def _digits(e: Expression) -> Iterator[int]:
+    """Significant digits of the decimals in an expression that count as rounded."""
+    if isinstance(e, Number) and (digits := significant(e.value)) in ROUNDED:
+        yield digits
+    for part in children(e):
+        yield from _digits(part)
+
+
+def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -> bool:
     """Whether two values are the same, angles up to full turns.
 
     Args:
         value: What is printed.
         wanted: What is right.
         is_angle: Whether they are angles.
+        close: Difference below which they are the same.
     """
     if is_angle:
-        return abs(math.remainder(value - wanted, math.tau)) < CLOSE
-    return abs(value - wanted) < CLOSE * (1 + abs(wanted))
+        return abs(math.remainder(value - wanted, math.tau)) < close
+    return abs(value - wanted) < close * (1 + abs(wanted))
 
 
 def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:

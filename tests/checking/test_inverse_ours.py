@@ -12,7 +12,8 @@ TEXT = "D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); theta2 = atan2(+-sqrt(1 - D
 
 def ours(task: tuple[str, ...] | None = None) -> tuple[OurSolution, tuple]:
     printed, vocabulary = solution("planar-2r-perugia", TEXT)
-    return OurSolution(Model(printed.robot), printed, vocabulary.pose, task), (printed, vocabulary)
+    tried = places(vocabulary.pose, vocabulary.sums)
+    return OurSolution(Model(printed.robot), printed, vocabulary.pose, task, tried), (printed, vocabulary)
 
 
 def test_the_names_in_the_text_say_the_task() -> None:

@@ -36,7 +36,13 @@ def test_sums_are_known_before_their_terms() -> None:
     text += "theta2 = atan2(px, py)\ntheta1 = atan2(py, px)"
     printed, _ = solution("planar-3r", text)
     assert printed.determined == ("q1", "q2", "q3")
-    assert printed.about == {"q1", "q2", "q3"}
+    assert printed.free == ()
+
+
+def test_a_joint_that_no_line_gives_is_known() -> None:
+    printed, _ = solution("planar-3r", "theta23 = atan2(r21, r11) - theta1; theta2 = theta23 - theta3")
+    assert printed.free == ("q1", "q3")
+    assert printed.determined == ("q2",)
 
 
 def test_cosine_and_sine_together_are_an_angle_and_one_alone_is_none() -> None:

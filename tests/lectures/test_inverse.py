@@ -1,10 +1,18 @@
-"""The inverse kinematics that document 004 prints is derived in its form, and its two errata are not."""
+"""The inverse kinematics that the documents print is derived in its form, and the two errata of 004 are found."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import pytest
 import sympy
+import yaml
 
+from derive.api.robots import load
+from derive.checking.findings import Role, judge
+from derive.checking.inverse_solutions import check_inverse, inverse_text
+from derive.checking.printed import Asked
 from derive.errors import Location
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
@@ -77,3 +85,19 @@ def test_there_are_two_solutions_and_the_elbow_tells_them_apart(found: InverseKi
     assert found.count == len(found.solutions) == 2
     assert found.complete
     assert {solution.name for solution in found.solutions} == {"elbow left", "elbow right"}
+
+
+ROWS: list[dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("inverse.yaml").read_text("utf-8"))
+
+
+@pytest.mark.parametrize("row", ROWS, ids=[row["document"] for row in ROWS])
+def test_every_printed_solution_has_its_verdicts_and_its_errata_their_repair(row: dict[str, Any]) -> None:
+    asked = Asked(Location("document"))
+    findings, _ = check_inverse(Model(load(row["robot"])), inverse_text(row["latex"], asked, latex=True))
+    lines = [finding for finding in findings if finding.role is Role.SOLUTION]
+    assert [(f.quantity, judge(f).outcome.value) for f in lines] == [(v["of"], v["is"]) for v in row["verdicts"]]
+    for finding, verdict in zip(lines, row["verdicts"], strict=True):
+        if "change" in verdict:
+            repair = judge(finding).repair
+            assert repair is not None
+            assert verdict["change"] in repair.text
