@@ -81,7 +81,8 @@ def run(arguments: argparse.Namespace) -> int:
     for robot, result in zip(robots, results, strict=True):
         if isinstance(result, BuildFailure):
             reason, grave = explain(result.error)
-            print_error(f"{robot.source}: {reason}")
+            has_place = getattr(result.error, "location", None) is not None
+            print_error(reason if has_place else f"{robot.source}: {reason}")
             status = max(status, grave)
         elif isinstance(result, CheckResult) and not result.is_current:
             status = max(status, FAILED)

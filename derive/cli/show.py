@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from derive.cli.terminal import digit_count, print_columns, print_json
-from derive.errors import QuantityError
+from derive.errors import QuantityError, near_miss, quoted
 from derive.robot.rounding import DIGITS, number_text
 
 if TYPE_CHECKING:
@@ -118,6 +118,8 @@ def run(arguments: argparse.Namespace) -> int:
             if name == "aspects" and form in ("latex", "python"):
                 raise QuantityError(f"--format {form} with {name}", allowed="text and json")
             shown.append((name, getattr(model, name)))
+        elif close := near_miss(name, DESCRIBED):
+            raise QuantityError(f"quantity {quoted(name)}", remedy=close)
         elif arguments.abbreviate is None:
             shown.append((name, model.quantity(name)))
         else:
@@ -154,12 +156,11 @@ def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:
     variables = [joint.variable for joint in robot.joints]
     if arguments.given is not None:
         words = [word.strip() for word in arguments.given.split(",")]
-        options = replace(options, given=chosen_given(list(filter(None, words)), variables))
+        options = replace(options, given=chosen_given(list(filter(None, words)), variables), location=None)
     if arguments.task is not None:
         words = [word.strip() for word in arguments.task.split(",")]
-        options = replace(
-            options, task=chosen_task(list(filter(None, words)), len(variables) - len(options.given or ()))
-        )
+        free = len(variables) - len(options.given or ())
+        options = replace(options, task=chosen_task(list(filter(None, words)), free), location=None)
     return robot if options == robot.inverse else replace(robot, inverse=options)
 
 

@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from derive.robot.expression import multiple_of_pi
+from derive.robot.inverse_options import ROWS
 
 _NUMBER = r"(?<![\w.])(?:\d+(?:\.\d*)?|\.\d+)"
 _WORD = r"[A-Za-z][A-Za-z0-9_]*"
@@ -286,6 +287,9 @@ def choice_hint(key: str, text: str) -> str:
         return "a fixed joint is no row: put its transform into base or tool, or into the cells of the next row"
     if key == "length" and text.casefold() in ("cm", "in", "inch"):
         return "write the numbers in m or mm"
+    rows = [word.casefold() for word in re.split(r"[\s,]+", text.strip())]
+    if key == "task" and set(rows) <= set(ROWS):
+        return f"rows stand in a list: task: [{', '.join(rows)}]"
     return ""
 
 

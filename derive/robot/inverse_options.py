@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from derive.errors import QuantityError, listed, near_miss, quoted
+from derive.errors import Location, QuantityError, listed, near_miss, quoted
 
 Task = tuple[str, ...]
 """Rows of a task, in the words of `ROWS`."""
@@ -38,10 +38,12 @@ class InverseOptions:
     Attributes:
         task: Rows of the task.
         given: Names of the joint variables that are arguments; None where the derivation chooses them.
+        location: Where the file says so, for messages; None where it does not.
     """
 
     task: Task = POSE
     given: tuple[str, ...] | None = None
+    location: Location | None = field(default=None, compare=False, repr=False)
 
 
 def chosen_task(words: Sequence[str], joints: int) -> Task:

@@ -194,7 +194,10 @@ def read_inverse(document: Document, joints: tuple[Joint, ...]) -> InverseOption
 
     variables = [joint.variable for joint in joints]
     task = _chosen(("inverse", "task"), lambda words: chosen_task(words, len(joints)))
-    return InverseOptions(task or POSE, _chosen(("inverse", "given"), lambda words: chosen_given(words, variables)))
+    given = _chosen(("inverse", "given"), lambda words: chosen_given(words, variables))
+    key = "inverse" if task is None and given is None else "given" if given is not None else "task"
+    location = None if key == "inverse" else document.location(("inverse", key))
+    return InverseOptions(task or POSE, given, location)
 
 
 def _number(cells: Cells, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:

@@ -163,7 +163,7 @@ def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, const
         interface.summary,
         "",
         inverse.summary,
-        "T must be a pose: its rotation is not checked.",
+        "T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.",
         "",
         "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
         *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),

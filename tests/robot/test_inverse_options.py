@@ -43,6 +43,7 @@ def test_a_block_says_the_task_and_the_given_joints(block: str, task: tuple[str,
     ("block", "message"),
     [
         ("inverse: {task: poses}", "inverse, task: found 'poses'; allowed: 'pose' or 'position'; did you"),
+        ("inverse: {task: 'x, y'}", "allowed: 'pose' or 'position'; rows stand in a list: task: [x, y]"),
         ("inverse: {task: [x, w]}", "unknown row of a task 'w'"),
         ("inverse: {task: []}", "a task without rows"),
         ("inverse: {task: [x, x]}", "'x' is in the task already"),

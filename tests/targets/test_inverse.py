@@ -228,6 +228,7 @@ def pose_with(**entries: float) -> np.ndarray:
             np.concatenate([np.tile(np.eye(4), (5000, 1, 1)), [pose_with(r22=-1.0)]]),
             r"T\[5000\] is no pose: its rotation",
         ),
+        (pose_with(r03=1e200), r"T is no pose: its position is 1e\+200 m away \(allowed: 1e\+30\)"),
         ([[1, 2], [3]], r"T must have shape .* got rows of unequal length"),
     ],
 )
@@ -250,6 +251,26 @@ def test_what_else_is_refused() -> None:
         model.inverse_kinematics(np.eye(4))
     with pytest.raises(TypeError, match="T must be real numbers; got dtype"):
         model.inverse_kinematics("pose", params=PARAMETERS)
+    with pytest.raises(ValueError, match="inverse_kinematics: near must be finite numbers"):
+        model.inverse_kinematics(np.eye(4), params=PARAMETERS, near=[0.0, np.nan, 0.0, 0.0])
+    with pytest.raises(ValueError, match="inverse_kinematics_nearest: q must be finite numbers"):
+        model.inverse_kinematics_nearest(np.eye(4), [0.0, np.inf, 0.0, 0.0], params=PARAMETERS)
+
+
+@needs_compiler
+@pytest.mark.parametrize("entry", [np.nan, np.inf, 1e160, 1e300], ids=str)
+def test_in_c_no_branch_exists_at_what_is_no_number_or_out_of_any_reach(entry: float) -> None:
+    robot = Robot.load("puma560-corke")
+    _, poses, parameters = cases(robot)
+    model = c_model(robot, program_of(robot))
+    bad = np.repeat(poses[:1], 3, axis=0)
+    bad[1, 0, 3] = entry
+    for batch in (bad, bad[1:2]):  # of several poses, and of one
+        q, status = model.inverse(batch, np.zeros((len(batch), 0)), parameters)
+        wrong = len(batch) // 2
+        assert not status[wrong].any()
+        assert np.isnan(q[wrong]).all()
+        assert status.any(axis=1).sum() == len(batch) - 1
 
 
 def test_on_the_boundary_one_branch_is_listed() -> None:

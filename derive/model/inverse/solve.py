@@ -44,20 +44,29 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
         The graph; where there is none, `SolutionGraph.why_not` says so.
 
     Raises:
-        QuantityError: Joints that are given leave others that move the arm without moving its end.
+        QuantityError: Joints that are given leave others that move the arm without moving its end, or no joint moves it
+            in the sense of the task.
     """
     task = robot.inverse.task if task is None else task
     if given is None and robot.inverse.given is not None:
         given = [k for k, joint in enumerate(robot.joints) if joint.variable in robot.inverse.given]
     if robot.n > MAX_JOINTS:
         return refusal(robot, task, tuple(given or ()), f"an arm of more than {MAX_JOINTS} joints")
-    return _derived(robot, tuple(task), None if given is None else tuple(given))
+    try:
+        return _derived(robot, tuple(task), None if given is None else tuple(given))
+    except QuantityError as error:
+        location = robot.inverse.location
+        raise error if location is None else error.at(location) from None
 
 
 @lru_cache(_KEPT)
 def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> SolutionGraph:
     """The graph of an arm by formulas, if it has one."""
     freedom = Freedom(robot, task)
+    if not freedom.rank:
+        rows = [row for row in ROWS if row not in task and Freedom(robot, (row,)).rank]
+        found = f"a task of {listed(task)}, which no joint changes"
+        raise QuantityError(found, allowed=f"allowed: {listed(rows)}" if rows else "")
     if given is not None:
         freedom.check(given)
     choices = [given] if given is not None else list(freedom.choices())[:_TRIED]

@@ -83,6 +83,21 @@ def test_given_joints_that_leave_others_free_are_refused() -> None:
         solve(Robot.load("planar-3r"), ("x", "y"), ())
 
 
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [
+        ("inverse: {task: [z]}", "<text>:8:17: a task of z, which no joint changes; allowed: x, y, phi, orientation"),
+        ("inverse: {task: [x, y], given: []}", "<text>:8:32: with no joint given the others are not determined"),
+    ],
+)
+def test_what_a_file_asks_and_the_arm_cannot_do_is_said_with_its_place(block: str, message: str) -> None:
+    rows = "".join(f"  - {{type: revolute, a: a{k}}}\n" for k in (1, 2, 3))
+    robot = Robot.from_text(f"name: arm\ntitle: planar\nconvention: standard\njoints:\n{rows}{block}\n")
+    with pytest.raises(QuantityError) as refusal:
+        solve(robot)
+    assert str(refusal.value).startswith(message)
+
+
 def test_an_arm_of_many_joints_has_no_closed_form_and_says_why() -> None:
     graph = solve(Robot.load("human-body"))
     assert not graph.is_closed
