@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 import sympy
@@ -22,19 +22,12 @@ from derive.handouts.notation.notation import Notation
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.inverse.elementary import Line as OurLine
 from derive.model.inverse.in_numbers import array_value
-from derive.model.inverse.solutions import InverseKinematics
-from derive.model.inverse.solve import Freedom, solve
+from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
+from derive.model.inverse.solve import Freedom
 from derive.model.model import Model
 from derive.robot.expression import Expression, Name, names, substitute
 from derive.robot.inverse_options import Task
 from derive.robot.names import robot_symbols
-from derive.robot.robot import Robot
-from derive.robot.style import Style
-
-
-@lru_cache(maxsize=16)
-def _solved(robot: Robot, task: Task, given: tuple[int, ...] | None, style: Style) -> InverseKinematics:
-    return InverseKinematics(solve(robot, task, given), robot, style)
 
 
 class OurSolution:
@@ -63,7 +56,7 @@ class OurSolution:
             given = [k for k, joint in enumerate(robot.joints) if joint.variable in self._printed.free]
             if task == robot.inverse.task and (rank == robot.n or len(given) != robot.n - rank):
                 return model.inverse
-            return _solved(robot, task, tuple(given) if rank < robot.n else None, model.style)
+            return inverse_kinematics(robot, model.style, task, tuple(given) if rank < robot.n else None)
         return None
 
     @property

@@ -19,8 +19,7 @@ from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.model.inverse.aspects import Aspects, find_aspects
 from derive.model.inverse.in_numbers import parameter_numbers
 from derive.model.inverse.reach import Reach, find_reach
-from derive.model.inverse.solutions import InverseKinematics
-from derive.model.inverse.solve import solve
+from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
 from derive.model.kinematics import Kinematics
 from derive.model.long_chain import LongChain
 from derive.model.matrices import columns_matrix, frame_matrix, symbol_roles
@@ -375,7 +374,7 @@ class KinematicModel:
     @cached_property
     def inverse(self) -> InverseKinematics:
         """How the joint variables follow from the pose, every branch, for the task of the robot file."""
-        return InverseKinematics(solve(self.robot), self.robot, self.style)
+        return inverse_kinematics(self.robot, self.style)
 
     @cached_property
     def workspace(self) -> Reach:

@@ -69,10 +69,10 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     )
     numbers = {sympy.Symbol(name): float(value) for name, value in poses.values.items()}
     try:
-        q = next(q for q in _configurations(robot) if _is_regular(found, reached(found, numbers, q), q))
+        tried = ((q, reached(found, numbers, q)) for q in _configurations(robot))
+        q, solutions = next((q, solutions) for q, solutions in tried if _is_regular(found, solutions, q))
     except (StopIteration, DeriveError):
         return
-    solutions = reached(found, numbers, q)
     yield Paragraph(_("In numbers, at the pose of this configuration (%(values)s):", values=_stated(context, q)))
     yield Rows((_pose(context, value_at(robot, "T", q)),))
     yield Paragraph(

@@ -26,8 +26,8 @@ from derive.model.inverse.elementary import Line, is_negative
 from derive.model.inverse.in_numbers import Numbers, array_value, parameter_numbers
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.numeric_chain import Array
-from derive.model.inverse.solutions import InverseKinematics
-from derive.model.inverse.solve import Freedom, solve
+from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
+from derive.model.inverse.solve import Freedom
 from derive.model.point import DIGITS, value_of, written
 from derive.robot.inverse_options import POSE, InverseOptions, Task
 from derive.robot.robot import Robot
@@ -153,7 +153,7 @@ def find_reach(robot: Robot, style: Style, own: InverseKinematics) -> Reach:
         task = next((task for task in _POSITIONS if len(task) == robot.n == _rank(robot, task)), None)
         if task is not None:
             asked = replace(robot, inverse=InverseOptions(task))
-            found = InverseKinematics(solve(asked), asked, style)
+            found = inverse_kinematics(asked, style)
     return _Reading(found).reach()
 
 

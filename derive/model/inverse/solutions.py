@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import chain, combinations, product
 from typing import Any
 
@@ -25,9 +25,11 @@ from derive.model.inverse.elementary import Line, Sign
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
 from derive.model.inverse.nodes import Kind
+from derive.model.inverse.solve import solve
 from derive.model.matrices import aligned_latex
 from derive.model.point import DIGITS, value_of, written
 from derive.robot.expression import Expression
+from derive.robot.inverse_options import Task
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.style import Style
@@ -37,6 +39,9 @@ LOOKED_AT = 60
 
 POSES = 3
 """Random reachable poses at which the solutions are put into T."""
+
+_KEPT = 32
+"""Arms that are kept for those who ask for them again: sheets in three languages say the same of one."""
 
 CLOSE = mpmath.mpf(10) ** -25
 """Below it two numbers of fifty digits are equal: a double root costs half of the digits."""
@@ -426,3 +431,18 @@ def _from_known(angle: Expr, known: Mapping[Expr, Expr]) -> Expr | None:
                 if sympy.Add(*(e * total for e, (total, _) in zip(signs, parts, strict=True))) == angle:
                     return sympy.Add(*(e * name for e, (_, name) in zip(signs, parts, strict=True)))
     return None
+
+
+@lru_cache(_KEPT)
+def inverse_kinematics(
+    robot: Robot, style: Style, task: Task | None = None, given: tuple[int, ...] | None = None
+) -> InverseKinematics:
+    """How the joint variables of an arm follow from its pose, derived once for all who ask.
+
+    Args:
+        robot: The robot.
+        style: How sums are grouped.
+        task: The rows of the task; default as the file says.
+        given: Indices of the joints that are arguments; default as the file says.
+    """
+    return InverseKinematics(solve(robot, task, given), robot, style)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 import sympy
 
-from derive.model.inverse.solutions import InverseKinematics
+from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
 from derive.robot.robot import Robot
+from derive.robot.style import Contraction
 from tests.model.inverse.test_graph import PLANAR, planar_graph
 
 
@@ -32,3 +35,10 @@ def test_where_an_unknown_is_free_is_said(planar: InverseKinematics) -> None:
     (degenerate,) = planar.degenerate
     assert degenerate.unknown == sympy.Symbol("q1")
     assert set(degenerate.conditions) == set(sympy.symbols("px py"))
+
+
+def test_who_asks_again_has_the_same_solutions_and_another_style_others() -> None:
+    robot = Robot.load("planar-3r")
+    found = inverse_kinematics(robot, robot.style)
+    assert inverse_kinematics(Robot.load("planar-3r"), robot.style) is found
+    assert inverse_kinematics(robot, replace(robot.style, contraction=Contraction.OPPOSED)) is not found

@@ -18,8 +18,7 @@ from derive.handouts.figure.workspace.point import TURN, ArmPoint, Picture, Plan
 from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.numeric_chain import NumericChain
 from derive.model.inverse.reach import Reach, find_reach
-from derive.model.inverse.solutions import InverseKinematics
-from derive.model.inverse.solve import solve
+from derive.model.inverse.solutions import inverse_kinematics
 from derive.robot.inverse_options import POSE, InverseOptions
 
 _TRIED = 24
@@ -55,7 +54,7 @@ class Postures:
         if not 0 < len(point.moving) <= 3:
             return None
         try:
-            reach = find_reach(robot, robot.style, InverseKinematics(solve(robot), robot, robot.style))
+            reach = find_reach(robot, robot.style, inverse_kinematics(robot, robot.style))
             found = cls(point, reach)
             return found if reach.inverse.graph.is_closed and not reach.inverse.graph.given else None
         except DeriveError:
