@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from derive.handouts.assemble import context_of, document
@@ -105,14 +105,18 @@ def handout_files(
 
 def _page(sheet: Document, context: Context) -> str:
     """The web page of a sheet, with the arm to move where it can be drawn."""
-    from derive.handouts.page.viewer import FUNCTIONS, viewer
+    from derive.handouts.page.target import dragging
+    from derive.handouts.page.viewer import FUNCTIONS, symbol_values, viewer
     from derive.handouts.page.writer import page
 
     figure = None
     if context.poses is not None:
         assumed = {name: value for name, value, _ in context.poses.assumed}
-        program = build_program(context.robot, Effort.QUICK, names=FUNCTIONS)
-        figure = viewer(context.robot, program, assumed, context.text, notation=context.notation)
+        robot = context.robot
+        dragged = dragging(robot, symbol_values(robot, (), assumed))
+        asked = robot if dragged is None else replace(robot, inverse=dragged.task)
+        program = build_program(asked, Effort.QUICK, names=FUNCTIONS, inverse=dragged is not None)
+        figure = viewer(robot, program, assumed, context.text, notation=context.notation, dragged=dragged)
     mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
     return page(sheet, context.text, figure).replace("<!DOCTYPE html>", mark, 1)
 

@@ -18,6 +18,9 @@ from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.scene import upwards
 from derive.handouts.language import Text
 from derive.handouts.notation.notation import Notation
+from derive.handouts.page.target import Dragging, names_of_branches
+from derive.handouts.parts.inverse_words import branch_name
+from derive.model.inverse.solve import solve
 from derive.programs.program import Program
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
@@ -89,6 +92,7 @@ def viewer(
     *,
     start: Sequence[float] | None = None,
     notation: Notation | None = None,
+    dragged: Dragging | None = None,
 ) -> Viewer:
     """The figure of a robot.
 
@@ -100,16 +104,25 @@ def viewer(
         start: Configuration at first [rad, m]; None for the robot's figure configuration, else zero, prismatic joints
             half way out.
         notation: How symbols are written; None for the robot file's way.
+        dragged: How its end effector is dragged, for which the program then has an inverse kinematics; None for not.
     """
     numbers = symbol_values(robot, program.parameters, values)
     ways = travels(robot, numbers, start)
-    needed = Program(tuple(program[name] for name in FUNCTIONS), program.parameters)
+    inverse = program.inverse if dragged else None
+    needed = Program(tuple(program[name] for name in FUNCTIONS), program.parameters, inverse)
+    notation = notation or Notation.of(robot, robot.handout.notation)
+    target = None
+    if dragged is not None and inverse is not None:
+        names = names_of_branches(
+            robot, solve(robot, dragged.task.task, inverse.given), numbers, [(w.lower, w.upper) for w in ways]
+        )
+        target = _target(dragged, names, text, notation)
     script = render(
         "page/viewer.js.jinja",
         model=javascript_body(robot, needed),
-        configuration=_configuration(robot, program.parameters, numbers, ways, comma=text.comma),
+        configuration=_configuration(robot, program, numbers, ways, dragged if target else None, comma=text.comma),
+        target=target is not None,
     )
-    notation = notation or Notation.of(robot, robot.handout.notation)
     assumed = ""  # what is drawn for symbols without a number
     if values:
         pairs = (
@@ -124,6 +137,7 @@ def viewer(
         words={name: html_text(word) for name, word in _words(text).items()},
         assumed=assumed,
         entries=range(4),
+        target=target,
     )
     return Viewer(html, render("page/viewer/viewer.css.jinja"), f"{three()}\n{script}")
 
@@ -190,11 +204,36 @@ def html_symbol(latex: str) -> str:
     return "".join(parts)
 
 
+def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notation) -> dict[str, object]:
+    """Texts of the controls of the target: its coordinates, those that stay, and the branches."""
+    axes = [
+        {"name": axis, "fixed": dragged.normal is not None and abs(dragged.normal[k]) > 1.0 - 1e-9}
+        for k, axis in enumerate("xyz")
+    ]
+    branches = []
+    for index, name in enumerate(names):
+        number = text("branch %(number)s", number=index + 1)
+        words = number if name.startswith("#") else branch_name(text, notation, name, _letters)
+        branches += [{"index": index, "name": html_text(words)}] if name else []
+    return {"axes": axes, "branches": branches}
+
+
+def _letters(latex: str) -> str:
+    """A symbol in plain letters."""
+    return "".join(run.text for run in label_runs(latex)).strip()
+
+
 def _configuration(
-    robot: Robot, parameters: Sequence[str], numbers: Mapping[str, float], ways: Sequence[Travel], *, comma: bool
+    robot: Robot,
+    program: Program,
+    numbers: Mapping[str, float],
+    ways: Sequence[Travel],
+    dragged: Dragging | None,
+    *,
+    comma: bool,
 ) -> str:
     """What the script knows of the robot, as JSON that is inert in a script element."""
-    value = {
+    value: dict[str, object] = {
         "modified": robot.convention is Convention.MODIFIED,
         "joints": [
             {
@@ -206,11 +245,15 @@ def _configuration(
             }
             for joint, way in zip(robot.joints, ways, strict=True)
         ],
-        "params": {name: numbers[name] for name in parameters},
+        "params": {name: numbers[name] for name in program.parameters},
         "base": [[evaluate(entry, numbers) for entry in row] for row in robot.base],
         "up": upwards(robot, numbers),
         "comma": comma,
     }
+    if dragged is not None and program.inverse is not None:
+        lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
+        step = float(f"{0.01 * (sum(lengths) or 1.0):.1g}")
+        value["target"] = {"given": list(program.inverse.given), "normal": dragged.normal, "step": step}
     return json.dumps(value, allow_nan=False).replace("<", "\\u003c")
 
 
@@ -249,5 +292,13 @@ def _words(_: Text) -> dict[str, str]:
         "matrix": _("Homogeneous transform in the world frame"),
         "position": _("Position"),
         "angles": _("Roll, pitch, yaw"),
+        "target": _("Target of the end effector"),
+        "coordinate": _("coordinate of the target"),
+        "branch": _("Branch"),
+        "nearest": _("nearest solution"),
+        "reached": _("The arm reaches the target"),
+        "missed": _("No configuration within the limits reaches the target"),
+        "missed_branch": _("This branch does not reach the target within the limits"),
+        "drag": _("Drag the ball at the end effector, or set the coordinates of the target: the arm follows."),
         "legend": _("Axes x red, y green, z blue."),
     }

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.language import Text
-from derive.handouts.page.viewer import viewer
+from derive.handouts.page.target import dragging
+from derive.handouts.page.viewer import symbol_values, viewer
 from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
 from derive.robot.robot import Robot
@@ -22,7 +24,10 @@ PAGE_STYLE = "body{margin:1rem;font-family:sans-serif} @media(prefers-color-sche
 
 def viewer_page(robot: Robot, start: Sequence[float] | None = None, theme: str = "") -> str:
     """The page's text."""
-    made = viewer(robot, build_program(robot, Effort.QUICK), assumed(robot), Text(), start=start)
+    dragged = dragging(robot, symbol_values(robot, (), assumed(robot)))
+    asked = robot if dragged is None else replace(robot, inverse=dragged.task)
+    program = build_program(asked, Effort.QUICK, inverse=dragged is not None)
+    made = viewer(robot, program, assumed(robot), Text(), start=start, dragged=dragged)
     attribute = f' data-theme="{theme}"' if theme else ""
     return FRAME.format(theme=attribute, css=PAGE_STYLE + made.css, html=made.html, script=made.script)
 

@@ -1,0 +1,157 @@
+"""The target of the page's figure: a place for the end effector that the reader drags, and the arm follows.
+
+What is dragged is chosen so that the arm can follow: the position with the orientation kept, where that moves in space
+or, of a planar arm, in its plane; else the position alone. Branches have their names where words hold, as in print.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy
+
+from derive.handouts.figure.drawing import Array
+from derive.handouts.figure.scene import upwards
+from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
+from derive.model.inverse.branch_names import Placed, Shape, branch_names, placed
+from derive.model.inverse.fields import FloatField
+from derive.model.inverse.graph import SolutionGraph
+from derive.model.inverse.in_numbers import ArrayDomain, Numbers
+from derive.model.inverse.walk import Run
+from derive.robot.inverse_options import POSE, InverseOptions
+from derive.robot.robot import Robot
+
+LOOKED_AT = 60
+"""Random configurations at which the branches are looked at for their names."""
+
+_SMALL = 1e-7
+"""Singular values below it, of a matrix whose largest one is 1, are zero."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dragging:
+    """What of an arm's end effector is dragged.
+
+    Attributes:
+        task: What the inverse kinematics is asked for.
+        normal: The direction in which the target cannot go; None where it goes anywhere in space.
+    """
+
+    task: InverseOptions
+    normal: tuple[float, float, float] | None
+
+
+def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
+    """How an end effector can be dragged.
+
+    Args:
+        robot: The robot.
+        numbers: A number for every symbol [m, rad].
+
+    Returns:
+        The task; None where the end effector does not move in a plane or in space.
+    """
+    columns = [_jacobian(robot, numbers, q) for q in _configurations(robot, 5).T]
+    linear = np.hstack([own[:3] for own in columns])
+    kept = min(_rank(own) - _rank(own[3:]) for own in columns)  # directions with the orientation kept
+    directions = _rank(linear)
+    if directions < 2:
+        return None
+    normal = None if directions == 3 else _normal(linear)
+    if robot.inverse != InverseOptions():
+        axes = [axis for axis in "xyz" if axis in robot.inverse.task]
+        if len(axes) < 2:
+            return None
+        missing = next((k for k, axis in enumerate("xyz") if axis not in axes), None)
+        return Dragging(robot.inverse, normal if missing is None else _unit(missing))
+    if kept == directions:
+        return Dragging(InverseOptions(POSE), normal)
+    if min(_rank(own[:3]) for own in columns) < directions:
+        return None
+    if normal is None:
+        return Dragging(InverseOptions(("x", "y", "z")), None)
+    left_out = int(np.argmax(np.abs(normal)))
+    return Dragging(InverseOptions(tuple(axis for k, axis in enumerate("xyz") if k != left_out)), normal)
+
+
+def names_of_branches(
+    robot: Robot, graph: SolutionGraph, numbers: Mapping[str, float], ways: Sequence[tuple[float, float]]
+) -> tuple[str, ...]:
+    """The names of the branches of a graph, in the order of the generated function.
+
+    Args:
+        robot: The robot.
+        graph: Its graph.
+        numbers: A number for every symbol [m, rad].
+        ways: Lowest and highest value of every joint variable [rad or m].
+
+    Returns:
+        A name for each branch; empty for one that is found at none of the configurations looked at.
+    """
+    rng = np.random.default_rng(12)
+    q = [rng.uniform(low, high, LOOKED_AT) for low, high in ways]
+    chain = _chain(robot, numbers, q)
+    end = forward_kinematics(chain)
+    rows = [
+        [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
+        for row, place in zip(end.rotation, end.position, strict=True)
+    ]
+    run: Run[Any, Any] = Run(graph, FloatField(dict(numbers)), rows, [q[k] for k in graph.given])
+    seen: list[list[Placed]] = []
+    for leaf in run.leaves():
+        own = np.stack([np.broadcast_to(x, LOOKED_AT) + 0.0 for x in run.angles(leaf)])
+        real = np.broadcast_to(leaf.exists, LOOKED_AT) & np.isfinite(own).all(axis=0)
+        variables = list(own[:, real])
+        seen.append(placed(_chain(robot, numbers, variables), variables, int(real.sum())) if real.any() else [])
+    found = [k for k, arms in enumerate(seen) if arms]
+    names = [""] * len(seen)
+    if len(found) > 1:
+        up = np.array(upwards(robot, numbers))
+        shape = Shape(robot, seen[found[0]][0], up)
+        signs = [f"#{place}" for place in range(1, len(found) + 1)]
+        for k, name in zip(found, branch_names(shape, [seen[k] for k in found], signs), strict=True):
+            names[k] = name
+    return tuple(names)
+
+
+def _configurations(robot: Robot, count: int) -> Array:
+    return np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, count))
+
+
+def _chain(robot: Robot, numbers: Mapping[str, float], q: Sequence[Any]) -> Chain[Any]:
+    """The arm at many configurations."""
+    bare = replace(robot, links=(), gravity=None)
+    known: Numbers = {sympy.Symbol(name): mpmath.mpf(value) for name, value in numbers.items()}
+    return build_chain(bare, ArrayDomain(bare, q, known))
+
+
+def _jacobian(robot: Robot, numbers: Mapping[str, float], q: Array) -> Array:
+    """(6, n), lengths in parts of the largest one."""
+    rows = np.array(jacobian(_chain(robot, numbers, list(q))), dtype=float)
+    rows[:3] /= float(np.abs(rows[:3]).max()) or 1.0
+    return rows
+
+
+def _rank(matrix: Array) -> int:
+    return int(np.linalg.matrix_rank(matrix, tol=_SMALL * max(1.0, float(np.abs(matrix).max(initial=0.0)))))
+
+
+def _normal(columns: Array) -> tuple[float, float, float]:
+    """What is normal to all columns, which lie in a plane; its largest component is positive."""
+    x, y, z = np.linalg.svd(columns)[0][:, 2]
+    sign = 1.0 if max((x, y, z), key=abs) > 0 else -1.0
+    return _plain(sign * x), _plain(sign * y), _plain(sign * z)
+
+
+def _plain(x: float) -> float:
+    """A component without what rounding left of zero."""
+    return 0.0 if abs(x) < _SMALL else float(x)
+
+
+def _unit(axis: int) -> tuple[float, float, float]:
+    return (float(axis == 0), float(axis == 1), float(axis == 2))
