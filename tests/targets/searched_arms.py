@@ -1,0 +1,75 @@
+"""Arms without formulas, with their programs, each derived once."""
+
+from __future__ import annotations
+
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+
+from derive.programs.build import build_program
+from derive.programs.program import InverseSearch, Program
+from derive.programs.search_policy import Effort
+from derive.robot.robot import Robot
+from tests.targets.generated_models import numpy_model
+
+GENERAL = """
+name: general
+convention: modified
+joints:
+  - {type: revolute, d: 0.3}
+  - {type: revolute, alpha: -1.3, a: 0.1, d: 0.12, limits: [-2, 2]}
+  - {type: revolute, alpha: 0.4, a: a3, d: 0.1, theta: 0.4 - q3}
+  - {type: prismatic, a: 0.05, alpha: 0.5}
+  - {type: revolute, alpha: 1.1, a: 0.12, d: 0.2}
+  - {type: revolute, alpha: 0.9, a: 0.2, d: 0.11}
+  - {type: revolute, alpha: 0.7, a: 0.15, d: 0.1, limits: [-4, 4]}
+inverse: {given: [q4]}
+"""
+"""Six joints of which none follows by itself, and a slide that is given; one length is a parameter."""
+
+LOOSE = """
+name: loose
+convention: standard
+joints:
+  - {type: revolute, a: 0.3, alpha: 0.7, d: 0.2}
+  - {type: revolute, a: 0.25, alpha: -1.1, d: 0.1}
+  - {type: revolute, a: 0.2, alpha: 0.9, d: 0.15}
+  - {type: revolute, a: 0.1, alpha: 0.4, d: 0.1}
+inverse: {task: [x, y, z, phi]}
+"""
+"""A task for which there is no elimination."""
+
+PARAMETERS = {"a3": 0.35}
+
+
+@cache
+def robot_of(text: str) -> Robot:
+    """A robot, read once."""
+    return Robot.from_text(text)
+
+
+@cache
+def program_of(text: str) -> Program:
+    """Forward and inverse kinematics."""
+    return build_program(robot_of(text), Effort.QUICK, names={"forward_kinematics"}, inverse=True)
+
+
+def search_of(text: str) -> InverseSearch:
+    """What its solutions are found by."""
+    search = program_of(text).search
+    assert search is not None
+    return search
+
+
+@cache
+def model_of(text: str) -> ModuleType:
+    """Its NumPy module."""
+    return numpy_model(robot_of(text), program_of(text))
+
+
+def poses_of(text: str, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Configurations and their poses."""
+    q = np.random.default_rng(3).uniform(-1.5, 1.5, (count, robot_of(text).n))
+    options = {"params": PARAMETERS} if program_of(text).parameters else {}
+    return q, np.asarray(model_of(text).forward_kinematics(q, **options))

@@ -1,0 +1,118 @@
+"""Arms without formulas in NumPy, C and CasADi: every solution, the same in both languages, and the reason if none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from derive.targets.c import render_c
+from derive.targets.c_search import c_search
+from derive.targets.readme import render as render_readme
+from tests.targets.c_models import c_model, needs_compiler
+from tests.targets.generated_models import casadi_model, source_of
+from tests.targets.searched_arms import (
+    GENERAL,
+    LOOSE,
+    PARAMETERS,
+    model_of,
+    poses_of,
+    program_of,
+    robot_of,
+    search_of,
+)
+
+GIVEN = [3]
+
+
+def sorted_rows(found: np.ndarray) -> np.ndarray:
+    """The rows of each pose in one order, those that do not exist last."""
+    order = np.argsort(np.nan_to_num(found[..., 0] + 0.1 * found[..., 1], nan=np.inf), axis=1)
+    return np.take_along_axis(found, order[..., None], axis=1)
+
+
+def test_every_solution_leads_to_its_pose_and_the_configuration_is_one() -> None:
+    model, (q, poses) = model_of(GENERAL), poses_of(GENERAL, 40)
+    found, status = model.inverse_kinematics(poses, PARAMETERS, q[:, GIVEN], status=True)
+    assert (found.shape, status.shape, status.dtype) == ((40, 16, 7), (40, 16), np.uint8)
+    assert np.array_equal(np.isfinite(found).all(axis=-1), status != model.NONE)
+    assert (np.diff((status > 0).astype(int), axis=1) <= 0).all()  # those that exist come first
+    again = model.forward_kinematics(np.nan_to_num(found), PARAMETERS)
+    assert np.abs(again - poses[:, None])[status > 0].max() < 1e-12
+    apart = np.abs(np.angle(np.exp(1j * (found - q[:, None]))))
+    apart[..., GIVEN] = np.abs(found - q[:, None])[..., GIVEN]
+    assert np.nanmin(apart.max(axis=-1), axis=1).max() < 1e-8
+    one = model.inverse_kinematics(poses[0], PARAMETERS, q[0, GIVEN])
+    np.testing.assert_allclose(sorted_rows(one[None]), sorted_rows(found[:1]), atol=1e-9)
+
+
+@needs_compiler
+def test_c_finds_the_solutions_that_numpy_finds() -> None:
+    (q, poses), compiled = poses_of(GENERAL, 40), c_model(robot_of(GENERAL), program_of(GENERAL))
+    wanted = model_of(GENERAL).inverse_kinematics(poses, PARAMETERS, q[:, GIVEN])
+    found, status = compiled.inverse(poses, q[:, GIVEN], PARAMETERS)
+    assert np.array_equal((status > 0).sum(axis=1), np.isfinite(wanted[..., 0]).sum(axis=1))
+    np.testing.assert_allclose(sorted_rows(found), sorted_rows(wanted), atol=1e-9)
+    away = poses.copy()
+    away[:, 0, 3] += 50.0
+    assert not compiled.inverse(away[:4], q[:4, GIVEN], PARAMETERS)[1].any()
+
+
+def test_parameters_may_differ_from_pose_to_pose() -> None:
+    model, (q, _) = model_of(GENERAL), poses_of(GENERAL, 6)
+    lengths = np.array([0.3, 0.4, 0.3, 0.5, 0.4, 0.3])
+    poses = model.forward_kinematics(q, {"a3": lengths})
+    found = model.inverse_kinematics(poses, {"a3": lengths}, q[:, GIVEN])
+    again = model.forward_kinematics(found, {"a3": lengths[:, None]})
+    assert np.nanmax(np.abs(again - poses[:, None])) < 1e-12
+    assert np.isfinite(found[:, 0]).all()
+
+
+def test_the_nearest_solution_is_within_the_limits() -> None:
+    model, (q, poses) = model_of(GENERAL), poses_of(GENERAL, 10)
+    turned = q + np.array([0, 0, 2 * np.pi, 0, 0, 0, 0])
+    near = model.inverse_kinematics_nearest(poses, turned, PARAMETERS)
+    np.testing.assert_allclose(near, turned, atol=1e-8)
+
+
+def test_what_is_no_pose_and_arrays_of_others_are_refused() -> None:
+    import jax.numpy as jnp
+
+    model, (q, poses) = model_of(GENERAL), poses_of(GENERAL, 2)
+    with pytest.raises(ValueError, match="is no pose"):
+        model.inverse_kinematics(2.0 * np.eye(4), PARAMETERS, [0.0])
+    with pytest.raises(ValueError, match=r"given must have shape \(1,\)"):
+        model.inverse_kinematics(poses, PARAMETERS)
+    with pytest.raises(ValueError, match="missing in params: a3"):
+        model.inverse_kinematics(poses, None, q[:, GIVEN])
+    with pytest.raises(TypeError, match="eigenvalues are those of NumPy's arrays alone; got arrays of jax"):
+        model.inverse_kinematics(jnp.asarray(poses), PARAMETERS, q[:, GIVEN])
+
+
+def test_damped_newton_takes_the_place_of_eigenvalues_where_there_are_none() -> None:
+    model, (q, poses) = model_of(LOOSE), poses_of(LOOSE, 2)
+    found, status = model.inverse_kinematics(poses, status=True)
+    places = tuple(zip(*search_of(LOOSE).entries, strict=True))
+    reached = model.forward_kinematics(np.nan_to_num(found))[(..., *places)]
+    assert np.abs(reached - poses[(..., *places)][:, None])[status > 0].max() < 1e-10
+    apart = np.abs(np.angle(np.exp(1j * (found - q[:, None])))).max(axis=-1)
+    assert np.nanmin(apart, axis=1).max() < 1e-6
+
+
+def test_casadi_and_the_page_of_the_folder_say_why() -> None:
+    robot, program = robot_of(GENERAL), program_of(GENERAL)
+    with pytest.raises(AttributeError, match="no inverse_kinematics in CasADi: its joints follow from the eigenvalues"):
+        _ = casadi_model(robot, program).inverse_kinematics
+    page = " ".join(render_readme(source_of(robot, program))["README.md"].split())
+    assert "`inverse_kinematics(T, given)` | 16 x 7 | by numbers" in page
+    assert search_of(GENERAL).summary in page
+    assert "inverse_kinematics" not in render_c(source_of(robot_of(LOOSE), program_of(LOOSE)))["model.h"]
+
+
+def test_arrays_of_c_are_as_long_as_the_arm_needs() -> None:
+    text = c_search(search_of(GENERAL), robot_of(GENERAL))
+    assert (text.free_count, text.given_count, text.entry_count) == (6, 1, 12)
+    assert text.free == "0, 1, 2, 4, 5, 6"
+    assert text.signs.split(", ")[2] == "-1.0"
+    assert text.size >= 16
+    assert text.columns >= max(sum(each.rows) for each in search_of(GENERAL).eliminations)
+    assert not text.is_position
