@@ -21,9 +21,8 @@ from derive.mechanics.vectors import Scalar
 from derive.model.inverse.nodes import Equation, Exponents, Formula, Kind
 from derive.robot.expression import Expression
 
-ILL, LOST = 1e9, 1e5
-"""By these factors a coefficient may be larger than one that is zero: what is divided by it has lost three digits or
-more, or so many that they do not say whether the nodes after it exist."""
+ILL = 1e9
+"""By this factor a coefficient may be larger than one that is zero: what is divided by it has lost three digits."""
 
 DOUBLE, MISSING = 1e5, 1e2
 """By these factors a radicand may be above that of a double root, or below zero, so that rounding decides about it."""
@@ -204,7 +203,7 @@ class Solver(Generic[N, M]):
 
         Args:
             formula: Of one of the elementary types.
-            factor: What is zero may be larger by it: `ILL` or `LOST`.
+            factor: What is zero may be larger by it: with `ILL` digits are lost.
         """
         first = formula.equations[0]
         second = formula.equations[-1]

@@ -20,7 +20,7 @@ from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import Frame
-from derive.model.inverse.elementary_solver import ILL, LOST, Branch, Field, M, N, Solver
+from derive.model.inverse.elementary_solver import ILL, Branch, Field, M, N, Solver
 from derive.model.inverse.graph import Node, SolutionGraph
 from derive.model.inverse.nodes import Formula, Kind, Unknown
 from derive.model.inverse.unknowns import turned
@@ -194,9 +194,8 @@ class Run(Generic[N, M]):
             usable = open_ & ~lost
             if not values:
                 values = self._merge(node, values, usable, solver.solve(formula))
-                ill, lost_all = (solver.degenerate(formula, factor) for factor in (ILL, LOST))
-                ill = yes if formula.kind is Kind.CONIC else ill
-                values = [replace(value, ill=ill | value.doubt, doubt=lost_all | value.doubt) for value in values]
+                ill = yes if formula.kind is Kind.CONIC else solver.degenerate(formula, ILL)
+                values = [replace(value, ill=ill | value.doubt, doubt=lost | value.doubt) for value in values]
             elif not f.never(usable):
                 values = self._merge(node, values, usable, solver.solve(formula))
             open_ = open_ & lost
