@@ -29,7 +29,7 @@ from derive.errors import listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
-from derive.robot.expression import Expression, Pi, add, names
+from derive.robot.expression import Expression, Name, Pi, add, names
 from derive.robot.names import robot_symbols
 
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
@@ -157,13 +157,12 @@ class _InverseCheck:
         is_partial = sum(hits) >= max(1, len(hits) // 8)
         kinds = (SlipKind.PLUS_MINUS, SlipKind.ATAN2, *KINDS) if is_partial else (*KINDS, SlipKind.ATAN2)
         has_arc = self._printed.has_arc(line)
-        second = self._second(line, ordered) if is_partial and not has_arc else None
+        second = is_partial and not has_arc and self._lacks_second(line, ordered)
         repair, repaired = (None, [line]) if second else self._repair(line, failing, ordered, kinds)
-        if second is None and repair is None and is_partial:
-            second = self._second(line, ordered)
-        if second is not None:
+        if second or (repair is None and is_partial and self._lacks_second(line, ordered)):
             text = f"second solution missing: or {line.quantity} + pi"
-            said = Repair((SlipKind.PLUS_MINUS,), text, second)
+            either = f"{line.formulas[0].text} or {line.quantity} + pi"
+            said = Repair((SlipKind.PLUS_MINUS,), text, Name(either))
             finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=said)
             return [line], replace(finding, some=True), line.formulas[0]
         is_some = is_partial and (repair.edits[0].kind is SlipKind.PLUS_MINUS if repair else not has_arc)
@@ -173,22 +172,22 @@ class _InverseCheck:
             return repaired, replace(finding, some=is_some), line.formulas[0]
         return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
 
-    def _second(self, line: Line, ordered: Sequence[Place]) -> Expression | None:
-        """The solution half a turn away, if a line only lacks that."""
+    def _lacks_second(self, line: Line, ordered: Sequence[Place]) -> bool:
+        """Whether a line only lacks the solution half a turn away."""
         if not self._printed.is_angle(line):
-            return None
+            return False
         others = [replace(f, expression=add(f.expression, Pi())) for f in line.formulas]
         both = replace(line, formulas=(*line.formulas, *others))
-        is_right = all(self._printed.hits(both, place) for place in ordered)
-        return others[0].expression if is_right else None
+        return all(self._printed.hits(both, place) for place in ordered)
 
     def _repaired(self, repair: InverseRepair, verdict: Verdict) -> Finding:
         """The verdict on a line that is repaired."""
         robot, line = self._model.robot, repair.line
         text = shown(changes_text(repair.edits, robot))
-        said = Repair(tuple(edit.kind for edit in repair.edits), text, repair.expression)
+        whole = shown(notation_text(repair.expression, robot))
+        said = Repair(tuple(edit.kind for edit in repair.edits), text, Name(whole))
         ours = self._ours.text(line) if line.target is not None else ""
-        right = ours or shown(notation_text(repair.expression, robot))
+        right = ours or whole
         return self._finding(line.quantity, repair.formula, verdict, right=right, repair=said)
 
     def _repair(

@@ -289,7 +289,10 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def _sign(self, token: Token) -> Expression:
         """A plus-minus, where it has a meaning."""
         if self._names.signs is None:
-            what = CheckError(f"{token} in a formula", remedy="these are two formulas; check one sign at a time")
+            what = CheckError(
+                f"{token} in a formula",
+                remedy="these are two formulas; check one sign at a time, or an inverse solution as a whole",
+            )
             raise MisplacedError(token.start_pos or 0, what)
         return self._names.signs.another()
 

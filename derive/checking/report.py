@@ -67,7 +67,7 @@ def summary(report: FileReport) -> str:
     """
     same = sum(judge(finding).outcome is Outcome.SAME_FORM for finding in report.findings)
     known = sum(finding.erratum for finding in report.wrong)
-    numeric = sum(not finding.verdict.exact for finding in report.findings)
+    numeric = sum(not f.verdict.exact and f.role is not Role.BRANCHES for f in report.findings)
     text = f"{report.equal} equal" + (f" ({same} in the same form)" if same else "") + f", {len(report.wrong)} wrong"
     text += f" ({known} marked as errata)" if known else ""
     text += f", {len(report.undecidable)} undecidable" if report.undecidable else ""
@@ -393,6 +393,8 @@ def _lines(item: Item) -> Iterator[str]:
         note = "" if own_style else item.printout.note(finding)
         right = _code(own_style or right_text(finding, printer)) + note
         lines = [f"- printed: {_code(finding.text)}", f"- right: {right}"]
+        if finding.role is Role.BRANCHES:
+            lines = [f"- given: {finding.text}", *(f"- missing: {name}" for name in finding.missing)]
         if verdict.repair is not None:
             lines.append(f"- change: {_code(verdict.repair.text)}")
         elif terms := difference_text(verdict, printer):

@@ -169,7 +169,7 @@ def _print_table(printout: Printout) -> None:
         if finding.unknown is None:
             right, difference = right_text(finding, printout.printer), difference_text(verdict, printout.printer)
             change = f"printed - right: {difference}" if difference else ""
-            change = verdict.repair.text if verdict.repair else change
+            change = verdict.repair.text if verdict.repair else change or "; ".join(f"no {m}" for m in finding.missing)
         place = f"{finding.location.line}:{finding.location.column}"
         cells = map(one_line, (place, what(finding), finding.text, right, change))
         table.add_row(*(escape(t if len(t) <= LONGEST_CELL else f"{t[: LONGEST_CELL - 3]}...") for t in cells))

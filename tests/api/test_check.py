@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.api.check import check, check_formula, check_latex
+from derive.api.check import check, check_formula, check_inverse, check_latex
 from derive.errors import UnknownNameError
 
 NOTES = """\
@@ -61,3 +61,15 @@ def test_numbers_have_six_digits_for_people_and_all_for_programs() -> None:
     assert check_formula("puma560-corke", "B[6,6]", "0.194105").outcome == "equal"
     assert check_formula("puma560-corke", "B[6,6]", "0.194106").outcome == "wrong"
     assert "digits" not in check_formula("puma560-corke", "christoffel[2,3,3]", "1").report
+
+
+def test_an_inverse_solution_has_a_verdict_for_each_line_and_one_for_the_branches() -> None:
+    found = check_inverse("planar-2r-perugia", "theta2 = +-acos((x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2))")
+    assert [verdict.outcome for verdict in found.verdicts] == ["equal", "equal"]
+    assert found.passed
+    some = check_inverse(
+        "planar-2r-perugia", r"\theta_2 = \arccos\frac{x^2 + y^2 - a_1^2 - a_2^2}{2 a_1 a_2}", latex=True
+    )
+    assert [verdict.outcome for verdict in some.verdicts] == ["right for some branches"] * 2
+    assert not some.passed
+    assert "missing: elbow up" in some.report

@@ -273,3 +273,36 @@ def test_latex_in_a_file_that_cannot_be_read_is_refused_at_its_place(folder: Pat
     assert done.status == 2
     assert is_one_message(done.stderr)
     assert "latex.yaml:12:17: unknown macro" in done.stderr
+
+
+PLANAR = "D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); theta2 = atan2({}sqrt(1 - D**2), D)"
+
+
+def test_an_inverse_solution_is_checked_as_a_whole(folder: Path) -> None:
+    asked = ("check", "planar-2r-perugia", "--quantity", "inverse", "--expression")
+    done = derive(*asked, PLANAR.format("+-"), folder=folder)
+    first, branches, _ = done.stdout.splitlines()
+    assert (done.status, first, branches) == (0, "q2: same form", "inverse: all 2 solutions of q2; no formula for q1")
+    done = derive(*asked, PLANAR.format(""), "--report", "report.md", folder=folder)
+    assert done.status == 1
+    assert "  missing: elbow up" in done.stdout.splitlines()
+    assert "- missing: elbow up" in (folder / "report.md").read_text()
+    done = derive(*asked, "theta2 = atan2(", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+
+
+def test_the_task_of_an_inverse_solution_may_be_given(folder: Path) -> None:
+    asked = ("check", "planar-2r-perugia", "--quantity", "inverse", "--expression", PLANAR.format("+-"), "--task")
+    assert "the one solution of q2" in derive(*asked, "pose", folder=folder).stdout
+    done = derive(*asked, "x,w", folder=folder)
+    assert done.status == 2
+    assert is_one_message(done.stderr)
+
+
+def test_a_solution_in_latex_needs_no_quantity(folder: Path) -> None:
+    latex = r"\theta_1 = \arctan\frac{y - a_2 s_{12}}{x - a_2 c_{12}}"
+    done = derive("check", "planar-2r-perugia", "--latex", latex, "--json", folder=folder)
+    (found,) = json.loads(done.stdout)["entries"] if done.stdout.startswith("[") else [json.loads(done.stdout)]
+    assert (done.status, found["verdict"]) == (1, "wrong")
+    assert found["change"]["formula"] == "atan2(y - a2*s12, x - a2*c12)"
