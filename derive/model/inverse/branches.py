@@ -32,6 +32,9 @@ ROUNDING = 1e-13
 NO_ROTATION = 1e-6
 """From here on R^T R differs too much from 1."""
 
+FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
 RESCUED = 60
 """Most steps of damped Newton from the leaves of a pose at which none is a solution."""
 
@@ -98,30 +101,43 @@ class InverseSolver:
             (..., branches, n) and their status; angles in (-pi, pi].
 
         Raises:
-            ValueError: Poses or given joints have another shape, are not finite, or a rotation is none.
+            ValueError: Poses, given joints or configurations have another shape, are not finite, or poses are none.
+            TypeError: They are no real numbers.
         """
         goal = self._poses(poses)
-        batch = goal.shape[:-2]
-        values = np.zeros((*batch, 0)) if given is None else np.asarray(given, dtype=float)
-        if values.shape[-1:] != (self._given,) or not np.isfinite(values).all():
-            raise ValueError(f"given joints: finite numbers of shape (..., {self._given}), not {values.shape}")
+        batch, count = goal.shape[:-2], len(self.graph.given)
+        values = _real_numbers("given", np.zeros((*batch, 0)) if given is None else given)
+        if values.shape[-1:] != (count,) or not np.isfinite(values).all():
+            raise ValueError(f"given joints: finite numbers of shape (..., {count}), not {values.shape}")
+        if values.shape[:-1] not in ((), (1,), batch):
+            raise ValueError(f"given joints of {values.shape[:-1]} beside poses of {batch}")
+        nearby = None if near is None else _real_numbers("near", near)
+        if nearby is not None and (nearby.shape != (self.chain.n,) or not np.isfinite(nearby).all()):
+            raise ValueError(f"near: finite numbers of shape ({self.chain.n},), not {nearby.shape}")
         flat = goal.reshape(-1, 4, 4)
-        row = np.broadcast_to(values, (*batch, self._given)).reshape(len(flat), self._given)
-        found = self._closed(flat, row, near) if self.graph.is_closed else self._numeric(flat, row, near)
+        row = np.broadcast_to(values, (*batch, count)).reshape(len(flat), count)
+        found = self._closed(flat, row, nearby) if self.graph.is_closed else self._numeric(flat, row, nearby)
         shape = (*batch, found.q.shape[1])
         return Branches(found.q.reshape(*shape, self.chain.n), found.status.reshape(shape))
 
     def _poses(self, poses: npt.ArrayLike) -> Array:
         """The goals, if that is what they are."""
-        goal = np.asarray(poses, dtype=float)
+        goal = _real_numbers("a pose", poses)
         if goal.shape[-2:] != (4, 4):
             raise ValueError(f"a pose has shape (4, 4), or (..., 4, 4), not {goal.shape}")
         if not np.isfinite(goal).all():
             raise ValueError("a pose has finite entries")
+        if np.abs(goal[..., 3]).max(initial=0.0) > FAR:
+            raise ValueError(f"not a pose: its position is {np.abs(goal[..., 3]).max():.0e} m away")
+        if np.abs(goal[..., 3, :] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0) > NO_ROTATION:
+            raise ValueError("not a pose: its last row is not 0, 0, 0, 1")
         turn = goal[..., :3, :3]
         away = np.abs(np.swapaxes(turn, -1, -2) @ turn - np.eye(3)).max(initial=0.0)
-        if any(j < 3 for _, j in self.entries) and (away > NO_ROTATION or (np.linalg.det(turn) < 0).any()):
-            raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}, or is a reflection")
+        turns = any(j < 3 for _, j in self.entries)
+        if turns and away > NO_ROTATION:
+            raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}")
+        if turns and (np.linalg.det(turn) < 0).any():
+            raise ValueError("not a pose: its rotation is a reflection")
         return goal
 
     @property
@@ -132,7 +148,7 @@ class InverseSolver:
     def _free(self) -> Array:
         return np.array([i not in self.graph.given for i in range(self.chain.n)])
 
-    def _closed(self, poses: Array, given: Array, near: Sequence[float] | None) -> Branches:
+    def _closed(self, poses: Array, given: Array, near: Array | None) -> Branches:
         rows = [[poses[:, i, j] for j in range(4)] for i in range(3)]
         zero = np.zeros(len(poses))
         nearby = None if near is None else [zero + value for value in near]
@@ -187,7 +203,7 @@ class InverseSolver:
                 status[both & near, later] = Status.NONE
         return status
 
-    def _numeric(self, poses: Array, given: Array, near: Sequence[float] | None) -> Branches:
+    def _numeric(self, poses: Array, given: Array, near: Array | None) -> Branches:
         found = [
             solve(
                 self.chain, pose, entries=self.entries, given=dict(zip(self.graph.given, row, strict=True)), near=near
@@ -204,3 +220,14 @@ class InverseSolver:
     def _folded(self, q: Array) -> Array:
         turns = 2 * math.pi * np.ceil((q - math.pi) / (2 * math.pi))
         return q - np.where(self.chain.revolute & self._free, turns, 0.0)
+
+
+def _real_numbers(name: str, value: npt.ArrayLike) -> Array:
+    """What a caller gave, as floats."""
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name}: rows of unequal length") from None
+    if found.dtype.kind not in "fiub":
+        raise TypeError(f"{name}: real numbers, not {found.dtype}")
+    return found.astype(np.float64, copy=False)

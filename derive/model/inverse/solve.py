@@ -44,16 +44,20 @@ def solve(robot: Robot, task: Task | None = None, given: Sequence[int] | None = 
         The graph; where there is none, `SolutionGraph.why_not` says so.
 
     Raises:
-        QuantityError: Joints that are given leave others that move the arm without moving its end, or no joint moves it
-            in the sense of the task.
+        QuantityError: No such row or joint; joints that are given leave others that move the arm without moving its
+            end; or no joint moves it in the sense of the task.
     """
     task = robot.inverse.task if task is None else task
+    if isinstance(task, str) or not task or not set(task) <= set(ROWS):
+        raise QuantityError(f"the task {task!r}", allowed=f"allowed: a tuple of {listed(ROWS)}")
+    if given is not None and not set(given) <= set(range(robot.n)):
+        raise QuantityError(f"the given joints {list(given)!r}", allowed=f"allowed: indices from 0 to {robot.n - 1}")
     if given is None and robot.inverse.given is not None:
         given = [k for k, joint in enumerate(robot.joints) if joint.variable in robot.inverse.given]
     if robot.n > MAX_JOINTS:
         return refusal(robot, task, tuple(given or ()), f"an arm of more than {MAX_JOINTS} joints")
     try:
-        return _derived(robot, tuple(task), None if given is None else tuple(given))
+        return _derived(robot, tuple(task), None if given is None else tuple(sorted(set(given))))
     except QuantityError as error:
         location = robot.inverse.location
         raise error if location is None else error.at(location) from None

@@ -96,6 +96,9 @@ def test_an_arm_without_closed_form_is_solved_by_newton_in_the_same_shape():
         (np.full((2, 4, 4), np.nan), "finite"),
         (np.diag([1, 1, 1.1, 1]), r"R\^T R - 1\| up to 2.1e-01"),
         (np.diag([1, 1, -1, 1]), "reflection"),
+        (np.diag([1, 1, 1, 2]), "last row"),
+        (np.eye(4) + np.diag([1e200] * 1, 3), "1e\\+200 m away"),
+        ([[1, 2], [3]], "unequal length"),
     ],
 )
 def test_what_is_no_pose_is_refused(pose, message):
@@ -103,3 +106,16 @@ def test_what_is_no_pose_is_refused(pose, message):
         solver_and_arm("puma560-corke")[0].solve(pose)
     with pytest.raises(ValueError, match=r"given joints: finite numbers of shape \(..., 0\)"):
         solver_and_arm("puma560-corke")[0].solve(np.eye(4), given=[0.3])
+
+
+def test_what_else_a_caller_gives_is_refused_in_words():
+    solver, _ = solver_and_arm("puma560-corke")
+    for value in ("pose", None, np.eye(4) + 0j):
+        with pytest.raises(TypeError, match="a pose: real numbers, not"):
+            solver.solve(value)
+    with pytest.raises(ValueError, match=r"near: finite numbers of shape \(6,\), not \(2,\)"):
+        solver.solve(np.eye(4), near=[0.0, 0.0])
+    with pytest.raises(ValueError, match="near: finite"):
+        solver.solve(np.eye(4), near=[0.0, np.nan, 0.0, 0.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match=r"given joints of \(3,\) beside poses of \(2,\)"):
+        solver.solve(np.stack([np.eye(4)] * 2), given=np.zeros((3, 0)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,6 +82,22 @@ def test_of_a_redundant_arm_the_swivel_of_the_elbow_is_given_or_the_last_joint()
 def test_given_joints_that_leave_others_free_are_refused() -> None:
     with pytest.raises(QuantityError, match=r"1 joint more to be given of q1, q2, q3"):
         solve(Robot.load("planar-3r"), ("x", "y"), ())
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"task": "pose"}, "the task 'pose'; allowed: a tuple of x, y"),
+        ({"task": ("foo",)}, "the task ('foo',); allowed"),
+        ({"task": ()}, "the task (); allowed"),
+        ({"given": ["q1"]}, "the given joints ['q1']; allowed: indices from 0 to 5"),
+        ({"given": [-1]}, "the given joints [-1]; allowed"),
+    ],
+)
+def test_rows_and_joints_that_there_are_not_are_refused(asked: dict[str, Any], message: str) -> None:
+    with pytest.raises(QuantityError) as refusal:
+        solve(Robot.load("puma560-corke"), **asked)
+    assert str(refusal.value).startswith(message)
 
 
 @pytest.mark.parametrize(
