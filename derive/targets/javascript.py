@@ -198,7 +198,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         *function.notes,
     )
     count, unpacked = len(inverse.given), ", ".join(entry_names(function, GIVEN, 0))
-    given = f'const [{unpacked}] = vector("inverseKinematics", "given", given, {count});'
+    given = f'const [{unpacked}] = finite("inverseKinematics", "given", given, {count});'
     return JavaScriptInverse(
         kernel=_function(function, program.parameters, robot.n),
         step=_function(inverse.step, program.parameters, robot.n),

@@ -172,6 +172,14 @@ def test_javascript_gives_the_same_and_the_nearest() -> None:
         np.testing.assert_allclose(near["q"], q[k], atol=1e-7)
     with pytest.raises(Exception, match=r"T is no pose: the columns of its rotation are 2.1e-1 from orthonormal"):
         model.value("model.inverseKinematics([[1.1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], [0.5])")
+    unit = "[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"
+    for call, message in (
+        (f"inverseKinematics({unit}, [0.5], [0, NaN, 0, 0])", "near must be finite numbers"),
+        (f"inverseKinematicsNearest({unit}, [0, Infinity, 0, 0], [0.5])", "q must be finite numbers"),
+        ("inverseKinematics([[1,0,0,1e200],[0,1,0,0],[0,0,1,0],[0,0,0,1]], [0.5])", "1e\\+200 m away"),
+    ):
+        with pytest.raises(Exception, match=message):
+            model.value(f"model.{call}")
 
 
 def test_the_nearest_solution_is_the_configuration_itself_full_turns_included() -> None:

@@ -204,9 +204,10 @@ class InverseSolver:
         return status
 
     def _numeric(self, poses: Array, given: Array, near: Array | None) -> Branches:
+        start = None if near is None else near.tolist()
         found = [
             solve(
-                self.chain, pose, entries=self.entries, given=dict(zip(self.graph.given, row, strict=True)), near=near
+                self.chain, pose, entries=self.entries, given=dict(zip(self.graph.given, row, strict=True)), near=start
             )
             for pose, row in zip(poses, given, strict=True)
         ]
