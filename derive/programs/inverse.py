@@ -287,7 +287,8 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else _without_given(INTERFACE)
-    widths = {POSE: POSE_ENTRIES, GIVEN: len(graph.given), NEAR: n}
+    given_width = {GIVEN: len(graph.given)} if graph.given else {}
+    widths = {POSE: POSE_ENTRIES, **given_width, NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
     wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
