@@ -9,6 +9,9 @@ from math import prod
 from derive.programs.program import Elimination, InverseSearch, Way
 from derive.robot.robot import Robot
 
+_LEAST = 4
+"""Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones."""
+
 
 @dataclass(frozen=True, slots=True)
 class CSearch:
@@ -74,8 +77,8 @@ def c_search(search: InverseSearch, robot: Robot) -> CSearch:
         signs=_listed(float(joint.sign) for joint in robot.joints),
         ways=max(len(each.ways) for each in search.eliminations),
         rows=max(sum(way.equations for way in each.ways) for each in search.eliminations),
-        columns=max(max(sum(each.rows), _products(each)) for each in search.eliminations),
-        size=size,
+        columns=max(_LEAST, *(max(sum(each.rows), _products(each)) for each in search.eliminations)),
+        size=max(_LEAST, size),
         most=max(search.branches, 2 * size),
     )
 

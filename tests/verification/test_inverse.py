@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
@@ -49,7 +49,7 @@ class Faulty:
     target = "numpy"
     file = "model_numpy.py"
     ways = ()
-    constants: dict[str, object] = None  # type: ignore[assignment]
+    constants: dict[str, object] = field(default_factory=dict)
 
     def call(self, function: str, arguments: list[Array], parameters: Parameters) -> Array:
         raise NotImplementedError
