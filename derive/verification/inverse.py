@@ -15,7 +15,7 @@ from derive.errors import VerificationError
 from derive.robot.inverse_options import ROWS
 from derive.robot.robot import Robot
 from derive.verification.generated import GeneratedModel
-from derive.verification.oracle.frames import Array, forward_kinematics
+from derive.verification.oracle.frames import Arm, Array, forward_kinematics, jacobian
 from derive.verification.samples import SampleSet
 
 FUNCTION = "inverse_kinematics"
@@ -34,6 +34,12 @@ FAR = 1e3
 
 SEARCHED = 6
 """Poses that are tried where solutions are looked for from many starts, which takes long and may miss some."""
+
+SINGULAR = 1e-6
+"""Smallest singular value of the Jacobian against the largest, below which solutions coincide."""
+
+TINY = 1e-300
+"""Keeps lengths that are all zero from dividing."""
 
 NONE, EXACT = 0, 1
 
@@ -70,7 +76,8 @@ def inverse_errors(
         worst = 0.0
         for k, pose in enumerate(poses):
             rows = found[k][status[k] != NONE]
-            fault = _fault(robot, rows, status[k], found[k], q[k], complete)
+            is_singular = _is_singular(arm, q[k], places, given)
+            fault = _fault(robot, rows, status[k], found[k], q[k], complete=complete, is_singular=is_singular)
             if not fault and len(rows):
                 again = forward_kinematics(arm, rows)
                 errors = np.array([abs(again[:, i, j] - pose[i, j]) for i, j in places]).T / scale
@@ -89,13 +96,15 @@ def inverse_errors(
         yield len(poses), worst
 
 
-def _fault(robot: Robot, rows: Array, status: Array, found: Array, q: Array, complete: bool) -> str:
+def _fault(
+    robot: Robot, rows: Array, status: Array, found: Array, q: Array, *, complete: bool, is_singular: bool
+) -> str:
     """What is wrong with the solutions of a pose, but for the poses that they lead to."""
     if not len(rows):
         return "finds no solution of a reachable pose" if complete else ""
     if not np.array_equal(np.isnan(found).any(axis=1), status == NONE):
         return "marks branches that do not exist by other things than nan"
-    if (status > EXACT).any():
+    if is_singular or (status > EXACT).any():
         return ""
     turns = np.array([joint.is_revolute for joint in robot.joints])
     if complete and _distance(rows, q, turns).min() > SAME:
@@ -104,6 +113,15 @@ def _fault(robot: Robot, rows: Array, status: Array, found: Array, q: Array, com
         if i and _distance(rows[:i], row, turns).min() < APART:
             return "finds a solution twice"
     return ""
+
+
+def _is_singular(arm: Arm, q: Array, places: Sequence[tuple[int, int]], given: Sequence[int]) -> bool:
+    """Whether a configuration is a multiple solution of its pose, which is known to some of its digits alone."""
+    slopes = jacobian(arm, q)
+    slopes[:3] /= max(np.abs(np.concatenate([arm.a, arm.d, slopes[:3].ravel()])).max(), TINY)
+    rows = [i for i, j in places if j == 3] + [3, 4, 5] * any(j < 3 for _, j in places)
+    values = np.linalg.svd(slopes[rows][:, [k for k in range(len(q)) if k not in given]], compute_uv=False)
+    return bool(values[-1] < SINGULAR * values[0])
 
 
 def _distance(rows: Array, q: Array, turns: Array) -> Array:
