@@ -33,7 +33,7 @@ from derive.robot.expression import (
 )
 from derive.robot.expression import names as names_in
 
-MAX_TRIED = 20_000
+MAX_TRIED = 6_000
 """Changes that are tried for one line."""
 
 MAX_PAIRS = 6_000
@@ -125,6 +125,10 @@ class Repairer:
                 yield from _plus_minus(spot)
             if kind is SlipKind.ATAN2:
                 yield from _atan2(spot)
+            if kind is SlipKind.SYMBOL and isinstance(spot.node, Number):
+                sign = number(-1 if spot.node.value < 0 else 1)
+                meant = (multiply(sign, Name(name)) for name in self._may.names if name not in self._may.angles)
+                yield from (Edit(kind, spot, name, spot.node, name) for name in meant)
             if kind is SlipKind.EXPONENT and isinstance(spot.node, Sum):
                 yield from _squares(spot, spot.node.terms)
 

@@ -124,17 +124,19 @@ class PrintedInverse:
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
         self.named = {line.name: line for line in self.lines if line.target is None}
         self.given = tuple(line for line in self.lines if line.target is not None)
-        decimals = [d for line in lines for f in line.formulas for d in _digits(f.expression)]
-        self.close = max(CLOSE, 10.0 ** (3 - max(decimals))) if decimals else CLOSE
+        self.close = CLOSE
+        self._names: dict[Formula, frozenset[str]] = {}
         self._before: dict[Line, tuple[Line, ...]] = {}
         self._choices: dict[Line, dict[str, tuple[float, ...]]] = {}
 
     def check_size(self) -> None:
-        """Refuse what cannot be tried.
+        """Refuse what cannot be tried, and look for decimals of many digits.
 
         Raises:
             CheckError: A line that depends on too many plus-minus signs, or on itself.
         """
+        decimals = [d for line in self.lines for f in line.formulas for d in _digits(f.expression)]
+        self.close = max(CLOSE, 10.0 ** (3 - max(decimals))) if decimals else CLOSE
         for line in self.lines:
             if len(self._signs(line)) > MAX_SIGNS:
                 found = f"{line.quantity} depends on {len(self._signs(line))} plus-minus signs"
@@ -149,9 +151,18 @@ class PrintedInverse:
             expression: What stands there then.
         """
         formulas = tuple(replace(f, expression=expression) if f is formula else f for f in line.formulas)
-        return PrintedInverse(
-            self.robot, [replace(line, formulas=formulas) if x is line else x for x in self.lines], self.sums
-        )
+        return self._with([replace(line, formulas=formulas) if x is line else x for x in self.lines])
+
+    def _with(self, lines: Sequence[Line]) -> PrintedInverse:
+        """A solution with other lines, which knows the names in formulas that both have."""
+        found = PrintedInverse(self.robot, lines, self.sums)
+        found.close, found._names = self.close, self._names
+        return found
+
+    def _names_in(self, formula: Formula) -> frozenset[str]:
+        if formula not in self._names:
+            self._names[formula] = frozenset(names(formula.expression))
+        return self._names[formula]
 
     def mapped(self, change: Mapping[int, Expression]) -> PrintedInverse:
         """The solution with other expressions.
@@ -163,7 +174,7 @@ class PrintedInverse:
             replace(line, formulas=tuple(replace(f, expression=change.get(id(f), f.expression)) for f in line.formulas))
             for line in self.lines
         ]
-        return PrintedInverse(self.robot, lines, self.sums)
+        return self._with(lines)
 
     # -- values
 
@@ -184,7 +195,7 @@ class PrintedInverse:
 
     def _collect(self, line: Line, found: dict[str, Line], above: tuple[str, ...]) -> None:
         for formula in line.formulas:
-            for name in names(formula.expression):
+            for name in sorted(self._names_in(formula) & {*self.named, *above}):
                 if name in above:
                     what = f"{listed(dict.fromkeys((*above, name)))} are given by each other"
                     raise CheckError(what, remedy="give one of them by what is known", location=formula.location)
@@ -209,8 +220,8 @@ class PrintedInverse:
 
     def _signs(self, line: Line) -> tuple[str, ...]:
         formulas = [f for part in (*self.named_before(line), line) for f in part.formulas]
-        found = dict.fromkeys(name for f in formulas for name in names(f.expression) if name[0] == SIGN)
-        return tuple(found)
+        found = dict.fromkeys(name for f in formulas for name in self._names_in(f) if name[0] == SIGN)
+        return tuple(sorted(found))
 
     def value(self, line: Line, place: Place, choice: Choice) -> float:
         """What a line gives at a configuration.
