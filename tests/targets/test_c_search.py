@@ -52,6 +52,33 @@ def test_c_finds_the_solutions_that_numpy_finds() -> None:
     assert not compiled.inverse(away[:4], q[:4, GIVEN], PARAMETERS)[1].any()
 
 
+@needs_compiler
+def test_poses_of_short_numbers_have_the_solutions_of_those_next_to_them() -> None:
+    (q, poses), compiled = poses_of(GENERAL, 12), c_model(robot_of(GENERAL), program_of(GENERAL))
+    short = poses.astype(np.float32)
+    wanted = model_of(GENERAL).inverse_kinematics(poses, PARAMETERS, q[:, GIVEN])
+    found = model_of(GENERAL).inverse_kinematics(short, PARAMETERS, q[:, GIVEN])
+    other, _ = compiled.inverse(short.astype(float), q[:, GIVEN], PARAMETERS)
+    for rows, ours, theirs in zip(wanted, found, other, strict=True):
+        apart = np.abs(ours[None] - rows[:1, None]).max(axis=-1)
+        assert np.nanmin(apart) < 1e-3
+        np.testing.assert_allclose(theirs, ours, atol=1e-8)
+    again = model_of(GENERAL).forward_kinematics(np.nan_to_num(found), PARAMETERS)
+    assert np.abs(again - short[:, None])[np.isfinite(found[..., 0])].max() < 1e-6
+
+
+@needs_compiler
+@pytest.mark.parametrize("entry", [np.nan, np.inf, 1e300], ids=str)
+def test_in_c_no_solution_exists_at_what_is_no_number(entry: float) -> None:
+    (q, poses), compiled = poses_of(GENERAL, 2), c_model(robot_of(GENERAL), program_of(GENERAL))
+    bad = poses.copy()
+    bad[1, 1, 3] = entry
+    found, status = compiled.inverse(bad, q[:, GIVEN], PARAMETERS)
+    assert status[0].any()
+    assert not status[1].any()
+    assert np.isnan(found[1]).all()
+
+
 def test_parameters_may_differ_from_pose_to_pose() -> None:
     model, (q, _) = model_of(GENERAL), poses_of(GENERAL, 6)
     lengths = np.array([0.3, 0.4, 0.3, 0.5, 0.4, 0.3])
