@@ -113,7 +113,7 @@ def names_of_branches(
     if len(found) > 1:
         up = np.array(upwards(robot, numbers))
         shape = Shape(robot, seen[found[0]][0], up)
-        signs = [f"#{place}" for place in range(1, len(found) + 1)]
+        signs = [f"#{k + 1}" for k in found]
         for k, name in zip(found, branch_names(shape, [seen[k] for k in found], signs), strict=True):
             names[k] = name
     return tuple(names)

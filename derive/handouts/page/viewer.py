@@ -212,9 +212,8 @@ def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notat
     ]
     branches = []
     for index, name in enumerate(names):
-        number = text("branch %(number)s", number=index + 1)
-        words = number if name.startswith("#") else branch_name(text, notation, name, _letters)
-        branches += [{"index": index, "name": html_text(words)}] if name else []
+        words = html_text(branch_name(text, notation, name, _letters))
+        branches += [{"index": index, "name": words}] if name else []
     return {"axes": axes, "branches": branches}
 
 

@@ -6,7 +6,6 @@ equation, whence it comes, the formulas, when they are real and where the joint 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -20,22 +19,26 @@ from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matri
 from derive.handouts.notation.pieces import concatenate, joined
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.inverse_example import example
-from derive.handouts.parts.inverse_formulas import FormulaWriter
-from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources
+from derive.handouts.parts.inverse_formulas import WIDEST_LEFT, FormulaWriter
+from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources, words_alone
 from derive.model.inverse.coincidences import coincidences
 from derive.model.inverse.derivation import Step
 from derive.model.inverse.elementary import Line
+from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.origins import Form
 from derive.model.inverse.solutions import InverseKinematics
-from derive.model.inverse.solve import MAX_JOINTS, Freedom, usual_task
+from derive.model.inverse.solve import MAX_JOINTS, Freedom, solve, usual_task
 from derive.model.model import Model
 from derive.model.singularities.determinant import Posture, SingularFactor
 from derive.robot.expression import ZERO
 from derive.robot.inverse_options import POSE, InverseOptions
 
 LONGEST_SUM = 80.0
-"""Lines of formulas on paper beyond which the part says how long they are and leaves them to the generated code."""
+"""Lines of formulas on paper beyond which the part leaves them to the generated code."""
+
+MOST_TERMS = 200
+"""Of all equations of an arm; longer ones are not even written, which takes longer than a sheet should."""
 
 MOST_BRANCHES = 16
 """In the table of branches."""
@@ -51,6 +54,9 @@ def inverse(context: Context) -> Iterator[Block]:
         The blocks of the part.
     """
     task = usual_task(context.robot)
+    if _terms(solve(context.robot, task)) > MOST_TERMS:
+        yield _too_long(context)
+        return
     found = context.entries.model.inverse
     if task != found.graph.task:
         asked = replace(context.robot, inverse=InverseOptions(task))
@@ -68,6 +74,18 @@ def inverse(context: Context) -> Iterator[Block]:
     yield from part.branches()
     if context.robot.n > 1 and found.is_explicit:
         yield from example(context, found)
+
+
+def _terms(graph: SolutionGraph) -> int:
+    """Terms of all equations that are solved."""
+    equations = (equation for node in graph.nodes for equation in node.formulas[0].equations)
+    return sum(len(p) for equation in equations for p in equation.terms.values())
+
+
+def _too_long(context: Context) -> Paragraph:
+    _ = context.text
+    words = _("The formulas of this arm are too long to print; `inverse_kinematics` in `model_numpy.py` computes them.")
+    return Paragraph(words, is_answer=True)
 
 
 @dataclass
@@ -165,8 +183,10 @@ class _Part:
             return
         yield Paragraph(_("With %(n)s joints the arm reaches a pose only if:", n=self.context.robot.n), is_answer=True)
         within = {line.symbol: line.value for line in self.found.definitions}
-        sides = ((c.left.xreplace(within), c.right.xreplace(within)) for c in conditions)
-        lines = equation_lines(Equation(joined(self._pieces(a)), tuple(self._pieces(b))) for a, b in sides)
+        sides = [(self._pieces(c.left.xreplace(within)), c.right.xreplace(within)) for c in conditions]
+        short = [(left, right) for left, right in sides if joined(left).width < WIDEST_LEFT]
+        lines = equation_lines(Equation(joined(left), tuple(self._pieces(right))) for left, right in short)
+        lines += [line for side in sides if side not in short for line in self.writer.broken(*side)]
         task = _("Which conditions must a pose satisfy so that the arm can reach it?")
         yield Formula((Rows(tuple(lines)),), task=task, blanks=("",))
         variables = {self._variable(k) for k in range(self.context.robot.n)}
@@ -244,25 +264,18 @@ class _Part:
         _, found = self.context.text, self.found
         written = [self.writer.rows(line) for step in found.steps for line in step.lines]
         if sum(map(len, written)) > LONGEST_SUM:
-            yield Paragraph(
-                _(
-                    "The formulas need %(lines)s lines, too many to print; `inverse_kinematics` in `model_numpy.py` "
-                    "computes them.",
-                    lines=sum(map(len, written)),
-                ),
-                is_answer=True,
-            )
+            yield _too_long(self.context)
             return
         factors = self.context.entries.model.singularities.factors
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
-            if step.kind is not Kind.GIVEN:
+            if step.kind not in (Kind.GIVEN, Kind.GENERAL):
                 yield from self._step(step, merged, free)
+        general = [self._eigenvalues(step) for step in found.steps if step.kind is Kind.GENERAL]
+        if general:
+            yield Paragraph(" ".join(general), is_answer=True)
 
     def _step(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[Block]:
         _, unknown = self.context.text, self._math(step.unknown)
-        if step.kind is Kind.GENERAL:
-            yield Paragraph(self._eigenvalues(step), is_answer=True)
-            return
         if step.kind is Kind.SUM:
             words = _("%(unknown)s follows from the angles that are known:", unknown=unknown)
         else:
@@ -360,9 +373,10 @@ class _Part:
         if not 1 < len(solutions) <= MOST_BRANCHES:
             return
         columns = {sign: step.unknown for step in self.found.steps for line in step.lines for sign in line.signs}
-        postures = [branch_name(_, self.writer.printer.notation, solution.name) for solution in solutions]
+        notation = self.writer.printer.notation
+        postures = [branch_name(_, notation, words_alone(solution.name)) for solution in solutions]
         signs = [[f"${'+' if solution.signs[sign] > 0 else '-'}$" for sign in columns] for solution in solutions]
-        has_names = not any(re.match(r"[+-]", posture) for posture in postures)
+        has_names = any(postures)
         rows = [
             (str(number), *([posture] if has_names else []), *own)
             for number, (posture, own) in enumerate(zip(postures, signs, strict=True), 1)

@@ -88,15 +88,20 @@ class FormulaWriter:
             task: What an exercise asks in their place.
             is_each_asked: Whether it asks for each of them, not only for the last one.
         """
-        either = f" \\text{{ {self._context.text('or')} }} "
-        written = [formula(line, self.tex, " = ", either, " + \\pi").partition(" = ") for line in lines]
-        entries = tuple(
-            Entry(left, right, self._assignments[line]) for line, (left, _, right) in zip(lines, written, strict=True)
-        )
         rows = tuple(row for line in lines for row in self.rows(line))
         names = tuple(self.tex(line.symbol) for line in lines)
         blanks = names if is_each_asked else names[-1:]
-        return Formula((Rows(rows),), entries=entries, task=task, blanks=blanks if task else ())
+        return Formula((Rows(rows),), entries=_Copied(self, lines), task=task, blanks=blanks if task else ())
+
+    def entry(self, line: Line) -> Entry:
+        """A formula to be copied.
+
+        Args:
+            line: The formula.
+        """
+        either = f" \\text{{ {self._context.text('or')} }} "
+        left, _, right = formula(line, self.tex, " = ", either, " + \\pi").partition(" = ")
+        return Entry(left, right, self._assignments[line])
 
     @cached_property
     def _assignments(self) -> dict[Line, str]:
@@ -132,3 +137,20 @@ class FormulaWriter:
         else:
             rows = break_lines(EMPTY, [*left, Piece(Box("= ", 12.0), Break.BINARY), *pieces])
         return [with_signs(row) for row in rows]
+
+
+class _Copied(Sequence[Entry]):
+    """Formulas for copying, written when they are looked at: paper has no use for them."""
+
+    def __init__(self, writer: FormulaWriter, lines: Sequence[Line]) -> None:
+        self._writer, self._lines = writer, lines
+
+    @cached_property
+    def _entries(self) -> tuple[Entry, ...]:
+        return tuple(map(self._writer.entry, self._lines))
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._entries[place]

@@ -132,13 +132,22 @@ def or_list(text: Text, words: Sequence[str]) -> str:
     return text("%(others)s or %(last)s", others=", ".join(words[:-1]), last=words[-1])
 
 
+def words_alone(name: str) -> str:
+    """The name of a branch without the signs of roots that tell it from others.
+
+    Args:
+        name: As `derive.model.inverse.branch_names` gives it.
+    """
+    return ", ".join(part for part in name.split(", ") if not _SIGN_OF_ROOT.fullmatch(part))
+
+
 def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str], str] | None = None) -> str:
     """The name of a branch in the reader's language.
 
     Args:
         text: The language.
         notation: The robot's notation.
-        name: As `derive.model.inverse.branch_names` gives it.
+        name: As `derive.model.inverse.branch_names` gives it; ``#3`` is branch 3.
         plain: How a symbol is written in running text; None for LaTeX between dollar signs.
 
     Returns:
@@ -151,6 +160,8 @@ def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str]
         if side:
             symbol = notation.glyph(side[1]).box.tex.strip()
             return f"${symbol} {side[2]} 0$" if plain is None else f"{plain(symbol)} {side[2]} 0"
+        if part.startswith("#"):
+            return text("branch %(number)s", number=part[1:])
         if root:
             return root[2] if plain is None else root[2].replace("-", "\N{MINUS SIGN}")
         return words.get(part, part)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import Any
 
 import mpmath
@@ -66,9 +67,10 @@ def _margin(step: Step) -> Expr:
 
 
 def _vanish(conditions: Sequence[Expr], places: Sequence[Numbers]) -> bool:
-    """Whether expressions are zero at all of these places."""
-    with mpmath.workdps(DIGITS):
+    """Whether expressions are zero at all of these places; one that has no value there is not."""
+    with mpmath.workdps(DIGITS), suppress(ArithmeticError, ValueError):
         return bool(places) and all(abs(value_of(e, known)) < _VANISHES for e in conditions for known in places)
+    return False
 
 
 def _zeros(found: InverseKinematics, factor: SingularFactor) -> Iterator[Numbers]:

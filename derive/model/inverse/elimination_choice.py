@@ -143,7 +143,7 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
             found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
             doubts = int(found.doubtful.sum()) > POLICY.trials // 10
             # coarse, so that the choice depends on no processor's rounding
-            digits = int(math.log10(max(found.error, 1e-16)) / 4)
+            digits = int(math.log10(min(max(found.error, 1e-16), 1e16)) / 4)
             order = (-found.certain, doubts, option.eigenvalues, len(option.reductions), digits)
             results.append((order, option))
         if results and not min(results, key=lambda each: each[0])[0][1]:

@@ -6,6 +6,7 @@ import math
 import random
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from derive.handouts.context import Context
 from derive.handouts.document import Blank, Document, Figure, Formula, Paragraph, Rows, Section, Steps, Table, blocks_of
 from derive.handouts.exercise import exercise
 from derive.handouts.language import ENGLISH, languages
+from derive.handouts.latex_writer import latex
 from derive.handouts.parts.inverse import inverse
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.inverse.solve import usual_task
@@ -26,6 +28,9 @@ from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
+from tests.handouts.latex_runner import run_latex
+from tests.inverse.arms import PUBLISHED, ArmCase
+from tests.random_robots import robot_text
 
 KINDS = ("planar-2r-perugia", "planar-3r", "scara-perugia", "spherical-arm", "spherical-wrist", "thumb")
 LARGE = ("puma560-corke", "stanford-laschi", "kuka-lwr4", "anthropomorphic-wrist")
@@ -241,3 +246,32 @@ def test_the_equations_that_it_prints_hold_identically(name: str) -> None:
         for equation in step.equations:
             difference = (equation.left - equation.right).xreplace(totals).xreplace(pose)
             assert rational(difference) == 0
+
+
+LONG = 7013
+"""A seed of an arm of seven joints whose axes are parallel to no other."""
+
+
+@pytest.mark.sweep
+def test_an_arm_whose_formulas_nobody_reads_has_a_sentence_instead() -> None:
+    section = part(Robot.from_text(robot_text(random.Random(LONG), 7)))
+    assert "are too long to print" in words(section)
+    assert len(section.blocks) == 1
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", [2, 3, 5, 8, 9, 10, 11, 16, 18, 22, 25, 26])
+def test_long_conditions_and_equations_stay_within_the_margins(seed: int, tmp_path: Path) -> None:
+    robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
+    language = languages()[seed % len(languages())]
+    context = context_of(robot, replace(robot.handout, language=language, parts=("inverse",)))
+    log = run_latex(latex(document(context), context.text), tmp_path)
+    assert not log.errors
+    assert log.overfull <= 1.0
+
+
+@pytest.mark.parametrize("case", [c for c in PUBLISHED if c.name in ("scara-wrist", "crx-10ia")], ids=lambda c: c.name)
+def test_arms_of_books_have_the_part(case: ArmCase) -> None:
+    """With three parallel axes first; with an offset wrist, whose joints are those of an eigenvalue problem."""
+    said = words(part(case.robot()))
+    assert "are parallel; $q_{123} = q_{1} + q_{2} + q_{3}$" in said or "eigenvalues of a matrix of 16 rows" in said

@@ -8,7 +8,7 @@ import pytest
 
 from derive.handouts.assemble import context_of
 from derive.handouts.language import Text, text_for
-from derive.handouts.parts.inverse_words import and_list, branch_name, sources
+from derive.handouts.parts.inverse_words import and_list, branch_name, sources, words_alone
 from derive.model.inverse.branch_names import Word
 from derive.robot.handout_options import FrameIndices, NotationOptions
 from derive.robot.robot import Robot
@@ -49,4 +49,6 @@ def test_sides_of_zero_and_signs_are_mathematics() -> None:
     notation = context_of(ARM).notation
     assert branch_name(Text(), notation, "elbow up, q2 < 0") == "elbow up, $q_{2} < 0$"
     assert branch_name(Text(), notation, "epsilon_2=+1, epsilon_3=-1") == "+, -"
+    assert branch_name(Text(), notation, "elbow up, #3") == "elbow up, branch 3"
+    assert words_alone("elbow up, epsilon_2=+1") == "elbow up"
     assert branch_name(Text(), notation, "q2 < 0", lambda symbol: f"<i>{symbol}</i>") == "<i>q_{2}</i> < 0"
