@@ -50,3 +50,9 @@ def defined(tree: ast.Module) -> list[str]:
         )
         found += [target.id for target in targets if isinstance(target, ast.Name)]
     return found
+
+
+def test_every_decision_stands_in_the_index() -> None:
+    folder = ROOT / "docs" / "decisions"
+    index = (folder / "index.md").read_text(encoding="utf-8")
+    assert [path.name for path in sorted(folder.glob("0*.md")) if f"({path.name})" not in index] == []
