@@ -87,6 +87,7 @@ def test_an_orthogonal_arm_that_cannot_fold_over_is_not_cuspidal() -> None:
     assert not found.is_cuspidal
 
 
+@pytest.mark.sweep
 def test_a_crx_is_cuspidal() -> None:
     case = next(case for case in PUBLISHED if case.name == "crx-10ia")
     robot = case.robot()
