@@ -10,24 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
-import numpy as np
-
 from derive.checking.edits import Evaluator
 from derive.checking.findings import ROUNDED, significant
+from derive.checking.joint_combinations import JointCombinations, Known, Vector, unit_vector
 from derive.checking.latex_names import SIGN
 from derive.errors import CheckError, Location, listed
 from derive.robot.expression import (
     ZERO,
     Call,
     Expression,
-    Name,
     Number,
     children,
-    linear_terms,
     names,
     rebuilt,
     substitute,
@@ -42,9 +38,6 @@ CLOSE = 1e-7
 
 Choice = Mapping[str, float]
 """A value of every plus-minus, and for lines with alternatives which one."""
-
-Vector = tuple[Fraction, ...]
-"""A linear combination of the joint variables."""
 
 _BAD = (ArithmeticError, ValueError, KeyError)
 
@@ -115,6 +108,7 @@ class PrintedInverse:
         robot: Whose solution it is.
         lines: Its lines.
         sums: What names such as q23 stand for.
+        joints: Reads linear combinations of joint variables.
         named: The lines that only name quantities, by name.
         given: The lines with a target.
         close: Difference below which values are the same; decimals of many digits count as rounded.
@@ -122,6 +116,7 @@ class PrintedInverse:
 
     def __init__(self, robot: Robot, lines: Sequence[Line], sums: Mapping[str, Expression]) -> None:
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
+        self.joints = JointCombinations(robot, sums)
         self.named = {line.name: line for line in self.lines if line.target is None}
         self.given = tuple(line for line in self.lines if line.target is not None)
         self.close = CLOSE
@@ -332,59 +327,29 @@ class PrintedInverse:
             line: The line, one with a target.
         """
         assert line.target is not None
-        vector = self.combination(line.target)
+        vector = self.joints.combination(line.target)
         revolute = [joint.is_revolute for joint in self.robot.joints]
         return vector is not None and any(c and r for c, r in zip(vector, revolute, strict=True))
 
     # -- which line needs which
 
-    def combination(self, e: Expression) -> Vector | None:
-        """The linear combination of joint variables that an expression is, constants aside; None if it is none.
-
-        Args:
-            e: The expression.
-        """
-        variables = [joint.variable for joint in self.robot.joints]
-        vector = [Fraction(0)] * len(variables)
-        for factor, term in linear_terms(e):
-            if isinstance(term, Name) and term.name in self.sums:
-                whole = self.combination(self.sums[term.name])
-                vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
-            elif isinstance(term, Name) and term.name in variables:
-                vector[variables.index(term.name)] += factor
-            elif any(name in variables or name in self.sums for name in names(term)):
-                return None
-        return tuple(vector) if any(vector) else None
-
-    def meaning(self, e: Expression) -> tuple[str, Vector] | None:
-        """What is known where an expression is: an angle or length itself, or its cosine, sine or tangent.
-
-        Args:
-            e: The expression.
-        """
-        if isinstance(e, Call) and e.function in ("cos", "sin", "tan"):
-            vector = self.combination(e.arguments[0])
-            return (e.function, vector) if vector else None
-        vector = self.combination(e)
-        return ("", vector) if vector else None
-
     @property
     def _steps(self) -> list[tuple[Line, tuple[str, Vector]]]:
-        return [(line, m) for line in self.given if line.target and (m := self.meaning(line.target))]
+        return [(line, m) for line in self.given if line.target and (m := self.joints.meaning(line.target))]
 
     @cached_property
     def free(self) -> tuple[str, ...]:
         """The joint variables that are taken as known: no line gives them, or only as a part of a sum."""
         own = [vector for _, (_, vector) in self._steps]
-        units = {joint.variable: _unit(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
+        units = {joint.variable: unit_vector(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
         untouched = [name for j, name in enumerate(units) if not any(vector[j] for vector in own)]
         alone = [name for name, unit in units.items() if unit not in own]
         return tuple(untouched if self._order(untouched)[1] == [] else alone)
 
-    def _order(self, free: Sequence[str]) -> tuple[_Known, list[Line]]:
+    def _order(self, free: Sequence[str]) -> tuple[Known, list[Line]]:
         """What is known at the end where some joint variables are, and the lines that need each other."""
         variables = [joint.variable for joint in self.robot.joints]
-        known, waiting = _Known([variables.index(name) for name in free], len(variables)), self._steps
+        known, waiting = Known([variables.index(name) for name in free], len(variables)), self._steps
         while waiting:
             ready = [step for step in waiting if all(known.has(*need) for need in self._needs(step[0]))]
             if not ready:
@@ -407,56 +372,14 @@ class PrintedInverse:
             found = f"{whole} are given by each other" if len(left) > 1 else f"{whole} is given by itself"
             where = left[0].formulas[0].location
             raise CheckError(found, remedy="give one of them by the pose alone", location=where)
-        units = {joint.variable: _unit(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
+        units = {joint.variable: unit_vector(j, self.robot.n) for j, joint in enumerate(self.robot.joints)}
         return tuple(name for name, unit in units.items() if name not in self.free and known.has("", unit))
 
     def _needs(self, line: Line) -> Iterator[tuple[str, Vector]]:
         for part in (*self.named_before(line), line):
             for formula in part.formulas:
                 own = {formula.first: ZERO} if formula.first else {}
-                yield from self._needed(substitute(formula.expression, own))
-
-    def _needed(self, e: Expression) -> Iterator[tuple[str, Vector]]:
-        if isinstance(e, Name | Call) and (found := self.meaning(e)):
-            yield found
-        elif not isinstance(e, Name):
-            for part in children(e):
-                yield from self._needed(part)
-
-
-class _Known:
-    """What is known of the joint variables: linear combinations, cosines and sines of some."""
-
-    def __init__(self, joints: Sequence[int], n: int) -> None:
-        self._rows: list[Vector] = [_unit(j, n) for j in joints]
-        self._functions: set[tuple[str, Vector]] = set()
-
-    def has(self, function: str, vector: Vector) -> bool:
-        """Whether it follows from what is known.
-
-        Args:
-            function: ``cos``, ``sin`` or ``tan``; empty for the combination itself.
-            vector: The combination.
-        """
-        if (function, vector) in self._functions:
-            return True
-        rows = np.array([*self._rows, vector], dtype=float)
-        return bool(np.linalg.matrix_rank(rows) == (np.linalg.matrix_rank(rows[:-1]) if len(rows) > 1 else 0))
-
-    def add(self, function: str, vector: Vector) -> None:
-        """One thing more; cosine and sine together are the angle.
-
-        Args:
-            function: ``cos``, ``sin`` or ``tan``; empty for the combination itself.
-            vector: The combination.
-        """
-        self._functions.add((function, vector))
-        if not function or {("cos", vector), ("sin", vector)} <= self._functions:
-            self._rows.append(vector)
-
-
-def _unit(j: int, n: int) -> Vector:
-    return tuple(Fraction(int(k == j)) for k in range(n))
+                yield from self.joints.needed(substitute(formula.expression, own))
 
 
 def _digits(e: Expression) -> Iterator[int]:

@@ -18,7 +18,7 @@ def test_a_chain_of_sides_names_and_gives() -> None:
     assert vocabulary.new == {"alpha"}
     assert [line.name for line in printed.lines if line.target is None] == ["alpha"]
     assert printed.given[0].quantity == "q1 + q2 - q4"
-    assert not printed.meaning(Name("alpha"))
+    assert not printed.joints.meaning(Name("alpha"))
 
 
 def test_the_middle_side_may_be_the_name() -> None:
