@@ -134,7 +134,7 @@ def casadi_inverse(inverse: Inverse, parameters: int) -> list[Any]:
             better = found[n] < ahead[n]
             mended, ahead = casadi.if_else(better, ahead[:n], mended), casadi.if_else(better, found, ahead)
         kind = casadi.if_else((ahead[n] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0)
-        status = casadi.if_else(code < 4, code, kind)
+        status = casadi.if_else(casadi.norm_1(pose[:12]) <= 1e30, casadi.if_else(code < 4, code, kind), 0)
         q = casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(n, 1))
         functions.append(
             casadi.Function(f"inverse_kinematics_{branch + 1}", inputs, [q, status], names, ["q", "status"])

@@ -157,6 +157,19 @@ def test_casadi_has_a_function_for_each_branch(robot: Robot) -> None:
             assert int(status) == code[k]
 
 
+@pytest.mark.parametrize("entry", [np.nan, np.inf, 1e160], ids=str)
+def test_in_casadi_no_branch_exists_at_what_is_no_number_or_out_of_any_reach(entry: float) -> None:
+    robot = elbow()
+    model = load(render_casadi(source_of(robot, program_of(robot)))["model_casadi.py"])
+    _, poses, _ = cases(robot, 1)
+    bad = poses[0].copy()
+    bad[1, 1 if np.isnan(entry) else 3] = entry
+    for function in model.inverse_kinematics:
+        q, status = function(bad, [0.5])
+        assert float(status) == 0.0
+        assert np.isnan(np.array(q)).all()
+
+
 def test_javascript_gives_the_same_and_the_nearest() -> None:
     robot = elbow()
     q, poses, parameters = cases(robot, 5)
