@@ -85,6 +85,13 @@ class InertiaLetter(StrEnum):
     D = "D"
 
 
+class PoseEntries(StrEnum):
+    r"""How the rotation of a given pose is written: r_{13}, or the columns n, s, a by their components, a_x."""
+
+    ENTRIES = "entries"
+    COLUMNS = "columns"
+
+
 @dataclass(frozen=True, slots=True)
 class NotationOptions:
     """How symbols are written.
@@ -95,6 +102,7 @@ class NotationOptions:
         functions: Sines and cosines.
         frames: Frames of a transform.
         inertia: The inertia matrix.
+        pose: The rotation of the pose that the inverse kinematics is given.
     """
 
     angle: AngleLetter = AngleLetter.NAME
@@ -102,6 +110,7 @@ class NotationOptions:
     functions: Functions = Functions.SHORT
     frames: FrameIndices = FrameIndices.RIGHT
     inertia: InertiaLetter = InertiaLetter.B
+    pose: PoseEntries = PoseEntries.ENTRIES
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from derive.robot.handout_options import (
     HandoutOptions,
     InertiaLetter,
     NotationOptions,
+    PoseEntries,
     SliderLetter,
     chosen_pages,
 )
@@ -94,6 +95,7 @@ def read_handout(document: Document) -> HandoutOptions:
         functions=_chosen((*_NOTATION, "functions"), Functions.SHORT),
         frames=_chosen((*_NOTATION, "frames"), FrameIndices.RIGHT),
         inertia=_chosen((*_NOTATION, "inertia"), InertiaLetter.B),
+        pose=_chosen((*_NOTATION, "pose"), PoseEntries.ENTRIES),
     )
     path, pages = ("handout", "pages"), default.pages
     if (limit := document.scalar(path)) is not None:

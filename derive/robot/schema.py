@@ -20,6 +20,7 @@ from derive.robot.handout_options import (
     FrameIndices,
     Functions,
     InertiaLetter,
+    PoseEntries,
     SliderLetter,
 )
 from derive.robot.hints import choice_hint, key_hint, shape_hint
@@ -126,6 +127,7 @@ class NotationRow(Strict):
     functions: Functions = Field(default=Functions.SHORT, description="c_12, or cos(q_1 + q_2) in full.")
     frames: FrameIndices = Field(default=FrameIndices.RIGHT, description="A_1^0, or the frames on the left: ^0A_1.")
     inertia: InertiaLetter = Field(default=InertiaLetter.B, description="Letter of the inertia matrix.")
+    pose: PoseEntries = Field(default=PoseEntries.ENTRIES, description="Rotation of a given pose: r_13, or a_x.")
 
 
 class HandoutRow(Strict):

@@ -22,6 +22,7 @@ from derive.robot.handout_options import (
     HandoutOptions,
     InertiaLetter,
     NotationOptions,
+    PoseEntries,
     SliderLetter,
 )
 from derive.robot.robot import Robot
@@ -33,7 +34,7 @@ handout:
   parts: [inertia, figure, table]
   derivation: steps
   language: pt_BR
-  notation: {angle: vartheta, prismatic: q, functions: full, frames: left, inertia: M}
+  notation: {angle: vartheta, prismatic: q, functions: full, frames: left, inertia: M, pose: columns}
   pages: 12
 figure: {q: [pi/6, 0.25], values: {m1: 3, g: 9.81}}
 """
@@ -107,7 +108,12 @@ def test_every_option_arrives() -> None:
     assert handout.language == "pt_BR"
     assert handout.pages == 12
     assert handout.notation == NotationOptions(
-        AngleLetter.VARTHETA, SliderLetter.Q, Functions.FULL, FrameIndices.LEFT, InertiaLetter.M
+        AngleLetter.VARTHETA,
+        SliderLetter.Q,
+        Functions.FULL,
+        FrameIndices.LEFT,
+        InertiaLetter.M,
+        PoseEntries.COLUMNS,
     )
 
 
@@ -193,5 +199,5 @@ def test_the_schema_refuses_wrong_structure_too(tail: str) -> None:
 
 def test_the_schema_names_every_part_and_every_letter() -> None:
     text = json.dumps(json_schema())
-    words = [*PARTS, *AngleLetter, *SliderLetter, *Functions, *FrameIndices, *InertiaLetter, *Derivation]
+    words = [*PARTS, *AngleLetter, *SliderLetter, *Functions, *FrameIndices, *InertiaLetter, *PoseEntries, *Derivation]
     assert not [word for word in words if f'"{word}"' not in text]

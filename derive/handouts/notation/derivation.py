@@ -14,7 +14,7 @@ from typing import Any
 import sympy
 
 from derive.handouts.notation.notation import Notation, Order
-from derive.handouts.notation.pieces import Box, Piece, fraction, joined
+from derive.handouts.notation.pieces import Box, Piece, fraction, italic, joined
 from derive.handouts.notation.printer import LatexPrinter, Pieces
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.text import PlainPrinter, TextPrinter
@@ -24,6 +24,7 @@ from derive.model.inverse.nodes import Kind
 from derive.model.inverse.origins import Form, Origin
 from derive.model.inverse.solutions import InverseKinematics
 from derive.robot.description import IDENTITY
+from derive.robot.handout_options import PoseEntries
 from derive.robot.robot import Robot
 
 Print = Callable[[Any], str]
@@ -115,7 +116,17 @@ def with_names(notation: Notation, found: InverseKinematics) -> Notation:
     named = [line.symbol.name for line in found.lines if line.symbol.is_Symbol]
     last = len(notation.positions)
     positions = {name: (0, last + k) for k, name in enumerate(dict.fromkeys((*pose, *named)))}
-    return replace(notation, positions={**positions, **notation.positions})
+    return replace(notation.with_terms(_columns(notation, found)), positions={**positions, **notation.positions})
+
+
+def _columns(notation: Notation, found: InverseKinematics) -> dict[str, Glyph]:
+    """The rotation of the pose by its columns n, s and a, where that is wanted and no symbol looks like it."""
+    if notation.options.pose is PoseEntries.ENTRIES:
+        return {}
+    letters = {(i, j): Glyph(italic("nsa"[j]), italic("xyz"[i])) for j in range(3) for i in range(3)}
+    if any(glyph.box.tex in notation.taken for glyph in letters.values()):
+        return {}
+    return {found.pose[place].name: glyph for place, glyph in letters.items()}
 
 
 class SignLatexPrinter(LatexPrinter):

@@ -72,7 +72,7 @@ def inverse(context: Context) -> Iterator[Block]:
     if task != context.entries.model.inverse.graph.task:
         yield from _Part(context, context.entries.model.inverse).of_whole_pose()
     yield from part.branches()
-    if context.robot.n > 1 and found.is_explicit:
+    if context.robot.n > 1:
         yield from example(context, found)
 
 
@@ -270,9 +270,8 @@ class _Part:
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
             if step.kind not in (Kind.GIVEN, Kind.GENERAL):
                 yield from self._step(step, merged, free)
-        general = [self._eigenvalues(step) for step in found.steps if step.kind is Kind.GENERAL]
-        if general:
-            yield Paragraph(" ".join(general), is_answer=True)
+        if any(step.kind is Kind.GENERAL for step in found.steps):
+            yield Paragraph(self._eigenvalues(), is_answer=True)
 
     def _step(self, step: Step, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]) -> Iterator[Block]:
         _, unknown = self.context.text, self._math(step.unknown)
@@ -340,28 +339,24 @@ class _Part:
             found.append(f"{zero} ({posture})" if posture else zero)
         return or_list(_, found)
 
-    def _eigenvalues(self, step: Step) -> str:
-        """What a joint of an eigenvalue problem follows from."""
-        _, unknown = self.context.text, self._math(step.unknown)
+    def _eigenvalues(self) -> str:
+        """How several joints follow at once."""
+        _ = self.context.text
         node = next(node for node in self.found.graph.nodes if node.kind is Kind.GENERAL)
         hidden, others, eliminated = node.formulas[0].payload.joints
-        (joint,) = step.joints
-        if joint in eliminated:
-            return _("%(unknown)s follows from linear equations with the joints that are known.", unknown=unknown)
-        if joint in others:
-            return _("%(unknown)s follows from the eigenvector.", unknown=unknown)
-        name = self.context.notation.glyph
-        between, without = (
-            and_list(_, [f"${name(self._variable(k)).box.tex.strip()}$" for k in sorted(joints)])
-            for joints in ((hidden, *others), eliminated)
-        )
+
+        def _names(*joints: int) -> str:
+            symbols = (self.context.notation.glyph(self._variable(k)).box.tex.strip() for k in sorted(joints))
+            return and_list(_, [f"${symbol}$" for symbol in symbols])
+
         return _(
-            "No joint follows from the pose by itself. Equations between %(between)s hold whatever %(without)s are; "
-            "they are an eigenvalue problem, and %(unknown)s follows from the eigenvalues of a matrix of "
-            "%(size)s rows.",
-            between=between,
-            without=without,
-            unknown=unknown,
+            "No joint follows from the pose by itself. Equations between %(between)s that hold whatever %(without)s "
+            "are form an eigenvalue problem of a matrix with %(size)s rows: its eigenvalues give %(hidden)s, its "
+            "eigenvectors %(others)s, and linear equations then %(without)s.",
+            between=_names(hidden, *others),
+            without=_names(*eliminated),
+            hidden=_names(hidden),
+            others=_names(*others),
             size=node.formulas[0].payload.solution.eliminations[0].eigenvalues,
         )
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import mpmath
+import numpy as np
 import sympy
 
 from derive.errors import DeriveError
@@ -20,6 +21,7 @@ from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.example import configuration
 from derive.lecture.sympy_conversion import Expr
 from derive.mechanics.floats import value_at
+from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.in_numbers import Numbers
 from derive.model.inverse.solutions import CLOSE, InverseKinematics
 from derive.model.point import DIGITS
@@ -88,18 +90,20 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
         title = _("The arm in all configurations that reach one pose")
         drawing = branches_drawing(context.robot, frames, numbers_of, title)
         if drawing is not None:
-            caption = _("The arm in these configurations, drawn over each other; numbers are those of the branches.")
+            caption = _("The arm in these configurations, drawn over each other; numbers are those of the table.")
             yield Figure(drawing, caption, is_answer=True)
 
 
 def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[float]) -> list[Found]:
-    """Every solution of the pose of a configuration, computed with fifty digits and put back.
+    """Every solution of the pose of a configuration, put back; with fifty digits where there are formulas.
 
     Args:
         found: The inverse kinematics.
         numbers: Numbers of the parameters.
         q: The configuration [rad or m].
     """
+    if not found.is_explicit:
+        return _in_floats(found, {str(symbol): x for symbol, x in numbers.items()}, q)
     variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
     solutions = []
     with mpmath.workdps(DIGITS):
@@ -116,6 +120,15 @@ def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[fl
                 )
                 solutions.append(Found(number, tuple(kept)))
     return solutions
+
+
+def _in_floats(found: InverseKinematics, numbers: dict[str, float], q: Sequence[float]) -> list[Found]:
+    """The solutions by the eigenvalues of a matrix, or by the roots of a quartic."""
+    solver = InverseSolver.of(found.robot, found.graph, numbers)
+    pose, _slopes = solver.chain.pose_and_jacobian(np.array(q, dtype=float))
+    solved = solver.solve(pose, [q[k] for k in found.graph.given]).q
+    real = solved[np.isfinite(solved).all(axis=-1)]
+    return [Found(number, tuple(map(float, own))) for number, own in enumerate(real, 1)]
 
 
 def _in_one_turn(angle: float) -> float:

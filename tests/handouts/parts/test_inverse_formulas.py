@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from derive.handouts.assemble import context_of
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.parts.inverse_formulas import formulas
+from derive.robot.handout_options import NotationOptions, PoseEntries
 from derive.robot.robot import Robot
+
+WITH_AX = """
+name: named
+convention: standard
+joints: [{type: revolute, a: ax}, {type: revolute, a: a2}, {type: revolute, a: a3}]
+"""
 
 
 def test_each_unknown_has_a_block_and_the_pose_within_the_arm_one_before_them() -> None:
@@ -35,3 +44,18 @@ def test_derive_show_prints_the_same_formulas(name: str) -> None:
         for entry in block.entries:
             printed = " ".join(f"{entry.name} = {entry.latex}".split())
             assert "\\frac" in printed or printed in known
+
+
+def test_the_rotation_of_the_pose_may_be_written_by_its_columns() -> None:
+    robot = Robot.load("scara-perugia")
+    options = replace(robot.handout, notation=NotationOptions(pose=PoseEntries.COLUMNS))
+    lines = [row for block in formulas(context_of(robot, options)) for rows in block.rows for row in rows.lines]
+    assert any("\\operatorname{atan2}(n_{y},\\, n_{x})" in line for line in lines)
+
+
+def test_columns_that_look_like_symbols_of_the_robot_stay_entries() -> None:
+    robot = Robot.from_text(WITH_AX)
+    options = replace(robot.handout, notation=NotationOptions(pose=PoseEntries.COLUMNS))
+    lines = [row for block in formulas(context_of(robot, options)) for rows in block.rows for row in rows.lines]
+    assert any("r_{21}" in line for line in lines)
+    assert not any("n_{y}" in line for line in lines)
