@@ -29,7 +29,7 @@ from derive.errors import listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
-from derive.robot.expression import Expression, Name, Pi, add, names
+from derive.robot.expression import Call, Expression, Name, Pi, add, names
 from derive.robot.names import robot_symbols
 
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
@@ -114,9 +114,9 @@ class _InverseCheck:
         failing = [line for line in self._printed.given if not all(self._hits(line))]
         for line in self._printed.given:
             if line not in failing:
-                never = [wrong for f in line.formulas if (wrong := self._never_right(line, f))]
-                found.update({formula: self._right(line) for formula in line.formulas[: not never]})
-                found.update(dict(zip(line.formulas[1:], never, strict=False)))
+                never = {f: wrong for f in line.formulas if (wrong := self._never_right(line, f))}
+                rest = tuple(f for f in line.formulas if f not in never)
+                found.update({**never, rest[0]: self._right(replace(line, formulas=rest))} if rest else never)
         done: set[int] = set()
         for line in failing:
             if id(line) not in done:
@@ -139,8 +139,25 @@ class _InverseCheck:
         if any(self._printed.hits(alone, place) for place in self._places):
             return None
         self.is_wrong = True
-        example = self._example(alone, self._required)
-        return self._finding(line.quantity, formula, replace(WRONG, counter_example=example))
+        verdict = replace(WRONG, counter_example=self._example(alone, self._required))
+        return self._finding(line.quantity, formula, verdict, repair=self._other_side(alone))
+
+    def _other_side(self, line: Line) -> Repair | None:
+        """Another left side for which a line is right: s3 for c3, or another joint."""
+        robot, meaning = self._model.robot, self._printed.joints.meaning(line.target) if line.target else None
+        if line.target is None or meaning is None:
+            return None
+        angle = line.target.arguments[0] if isinstance(line.target, Call) else line.target
+        joints: list[Expression] = [Name(joint.variable) for joint in robot.joints]
+        own = [angle, *(Call(f, (angle,)) for f in ("cos", "sin", "tan"))]
+        others = [Call(meaning[0], (joint,)) if meaning[0] else joint for joint in joints]
+        for target in (*own, *others):
+            if target != line.target and all(
+                self._printed.hits(replace(line, target=target), x) for x in self._required
+            ):
+                text = notation_text(target, robot)
+                return Repair((SlipKind.SYMBOL,), f"left side: {text} instead of {line.quantity}", Name(text))
+        return None
 
     def _right(self, line: Line) -> Finding:
         formula = line.formulas[0]
@@ -168,7 +185,8 @@ class _InverseCheck:
         is_some = is_partial and (repair.edits[0].kind is SlipKind.PLUS_MINUS if repair else not has_arc)
         self.is_wrong = self.is_wrong or not is_some
         if repair is None:
-            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line))
+            other = self._other_side(line)
+            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=other)
             return repaired, replace(finding, some=is_some), line.formulas[0]
         return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
 

@@ -165,6 +165,24 @@ def test_what_cannot_be_read_has_its_place(text: str, place: str) -> None:
     assert str(caught.value).startswith(f"{place}: ")
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("c2 = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); c2 = +-sqrt(1 - c2**2)", "left side: s2 instead of c2"),
+        (PLANAR.splitlines()[0] + "; theta1 = atan2(+-sqrt(1 - D**2), D)", "left side: q2 instead of q1"),
+    ],
+)
+def test_another_left_side_may_be_meant(text: str, said: str) -> None:
+    assert change(checked("planar-2r-perugia", text)) == said
+
+
+def test_an_alternative_that_never_holds_is_wrong_by_itself() -> None:
+    found = checked("planar-2r-perugia", PLANAR.replace("+-sqrt(1 - D**2), D)", "sqrt(1 - D**2), D) or q2 + 1"))
+    assert outcomes(found)["q2"] is Outcome.SOME
+    right, wrong = checked("planar-2r-perugia", "theta2 = atan2(r21, r11) - theta1 or atan2(r21, r11) + theta1")
+    assert (right.verdict.equal, wrong.verdict.equal) == (True, False)
+
+
 def test_signs_are_written_as_in_notes() -> None:
     assert KINDS
     assert shown("a + ±1*sqrt(b)") == "a +- sqrt(b)"
