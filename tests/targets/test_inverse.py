@@ -346,6 +346,16 @@ def test_no_reachable_pose_is_without_a_solution_for_the_place_of_free_joints() 
 
 
 @needs_compiler
+def test_a_singular_wrist_gives_each_posture_once() -> None:
+    robot = Robot.load("puma560-corke")
+    model, compiled = model_of(robot), c_model(robot, program_of(robot))
+    pose = model.forward_kinematics([0.3, 0.4, 0.5, 0.6, 0.0, 0.7])
+    status = model.inverse_kinematics(pose, status=True)[1]
+    assert ((status > 0).sum(), (status == model.SINGULAR).sum()) == (7, 1)
+    assert np.array_equal(compiled.inverse(pose[None], pose[None, :0, 0], {})[1][0], status)
+
+
+@needs_compiler
 def test_at_poses_of_right_angles_every_language_has_solutions_and_all_lead_there() -> None:
     model, compiled, script = model_of(UR5), c_model(UR5, program_of(UR5)), JavaScriptModel(UR5, program_of(UR5))
     q = np.random.default_rng(5).integers(-2, 3, (60, 6)) * np.pi / 2

@@ -38,6 +38,9 @@ FAR = 1e30
 RESCUED = 60
 """Most steps of damped Newton from the leaves of a pose at which none is a solution."""
 
+ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them."""
+
 SAME = 1e-7
 """Candidates closer than this [rad, or lengths relative to the reach] are one solution."""
 
@@ -149,27 +152,52 @@ class InverseSolver:
         return np.array([i not in self.graph.given for i in range(self.chain.n)])
 
     def _closed(self, poses: Array, given: Array, near: Array | None) -> Branches:
+        q, status, doubt, free = self._leaves(poses, given, near)
+        settled = np.zeros_like(free)
+        q, status = self._checked(poses, q, status, doubt, free, settled)
+        for place in ELSEWHERE:
+            stuck = np.flatnonzero((free & (status == Status.NONE)).any(axis=1))
+            if not stuck.size:
+                break
+            lacking = free[stuck] & (status[stuck] == Status.NONE)
+            there = self._leaves(poses[stuck], given[stuck], [place] * self.chain.n)
+            tried = np.where(lacking[..., None], there[0], q[stuck]), np.where(lacking, there[1], status[stuck])
+            still, known = free[stuck], settled[stuck]
+            q[stuck], status[stuck] = self._checked(poses[stuck], *tried, lacking & there[2], still, known)
+            free[stuck] = still
+        return Branches(np.where((status == Status.NONE)[..., None], np.nan, self._folded(q)), status)
+
+    def _leaves(
+        self, poses: Array, given: Array, near: Sequence[float] | Array | None
+    ) -> tuple[Array, Array, Array, Array]:
+        """The leaves of the graph: joints, status (negative where a leaf does not exist), doubt, and freedom."""
         rows = [[poses[:, i, j] for j in range(4)] for i in range(3)]
         zero = np.zeros(len(poses))
         nearby = None if near is None else [zero + value for value in near]
         run = Run(self.graph, self.field, rows, [given[:, k] for k in range(self._given)], nearby)
-        candidates, statuses = [], []
+        no = zero.astype(bool)
+        candidates, statuses, doubts, frees = [], [], [], []
         for leaf in run.leaves():
-            exists = leaf.exists & ~zero.astype(bool)
-            free = np.any([zero.astype(bool) | mask for mask in leaf.free], axis=0)
+            exists = leaf.exists & ~no
+            free = np.any([no | mask for mask in leaf.free], axis=0)
+            doubts.append(no | leaf.doubt)
+            frees.append(free)
             status = np.where(free, Status.SINGULAR, np.where(leaf.boundary, Status.BOUNDARY, Status.EXACT))
             q = np.stack([zero + value for value in run.angles(leaf)], axis=-1)
             statuses.append(np.where(np.isfinite(q).all(axis=-1), np.where(exists, status, -status), Status.NONE))
             candidates.append(np.where(np.isfinite(q), q, 0.0))
-        q, status = np.stack(candidates, axis=1), np.stack(statuses, axis=1).astype(np.int8)
-        q, status = self._checked(poses, q, status)
-        return Branches(np.where((status == Status.NONE)[..., None], np.nan, self._folded(q)), status)
+        found = (np.stack(each, axis=1) for each in (candidates, statuses, doubts, frees))
+        q, status, doubt, freedom = found
+        return q, status.astype(np.int8), doubt, freedom
 
-    def _checked(self, poses: Array, q: Array, status: Array) -> tuple[Array, Array]:
+    def _checked(
+        self, poses: Array, q: Array, status: Array, doubt: Array, free: Array, settled: Array
+    ) -> tuple[Array, Array]:
         """Candidates polished, those dropped that do not reproduce their pose or repeat another one.
 
-        A negative status is that of a leaf that does not exist by its nodes. Where no leaf that exists is a solution,
-        because the pose leaves nodes without a formula, damped Newton goes on from all of them.
+        A negative status is that of a leaf that does not exist by its nodes. From those that are in doubt, and from all
+        where no leaf that exists is a solution, damped Newton goes on. Leaves whose free joints may be where they are
+        get settled; another posture with these elsewhere is not listed.
         """
         pose, row = np.nonzero(status != Status.NONE)
         refined, residual = (
@@ -182,15 +210,18 @@ class InverseSolver:
         residual[status[pose, row] < 0] = math.inf
         solved = np.zeros(len(poses), dtype=bool)
         solved[pose[residual <= REPRODUCED]] = True
-        lost = np.flatnonzero(~solved[pose])
+        settled[pose, row] |= free[pose, row] & (residual <= ROUNDING)
+        lost = np.flatnonzero(~solved[pose] | (doubt[pose, row] & (residual > REPRODUCED)))
         part = Problem(self.chain, poses[pose[lost]], self.entries, self._free)
         refined[lost], residual[lost] = fit(part, q[pose[lost], row[lost]], RESCUED)
         status[pose[lost], row[lost]] = Status.SINGULAR
+        rescued = np.zeros_like(free)
+        rescued[pose[lost], row[lost]] = True
         q[pose, row] = refined
         status[pose, row] = np.where(residual <= REPRODUCED, np.abs(status[pose, row]), Status.NONE)
-        return q, self._once(poses, q, status)
+        return q, self._once(poses, q, status, rescued, free, settled)
 
-    def _once(self, poses: Array, q: Array, status: Array) -> Array:
+    def _once(self, poses: Array, q: Array, status: Array, rescued: Array, free: Array, settled: Array) -> Array:
         """The status of candidates, `Status.NONE` for those that repeat an earlier one."""
         scale = Problem(self.chain, poses, self.entries, self._free).scale
         for before, later in combinations(range(q.shape[1]), 2):
@@ -199,8 +230,13 @@ class InverseSolver:
                 apart = (q[:, later] - q[:, before]) / scale
                 turns = np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
                 edge = (status[:, before] != Status.EXACT) & (status[:, later] != Status.EXACT)
-                near = np.abs(apart - turns).max(axis=-1) < np.where(edge, DOUBLE, SAME)
+                distance = np.abs(apart - turns)
+                near = distance.max(axis=-1) < np.where(edge, DOUBLE, SAME)
                 status[both & near, later] = Status.NONE
+                two = both & ~near & ((distance > DOUBLE).sum(axis=-1) <= 2)  # joints that turn about one axis
+                for one, other in ((before, later), (later, before)):
+                    elsewhere = two & settled[:, one] & rescued[:, other]
+                    status[elsewhere, other], free[elsewhere, other] = Status.NONE, False
         return status
 
     def _numeric(self, poses: Array, given: Array, near: Array | None) -> Branches:
