@@ -18,7 +18,7 @@ from derive.model.inverse.fields import BEYOND, MERGED, ZERO
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Formula, Kind
 from derive.model.inverse.numeric import Status
-from derive.model.inverse.solve import solve
+from derive.model.inverse.solve import Freedom, refusal, solve
 from derive.model.inverse.walk import Leaf, Run, pose_of
 from derive.programs.formulation_choice import Formulation
 from derive.programs.inverse_search import search_function
@@ -32,6 +32,7 @@ from derive.programs.tape.value import Value
 from derive.programs.trace import Trace, has_exact_rotations
 from derive.robot.expression import Expression, Pi
 from derive.robot.inverse_options import FREEDOMS
+from derive.robot.robot import Robot
 
 DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
@@ -42,6 +43,9 @@ CLOSED = Fraction(1, 10**7)
 
 REFINED = 3e-11
 """The same after Newton's method, of an arm with a joint for every coordinate of its task."""
+
+NEARLY_EXACT = 1e-7
+"""Base and tool that are rotations to so much make poses that are accepted as such, though no formula is exact."""
 
 INTERFACE = Interface(
     "inverse_kinematics",
@@ -256,11 +260,22 @@ def solved(trace: Trace) -> Solved:
         The program or what takes its place, or None and the reason why there is none.
     """
     if not has_exact_rotations(trace.robot):
-        return None, "base or tool is a rotation only to the digits that the file gives"
+        reason = "base or tool is a rotation only to the digits that the file gives"
+        if not has_exact_rotations(trace.robot, NEARLY_EXACT):
+            return None, reason
+        return search_function(trace, _without_formulas(trace.robot, reason))
     graph = solve(trace.robot)
     if not graph.is_closed or any(node.kind is Kind.GENERAL for node in graph.nodes):
         return search_function(trace, graph)
     return inverse_function(trace, graph), ""
+
+
+def _without_formulas(robot: Robot, reason: str) -> SolutionGraph:
+    """A graph without nodes, with the joints that the file gives or, where it does not say, those that may be given."""
+    task, names = robot.inverse.task, robot.inverse.given
+    if names is None:
+        return refusal(robot, task, next(Freedom(robot, task).choices(), ()), reason)
+    return refusal(robot, task, [k for k, joint in enumerate(robot.joints) if joint.variable in names], reason)
 
 
 def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:

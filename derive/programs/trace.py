@@ -33,13 +33,14 @@ _TRIALS = (0.37, 0.83)
 """Values of the first free symbol; the others are spread above."""
 
 
-def has_exact_rotations(robot: Robot) -> bool:
+def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
     """Whether base and tool are rotations to rounding, whatever the values of free symbols.
 
     A file may write them in decimals with six places; then identities of rotations hold to six places only.
 
     Args:
         robot: The robot.
+        tolerance: By so much columns may differ from orthonormal ones.
 
     Returns:
         True where identities of rotations hold.
@@ -48,18 +49,18 @@ def has_exact_rotations(robot: Robot) -> bool:
     fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
     for first in _TRIALS:
         values = fixed | {name: first + 0.071 * k for k, name in enumerate(free_symbols(robot))}
-        if not (_is_rotation(robot.base, values) and _is_rotation(robot.tool, values)):
+        if not all(_is_rotation(frame, values, tolerance) for frame in (robot.base, robot.tool)):
             return False
     return True
 
 
-def _is_rotation(matrix: Matrix, values: Mapping[str, float]) -> bool:
+def _is_rotation(matrix: Matrix, values: Mapping[str, float], tolerance: float) -> bool:
     try:
         rows = [[evaluate(cell, values) for cell in row[:3]] for row in matrix[:3]]
     except ArithmeticError:
         return False
     products = ((i, j, sum(a * b for a, b in zip(rows[i], rows[j], strict=True))) for i in range(3) for j in range(3))
-    return all(abs(product - (i == j)) <= _TOLERANCE for i, j, product in products)
+    return all(abs(product - (i == j)) <= tolerance for i, j, product in products)
 
 
 class Trace:

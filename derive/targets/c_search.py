@@ -79,7 +79,7 @@ def c_search(search: InverseSearch, robot: Robot) -> CSearch:
         rows=max(sum(way.equations for way in each.ways) for each in search.eliminations),
         columns=max(_LEAST, *(max(sum(each.rows), _products(each)) for each in search.eliminations)),
         size=max(_LEAST, size),
-        most=max(search.branches, 2 * size),
+        most=max(search.branches, 8 * size),
     )
 
 

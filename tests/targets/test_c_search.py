@@ -11,6 +11,7 @@ from derive.targets.readme import render as render_readme
 from tests.targets.c_models import c_model, needs_compiler
 from tests.targets.generated_models import casadi_model, source_of
 from tests.targets.searched_arms import (
+    CROOKED,
     GENERAL,
     LOOSE,
     PARAMETERS,
@@ -118,6 +119,16 @@ def test_damped_newton_takes_the_place_of_eigenvalues_where_there_are_none() -> 
     assert np.abs(reached - poses[(..., *places)][:, None])[status > 0].max() < 1e-10
     apart = np.abs(np.angle(np.exp(1j * (found - q[:, None])))).max(axis=-1)
     assert np.nanmin(apart, axis=1).max() < 1e-6
+
+
+def test_a_base_that_is_a_rotation_to_eight_digits_has_solutions() -> None:
+    model, (q, poses) = model_of(CROOKED), poses_of(CROOKED, 2)
+    found, status = model.inverse_kinematics(poses, status=True)
+    assert (status > 0).sum(axis=1).min() >= 2
+    reached = model.forward_kinematics(np.nan_to_num(found))[..., :3, 3]
+    assert np.abs(reached - poses[:, None, :3, 3])[status > 0].max() < 1e-10
+    assert np.nanmin(np.abs(np.angle(np.exp(1j * (found - q[:, None])))).max(axis=-1), axis=1).max() < 1e-6
+    assert search_of(CROOKED).reason.startswith("base or tool is a rotation only to the digits")
 
 
 def test_casadi_and_the_page_of_the_folder_say_why() -> None:
