@@ -65,7 +65,9 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
         yield Figure(arm_drawing(robot, context.data, frames[1], title, view), caption)
     yield Paragraph(_("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones."))
     if poses.assumed:
-        yield Paragraph(_("Numbers assumed for the drawing only: %(values)s.", values=_values(context, poses.assumed)))
+        yield Paragraph(
+            _("Numbers assumed for the drawing only: %(values)s.", values=stated_values(context, poses.assumed))
+        )
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
@@ -77,8 +79,13 @@ def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> 
     return ("; " if context.text.comma else ", ").join(written)
 
 
-def _values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
-    """Symbols with the numbers that are drawn and their units: ``$a_1 = 0.5 m$, ...``."""
+def stated_values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
+    """Symbols with the numbers that are drawn and their units: ``$a_1 = 0.5 m$, ...``.
+
+    Args:
+        context: The handout.
+        values: Name, value and unit (``m`` or ``rad``) of each, see `RobotPoses.assumed`.
+    """
     written = []
     for name, value, unit in values:
         if unit == "rad" and context.notation.degrees:

@@ -229,7 +229,7 @@ class _Part:
             axes = and_list(_, [str(k + 1) for k in range(n) if sympy.Symbol(self._variable(k)) in total.free_symbols])
             named = f"${self._tex(name)} = {self._tex(total)}$"
             words = _("Axes %(axes)s are parallel; %(sum)s is found as an unknown of its own.", axes=axes, sum=named)
-            yield Paragraph(words, is_answer=True)
+            yield Paragraph(words)
         if not found.definitions:
             if wrist:
                 yield Paragraph(_("Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex))

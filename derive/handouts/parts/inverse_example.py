@@ -15,10 +15,12 @@ from derive.errors import DeriveError
 from derive.handouts.context import Context
 from derive.handouts.document import Block, Entry, Figure, Formula, Paragraph, Rows
 from derive.handouts.figure.branches import branches_drawing
+from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.layout.lines import EQUALS, matrix
-from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic
+from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic, joined
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.example import configuration
+from derive.handouts.parts.figure import stated_values
 from derive.lecture.sympy_conversion import Expr
 from derive.mechanics.floats import value_at
 from derive.model.inverse.branches import InverseSolver
@@ -26,6 +28,7 @@ from derive.model.inverse.in_numbers import Numbers
 from derive.model.inverse.solutions import CLOSE, InverseKinematics
 from derive.model.point import DIGITS
 from derive.robot.expression import Number
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
 _PLACES = 4
@@ -75,14 +78,15 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
         q, solutions = next((q, solutions) for q, solutions in tried if _is_regular(found, solutions, q))
     except (StopIteration, DeriveError):
         return
-    yield Paragraph(_("In numbers, at the pose of this configuration (%(values)s):", values=_stated(context, q)))
+    assumed_values = _assumed(context, poses)
+    if assumed_values:
+        yield Paragraph(_("In numbers, with %(values)s, at this pose:", values=assumed_values))
+    else:
+        yield Paragraph(_("In numbers, at this pose:"))
     yield Rows((_pose(context, value_at(robot, "T", q)),))
-    yield Paragraph(
-        _(
-            "The configurations that reach it; put into $%(end)s$, each gives the pose back with all of its digits:",
-            end=bold("T").tex,
-        )
-    )
+    words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
+    rest = _("These reach it; put into $%(end)s$, each gives the pose back with all of its digits:", end=bold("T").tex)
+    yield Paragraph(f"{words} {rest}", is_answer=True)
     yield _table(context, found, solutions)
     if len(solutions) > 1:
         frames = [poses.frames(solution.q) for solution in solutions]
@@ -154,6 +158,18 @@ def _apart(a: Sequence[float], b: Sequence[float]) -> float:
 
 
 # -- print
+
+
+def _assumed(context: Context, poses: RobotPoses) -> str:
+    """The numbers of symbols that have none among the parameters of the robot file."""
+    free, data = free_symbols(context.robot), context.data
+    written = [
+        f"${data.notation.glyph(name).box.tex.strip()} = {joined(data.value(cell)).tex}$"
+        for name, cell in context.robot.figure.values
+        if name in free
+    ]
+    written += [stated_values(context, poses.assumed)] if poses.assumed else []
+    return ("; " if context.text.comma else ", ").join(written)
 
 
 def _stated(context: Context, q: Sequence[float]) -> str:

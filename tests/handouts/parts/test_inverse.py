@@ -201,7 +201,8 @@ def test_an_exercise_asks_for_each_unknown_and_shows_no_answer() -> None:
     assert not any(isinstance(block, Table | Figure | Steps | Formula) for block in section.blocks)
     shown = words(section) + "".join(printed(section))
     assert "D" not in "".join(printed(section))
-    assert not any(word in shown for word in ("elbow", "entries (", "solutions, real"))
+    assert not any(word in shown for word in ("elbow", "entries (", "solutions, real", "configuration"))
+    assert "In numbers, with $a_{1} = 1\\,\\mathrm{m}$" in shown
 
 
 def document_with(context: Context) -> Document:
