@@ -7,10 +7,12 @@ import dataclasses
 import numpy as np
 import pytest
 
+from derive.verification.oracle.frames import forward_kinematics
 from tests.inverse.arms import CLASSES, HARD, PUBLISHED, random_arm
 from tests.inverse.coverage import main
-from tests.inverse.solvers import numeric_solver, solver_of
-from tests.inverse.trial import Trial
+from tests.inverse.solvers import generated_solver, numeric_solver, solver_of
+from tests.inverse.trial import Poses, Trial
+from tests.inverse.truth import smallest_singular_value
 
 ARMS = {case.name: case for case in PUBLISHED}
 USUAL = ("planar-2r-position", "elbow-offset-position", "scara-rrpr", "stanford")
@@ -54,6 +56,44 @@ def test_an_arm_on_which_solvers_stumble_has_every_solution_and_nothing_else(cas
 def test_any_random_arm_has_every_solution_and_nothing_else(kind, number):
     case = random_arm(kind, number)
     check(case, solver_of(case), 4)
+
+
+LOST_ONCE = [
+    ("6R-three-parallel", 0, [2.332179, 0, -np.pi / 2, 3 * np.pi / 2, 0, 2.673796]),
+    ("6DOF-P-other", 1, [-0.8047974, -0.7480646, 0, 1.375375, 1.820017, -0.4915693]),
+    ("6DOF-P-other", 1, [0.3633811, 2.319763, 0, 2.248554, -0.9955701, -0.7064286]),
+    ("5dof", 17, [np.radians(-35), 0, -np.pi / 2, 1.112214, -np.pi / 2]),
+]
+"""Singular poses at which generated code once had no solution, or lost some."""
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize(("kind", "number", "q"), LOST_ONCE)
+def test_generated_code_has_solutions_of_poses_that_were_lost_once(kind, number, q):
+    case = random_arm(kind, number)
+    trial = Trial(case, 1)
+    poses = dataclasses.replace(trial.special(1), q=np.array([q]))
+    poses.poses[0] = forward_kinematics(case.arm, np.array(q))
+    poses.true[0] = np.empty((0, case.arm.n))
+    with np.errstate(all="ignore"):
+        verdict = trial.judge(poses, generated_solver(case))
+    assert verdict.is_clean, verdict.missing
+    assert verdict.residual < 1e-10
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", ["scara-wrist", "ur5", "paul-elbow", "rhino-xr3", "stanford"])
+def test_generated_code_loses_nothing_at_poses_of_eighth_turns(name):
+    case = ARMS[name]
+    solver, trial = generated_solver(case), Trial(case, 1)
+    q = np.random.default_rng(3).integers(-3, 5, (1000, case.arm.n)) * np.pi / 4
+    regular = smallest_singular_value(trial.chain, q) > 1e-4
+    own = [row[None] if one else row[None][:0] for row, one in zip(q, regular, strict=True)]
+    poses = Poses(q, forward_kinematics(case.arm, q), np.empty((len(q), 0)), own, "singular")
+    with np.errstate(all="ignore"):
+        verdict = trial.judge(poses, solver)
+    assert verdict.is_clean, verdict.missing[:3]
+    assert verdict.residual < 1e-10
 
 
 def test_the_numeric_solver_finds_every_solution_too():
