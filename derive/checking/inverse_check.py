@@ -15,13 +15,15 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 
+import numpy as np
+
 from derive.checking.diagnosis import Repair
-from derive.checking.edits import SlipKind, changes_text
+from derive.checking.edits import Evaluator, Replacements, SlipKind, changes_text, edits
 from derive.checking.findings import Finding, Role
 from derive.checking.inverse_ours import OurSolution
-from derive.checking.inverse_poses import places
+from derive.checking.inverse_poses import places, pose_of
 from derive.checking.inverse_reading import Vocabulary
-from derive.checking.inverse_repair import InverseRepair, Repairer
+from derive.checking.inverse_repair import InverseRepair, Repairer, places_in
 from derive.checking.latex_names import SIGN
 from derive.checking.printed import Asked
 from derive.checking.printed_inverse import Formula, Line, Place, PrintedInverse, count_calls, with_calls
@@ -29,7 +31,7 @@ from derive.errors import listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
-from derive.robot.expression import Call, Expression, Name, Pi, add, names
+from derive.robot.expression import Call, Expression, Name, Pi, add, names, negate
 from derive.robot.names import robot_symbols
 
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
@@ -79,6 +81,7 @@ class _InverseCheck:
             kept, self._places = self._places, numeric
             if not self._is_right(self._printed):
                 self._places = kept
+        self._primed = tuple(self._second_solution()) if self._printed.primed else ()
         self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task, self._places)
 
     @property
@@ -106,6 +109,55 @@ class _InverseCheck:
         swapped = right[True] > right[False]
         return ways[swapped], " (its arctangent takes the cosine first)" if swapped else ""
 
+    def _second_solution(self) -> Iterator[Finding]:
+        """The verdicts on primed lines, which must lead from every configuration to another one of the same pose.
+
+        If they do, each configuration has a twin, and a line may give either of the two.
+        """
+        repaired = None
+        if all(self._leads_back(self._printed, place) for place in self._places):
+            self._places = tuple(replace(p, twin=self._twin(self._printed, p)) for p in self._places)
+            wrong: set[Line] = set()
+        else:
+            self.is_wrong, repaired = True, self._primed_repair()
+            wrong = {repaired[0]} if repaired else set(self._printed.primed)
+        for line in self._printed.primed:
+            said = repaired[1] if repaired and line in wrong else None
+            name, verdict = f"{line.quantity}'", WRONG if line in wrong else RIGHT
+            yield self._finding(name, line.formulas[0], verdict, repair=said)
+
+    def _leads_back(self, printed: PrintedInverse, place: Place) -> bool:
+        """Whether primed lines lead from a configuration to one of the same pose."""
+        twin = self._twin(printed, place)
+        return twin is not None and np.allclose(pose_of(self._model.robot, twin.values), place.pose, atol=1e-9)
+
+    def _primed_repair(self) -> tuple[Line, Repair] | None:
+        """The change of one primed line with which they lead to the same pose."""
+        robot = self._model.robot
+        joints = tuple(joint.variable for joint in robot.joints)
+        half_turns = (Pi(), negate(Pi()))
+        may = Replacements(names=joints, angles=(), terms=(*half_turns, *map(Name, joints)))
+        for kind in KINDS:
+            for line in self._printed.primed:
+                for spot in places_in(line.formulas[0].expression):
+                    for edit in edits(spot, may, kind):
+                        changed = self._printed.changed(line, line.formulas[0], edit.formula)
+                        if all(self._leads_back(changed, place) for place in self._places[:3]):
+                            text = changes_text((edit,), robot)
+                            return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
+        return None
+
+    def _twin(self, printed: PrintedInverse, place: Place) -> Place | None:
+        """The second solution of the pose of a configuration; None where primed lines have no value."""
+        values = dict(place.values)
+        for line in printed.primed:
+            found = next(printed.values(line, place), None)
+            if found is None or not isinstance(line.target, Name):
+                return None
+            values[line.target.name] = found
+        sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
+        return replace(place, values={**values, **sums}, twin=None)
+
     # -- lines
 
     def lines(self) -> Iterator[Finding]:
@@ -126,7 +178,7 @@ class _InverseCheck:
         for group in self._printed.coupled():
             if len(group) > 1 and not any(line in failing for line in group):
                 self._check_together(group, found)
-        yield from sorted(found.values(), key=lambda f: (f.location.line, f.location.column))
+        yield from sorted((*found.values(), *self._primed), key=lambda f: (f.location.line, f.location.column))
 
     def _hits(self, line: Line) -> list[bool]:
         return [self._printed.hits(line, place) for place in self._required]
@@ -290,7 +342,7 @@ class _InverseCheck:
                 slides = listed(joint.variable for joint in robot.joints if not joint.is_revolute)
                 what = f"all solutions with positive {slides}"
         else:
-            met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], self._is_met)
+            met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], self._is_met_or_twin)
             what = f"{met} of {ours.count} solutions" if met else "some solutions"
         needed = {part for line in self._printed.given for part in self._printed.named_before(line)}
         pose = self._vocabulary.pose.entries
@@ -299,6 +351,11 @@ class _InverseCheck:
         text, where = f"{what}{of}{unused}{self._note}", self._asked.location
         verdict = RIGHT if is_whole else WRONG
         return Finding("inverse", 0, 0, Role.BRANCHES, text, verdict, "", where, some=not is_whole, missing=missing)
+
+    def _is_met_or_twin(self, place: Place) -> bool:
+        """Whether a configuration that is none of those that are tried is given."""
+        has_twins = self._places[0].twin is not None
+        return self._is_met(replace(place, twin=self._twin(self._printed, place)) if has_twins else place)
 
     def _is_met(self, place: Place) -> bool:
         return all(self._printed.hit_together(group, place) for group in self._printed.coupled())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 
 from derive.checking.inverse_reading import Part, Side
@@ -21,6 +22,7 @@ _OR_MARK = "\ue0f0"
 """Stands for the word between alternatives."""
 
 _OR = re.compile(r"\\(?:text|textrm|mathrm|mbox)\s*\{\s*(?:or|oppure|ou|o)\s*\}|\\(?:lor|vee)(?![A-Za-z])")
+_PRIME = re.compile(r"(?:\^\s*(?:\\prime(?![A-Za-z])|\{\s*\\prime\s*\})|')\s*$")
 _NAME = re.compile(
     r"(\\(?:math[a-z]+|text[a-z]*|operatorname\*?)\s*\{\s*[A-Za-z]+\s*\}|\\[A-Za-z]+|[A-Za-z\u0391-\u03c9])"
     r"\s*((?:_\s*(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+|[A-Za-z0-9]))?)"
@@ -84,13 +86,17 @@ def _words(text: str) -> Iterator[str]:
 
 def _side(piece: Piece, text: str, robot: Robot, start: Location, signs: PlusMinus) -> Side:
     left = None if piece.matrices or _OR_MARK in piece.text else taken_apart(piece.text)
+    plain = _PRIME.sub(lambda match: " " * len(match[0]), piece.text)
+    is_primed = plain != piece.text and taken_apart(plain) is not None
+    if is_primed:
+        piece, left = replace(piece, text=plain), taken_apart(plain)
     word = left.flat if left is not None and left.is_plain and not left.arguments else ""
     parts = []
     for part in _alternatives(piece):
         shown = " ".join(text[part.start : part.end].split())
         where = LatexReader(robot, text, start).location(part.start)
         parts.append(Part(shown, where, partial(_formula, part, text, robot, start, signs)))
-    return Side(tuple(parts), word)
+    return Side(tuple(parts), word, is_primed)
 
 
 def _alternatives(piece: Piece) -> Iterator[Piece]:

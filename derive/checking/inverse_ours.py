@@ -200,4 +200,4 @@ class OurSolution:
             return None
         values = {**place.values, **q}
         sums = {name: Evaluator(values)(meaning) for name, meaning in self._printed.sums.items()}
-        return replace(place, values={**values, **sums})
+        return replace(place, values={**values, **sums}, twin=None)

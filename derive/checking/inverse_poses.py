@@ -188,6 +188,18 @@ def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = 
     return tuple(place for batch in range(BATCHES) for place in _places(names, sums, random.Random(batch), numbers))
 
 
+def pose_of(robot: Robot, values: Mapping[str, float]) -> list[list[float]]:
+    """The pose of an arm, three rows of four entries.
+
+    Args:
+        robot: The robot.
+        values: Numbers of its parameters and joint variables.
+    """
+    q = [np.array([values[joint.variable]]) for joint in robot.joints]
+    arm = _Arm(robot, {name: values[name] for name in _symbols(robot)}, q)
+    return [[float(x[0]) for x in row] for row in arm.pose]
+
+
 def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random, numbers: bool) -> Iterator[Place]:
     robot = names.robot
     drawn = {name: rng.randint(20, 150) / 100 for name in _symbols(robot)}

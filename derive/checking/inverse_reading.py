@@ -47,10 +47,12 @@ class Side:
     Attributes:
         parts: Its alternatives, mostly one.
         word: The name that it is, on one line; empty of a formula.
+        primed: Whether that name has a prime.
     """
 
     parts: tuple[Part, ...]
     word: str = ""
+    primed: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class _Read:
 
     word: str
     formulas: tuple[Formula, ...]
+    primed: bool = False
 
     @property
     def expression(self) -> Expression:
@@ -223,13 +226,19 @@ def _refuse_unknown(printed: PrintedInverse, vocabulary: Vocabulary) -> None:
 
 def _read(side: Side, vocabulary: Vocabulary) -> _Read:
     formulas = (Formula(part.read(vocabulary.meanings), part.text, part.location) for part in side.parts)
-    return _Read(side.word, tuple(formulas))
+    return _Read(side.word, tuple(formulas), side.primed)
 
 
 def _lines(vocabulary: Vocabulary, sides: Sequence[_Read]) -> Iterator[Line]:
     """The lines that one equation makes."""
     first, *others = sides
     joints = vocabulary.has_joints
+    if others and first.primed:
+        if not joints(first.expression):
+            where = first.formulas[0].location
+            raise CheckError("prime of a name that is no joint variable", remedy="remove it", location=where)
+        yield replace(_about(vocabulary, first, others[0].formulas), primed=True)
+        return
     if not others:
         raise CheckError(
             "formula without a left side", remedy="write theta1 = ...", location=first.formulas[0].location
@@ -267,6 +276,7 @@ def _merge(lines: list[Line], line: Line, before: int) -> None:
     """One line more, or further alternatives of one that an equation before has."""
     for i, other in enumerate(lines[:before]):
         same = other.name == line.name if line.target is None else other.target == line.target
+        same = same and other.primed is line.primed
         if same and (other.target is None) is (line.target is None) and not isinstance(line.target, Number):
             known = {formula.expression for formula in other.formulas}
             new = tuple(f for f in line.formulas if f.expression not in known)

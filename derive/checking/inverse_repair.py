@@ -119,7 +119,7 @@ class Repairer:
         return None
 
     def _edits(self, e: Expression, kind: SlipKind) -> Iterator[Edit]:
-        for spot in _spots(Spot(e)):
+        for spot in places_in(e):
             yield from edits(spot, self._may, kind)
             if kind is SlipKind.PLUS_MINUS and not isinstance(spot.parent, Product | Power):
                 yield from _plus_minus(spot)
@@ -149,12 +149,19 @@ class Repairer:
         return min(found)[-1] if found else None
 
 
-def _spots(spot: Spot) -> Iterator[Spot]:
-    """Every place of a formula, from one down."""
+def places_in(e: Expression, above: Spot | None = None, index: int = 0) -> Iterator[Spot]:
+    """Every place of a formula, from one down, without values.
+
+    Args:
+        e: The formula, or a part of it.
+        above: The place above.
+        index: Which child of the node above it is.
+    """
+    spot = Spot(e, above, index, depth=above.depth + 1 if above else 0)
     yield spot
-    if not is_token(spot.node):
-        for i, part in enumerate(children(spot.node)):
-            yield from _spots(Spot(part, spot, i, depth=spot.depth + 1))
+    if not is_token(e):
+        for i, part in enumerate(children(e)):
+            yield from places_in(part, spot, i)
 
 
 def _plus_minus(spot: Spot) -> Iterator[Edit]:

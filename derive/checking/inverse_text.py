@@ -92,13 +92,17 @@ def _cut(text: str, begin: int, end: int, at: re.Pattern[str], everywhere: bool 
 
 def _side(text: str, span: tuple[int, int], robot: Robot, start: Location, signs: PlusMinus) -> Side:
     whole = text[slice(*span)].strip()
+    is_primed = len(whole) > 1 and whole[-1] in "'\u2032\u2019" and bool(WORD.fullmatch(whole[:-1]))
+    if is_primed:
+        whole = whole[:-1]
+        span = span[0], span[0] + text[slice(*span)].index(whole) + len(whole)
     parts = []
     for begin, end in _cut(text, *span, _OR):
         shown = text[begin:end].strip()
         begin += len(text[begin:end]) - len(text[begin:end].lstrip())
         where = place(text, begin, start)
         parts.append(Part(shown, where, partial(_formula, shown, robot, where, signs)))
-    return Side(tuple(parts), whole if WORD.fullmatch(whole) else "")
+    return Side(tuple(parts), whole if WORD.fullmatch(whole) else "", is_primed)
 
 
 def _formula(

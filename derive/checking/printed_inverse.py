@@ -68,12 +68,14 @@ class Line:
         formulas: What is printed for it; several where alternatives are given.
         target: What it is in the joint variables; None of a quantity that is only named.
         name: Its name in other lines, if it has one.
+        primed: Whether it gives a joint of a second solution from those of the first, as in ``theta5' = -theta5``.
     """
 
     quantity: str
     formulas: tuple[Formula, ...]
     target: Expression | None = None
     name: str = ""
+    primed: bool = False
 
     @property
     def switch(self) -> str:
@@ -89,11 +91,13 @@ class Place:
         values: Numbers by name: parameters, joint variables, sums of them, entries of the pose.
         pose: Three rows of four entries.
         required: Whether a complete solution must give it; negative slides need not be given.
+        twin: The configuration whose second solution it is, where primed lines are printed.
     """
 
     values: Mapping[str, float]
     pose: Sequence[Sequence[float]]
     required: bool = True
+    twin: Place | None = None
 
 
 class PrintedInverse:
@@ -110,7 +114,8 @@ class PrintedInverse:
         sums: What names such as q23 stand for.
         joints: Reads linear combinations of joint variables.
         named: The lines that only name quantities, by name.
-        given: The lines with a target.
+        given: The lines with a target, but those that are primed.
+        primed: The lines that give a second solution from a first one.
         close: Difference below which values are the same; decimals of many digits count as rounded.
     """
 
@@ -118,7 +123,8 @@ class PrintedInverse:
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
         self.joints = JointCombinations(robot, sums)
         self.named = {line.name: line for line in self.lines if line.target is None}
-        self.given = tuple(line for line in self.lines if line.target is not None)
+        self.given = tuple(line for line in self.lines if line.target is not None and not line.primed)
+        self.primed = tuple(line for line in self.lines if line.primed)
         self.close = CLOSE
         self._names: dict[Formula, frozenset[str]] = {}
         self._before: dict[Line, tuple[Line, ...]] = {}
@@ -274,6 +280,8 @@ class PrintedInverse:
             place: The configuration.
             fixed: Choices that are made already.
         """
+        if place.twin is not None and self.hits(line, place.twin, fixed):
+            return True
         wanted, is_angle = self.wanted(line, place), self.is_angle(line)
         return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
 
@@ -286,7 +294,8 @@ class PrintedInverse:
         """
         shared = self.shared(lines)
         return any(
-            all(self.hits(line, place, dict(zip(shared, chosen, strict=True))) for line in lines)
+            all(self.hits(line, at, dict(zip(shared, chosen, strict=True))) for line in lines)
+            for at in (replace(place, twin=None), *filter(None, (place.twin,)))
             for chosen in product(*shared.values())
         )
 

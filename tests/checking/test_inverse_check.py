@@ -183,6 +183,48 @@ def test_an_alternative_that_never_holds_is_wrong_by_itself() -> None:
     assert (right.verdict.equal, wrong.verdict.equal) == (True, False)
 
 
+WRIST = """\
+theta5 = atan2(sqrt(1 - r33**2), r33)
+theta4 = atan2(r23, r13)
+theta6 = atan2(r32, -r31)
+theta4' = theta4 + pi
+theta5' = -theta5
+theta6' = theta6 + pi
+"""
+
+
+def test_a_second_solution_may_be_given_by_primes() -> None:
+    found = checked("spherical-wrist", WRIST)
+    assert all(finding.verdict.equal for finding in found)
+    assert [finding.quantity for finding in found] == ["q5", "q4", "q6", "q4'", "q5'", "q6'", "inverse"]
+    assert found[-1].text == "all 2 solutions"
+    latex = r"\theta_4' = \theta_4 + 180^\circ, \quad \theta_5^\prime = -\theta_5 \\ \theta_6' = \theta_6 + \pi"
+    first = r"\theta_5 = \arccos r_{33} \\ \theta_4 = \operatorname{atan2}(r_{23}, r_{13}) \\"
+    last = r"\theta_6 = \operatorname{atan2}(r_{32}, -r_{31}) \\"
+    assert all(finding.verdict.equal for finding in checked("spherical-wrist", first + last + latex, latex=True))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("= -theta5", "= theta5", "sign"),
+        ("theta6 + pi", "theta6", "missing term: pi"),
+        ("theta4 + pi", "theta6 + pi", "index"),
+    ],
+)
+def test_a_slip_in_a_primed_line_is_named(old: str, new: str, said: str) -> None:
+    found = checked("spherical-wrist", WRIST.replace(old, new))
+    primed = [finding for finding in found if finding.quantity.endswith("'") and not finding.verdict.equal]
+    (wrong,) = map(judge, primed)
+    assert wrong.repair is not None
+    assert said in wrong.repair.text
+
+
+def test_the_prime_of_a_name_is_refused() -> None:
+    with pytest.raises(CheckError, match="prime"):
+        checked("spherical-wrist", "D' = r33; theta5 = +-acos(r33)")
+
+
 def test_signs_are_written_as_in_notes() -> None:
     assert KINDS
     assert shown("a + ±1*sqrt(b)") == "a +- sqrt(b)"
