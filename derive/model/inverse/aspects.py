@@ -26,8 +26,11 @@ from derive.model.inverse.numeric_chain import Array, NumericChain
 from derive.model.inverse.solutions import InverseKinematics
 from derive.model.singularities.determinant import Condition, Outcome, Singularities
 
-POSES = 12
-"""Random poses whose solutions are looked at."""
+POSES = 200
+"""Random poses whose solutions are looked at: few have more than two in an arm that is hardly cuspidal."""
+
+_LOOKED_AT = 12
+"""Random poses at which the signs of each branch are looked at."""
 
 MILESTONES = 500
 """Random configurations by way of which a path is looked for."""
@@ -325,7 +328,7 @@ class _Look:
 
     def signs_of_branches(self) -> Iterator[tuple[int, ...] | None]:
         """For each solution in closed form the signs of the factors, where they are the same at all poses."""
-        q = random_configurations(self._chain, POSES, 10)
+        q = random_configurations(self._chain, _LOOKED_AT, 10)
         goal, _ = self._chain.pose_and_jacobian(q)
         for solution in self._inverse.solutions if self.conditions else ():
             seen = set[tuple[int, ...]]()
