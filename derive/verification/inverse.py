@@ -21,7 +21,7 @@ from derive.verification.samples import SampleSet
 FUNCTION = "inverse_kinematics"
 
 CLOSED = 1e-10
-"""Largest error of the pose of a solution: of R, and of p relative to the reach of the arm where that is above 1."""
+"""Largest error of the pose of a solution: of R, and of p relative to twice the farthest pose where that is above 1."""
 
 SAME = 1e-5
 """Configurations that are nearer to each other may be one: at the boundary errors of 1e-16 become 1e-8."""
@@ -72,7 +72,7 @@ def inverse_errors(
         where = f"{FUNCTION} of {model.file}"
         if status.shape != found.shape[:2] or found.shape[2] != robot.n:
             raise VerificationError(f"{where} returns shapes {found.shape} and {status.shape}", remedy=remedy)
-        scale = np.where(np.array([j for _, j in places]) == 3, max(1.0, _reach(poses)), 1.0)
+        scale = np.where(np.array([j for _, j in places]) == 3, max(1.0, 2.0 * _reach(poses)), 1.0)
         worst = 0.0
         for k, pose in enumerate(poses):
             rows = found[k][status[k] != NONE]
