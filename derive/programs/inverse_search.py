@@ -45,6 +45,15 @@ class _AtZero(TapeDomain):
     """The scalars of a robot whose joint variables are zero."""
 
     def argument(self, kind: str, index: int) -> Value:
+        """One entry of an argument; zero if it is a joint variable.
+
+        Args:
+            kind: Of the argument.
+            index: Of the joint, from 0.
+
+        Returns:
+            The entry.
+        """
         return self.number(0) if kind == Q else super().argument(kind, index)
 
 
