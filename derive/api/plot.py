@@ -131,12 +131,11 @@ def workspace_summary(found: Workspace) -> str:
 
 
 def _postures(view: WorkspaceView) -> str:
-    """In how many postures places are reached: `` (2 postures on 22.66 m2, 4 on 2.591 m2)``."""
-    if len(view.by_number) == 1:
-        ((number, _),) = view.by_number
-        return f" ({number} posture{'s' if number > 1 else ''})"
-    sizes = [f"{number} on {region.area:.4g} m2" for number, region in view.by_number]
-    return f" ({', '.join(sizes).replace(' on', ' postures on', 1)})" if sizes else ""
+    """In how many postures places are reached: `` (2 postures on 22.66 m2, 4 postures on 2.591 m2)``."""
+    words = [(f"{number} posture{'s' if number > 1 else ''}", region.area) for number, region in view.by_number]
+    if len(words) == 1:
+        return f" ({words[0][0]})"
+    return f" ({', '.join(f'{text} on {area:.4g} m2' for text, area in words)})" if words else ""
 
 
 def _measured(measure: Measure, unit: str) -> str:

@@ -17,7 +17,7 @@ WIDTH = 380.0
 """Width of the plot [pt]."""
 
 _REACHABLE = (0.80, 0.86, 0.94)
-_MORE = ((0.80, 0.86, 0.94), (0.72, 0.88, 0.76), (0.98, 0.90, 0.66), (0.95, 0.78, 0.72), (0.85, 0.77, 0.90))
+_MORE = ((0.72, 0.88, 0.76), (0.98, 0.90, 0.66), (0.95, 0.78, 0.72), (0.85, 0.77, 0.90))
 """For parts that are reached in different numbers of postures, the fewest first."""
 _DEXTEROUS = (0.56, 0.69, 0.88)
 _EDGE = (0.10, 0.22, 0.55)

@@ -31,6 +31,9 @@ _GRID = 1e-10
 _THIN = 2e-5
 """Cells thinner than this part of the arm's size lie between two approximations of one curve."""
 
+_SLIVER = 1e-3
+"""Of cells thinner than this part of the arm's size nothing is said for themselves."""
+
 _ROUND = 128
 """Corners of a quarter of a circle."""
 
@@ -201,6 +204,8 @@ def joined(cells: Any, size: float) -> Region:
 def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tuple[tuple[int, Region], ...]:
     """The parts of an area whose places are reached in different numbers of postures, the fewest first.
 
+    Slivers between two approximations of one curve belong to the part beside them.
+
     Args:
         area: The area.
         numbers: In how many postures places are reached.
@@ -209,8 +214,14 @@ def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tup
     if not area.cells:
         return ()
     cells = np.array(area.cells, dtype=object)
-    found = numbers(_places_inside(cells))
-    return tuple((int(number), joined(cells[found == number], size)) for number in np.unique(found))
+    package, found = shapely(), numbers(_places_inside(cells))
+    thin = 2.0 * package.area(cells) < _SLIVER * size * package.length(cells)
+    parts = {int(number): joined(cells[(found == number) & ~thin], size) for number in np.unique(found[~thin])}
+    beside: dict[int, list[Region]] = {number: [part] for number, part in parts.items()}
+    for cell in cells[thin] if parts else ():
+        around = cell.buffer(_SLIVER * size)
+        beside[max(parts, key=lambda number: around.intersection(parts[number]).area)].append(cell)
+    return tuple((number, joined(members, size)) for number, members in beside.items())
 
 
 def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> npt.NDArray[np.bool_]:

@@ -7,7 +7,7 @@ import pytest
 
 from derive.handouts.figure.workspace.point import ArmPoint, Picture, PlaneMap
 from derive.handouts.figure.workspace.postures import Postures
-from derive.handouts.figure.workspace.region import by_number, exact_area, formula_area
+from derive.handouts.figure.workspace.region import Area, by_number, exact_area, formula_area
 from derive.robot.robot import Robot
 from tests.handouts.figure.workspace.arms import CUSPIDAL, HOLED, LIMITED, TUBE, arm, plane
 
@@ -30,7 +30,7 @@ def test_formulas_and_critical_curves_bound_the_same_area(joints: str, picture: 
     assert found.has_formulas
     area = formula_area(seen, lambda parts: found.curves(seen, parts // 5), lambda places: found.within(seen, places))
     other = exact_area(seen, 100)
-    assert area.region.symmetric_difference(other.region).area < 2e-3 * other.region.area
+    assert area.region.symmetric_difference(other.region).area < 4e-3 * other.region.area
 
 
 def test_the_cuspidal_arm_has_four_postures_between_its_cusps_and_two_around() -> None:
@@ -43,6 +43,16 @@ def test_the_cuspidal_arm_has_four_postures_between_its_cusps_and_two_around() -
     inner = parts[1][1]
     assert shapely.contains_xy(inner, 2.5, 0.0)
     assert not shapely.contains_xy(inner, 3.5, 0.0)
+
+
+def test_slivers_along_a_curve_belong_to_what_is_beside_them() -> None:
+    boxes = (shapely.box(0, 0, 1, 1), shapely.box(1, 0, 1.0004, 1), shapely.box(1.0004, 0, 2, 1))
+    area = Area(shapely.union_all(boxes), shapely.union_all(boxes), cells=boxes)
+    parts = by_number(
+        area, lambda places: np.where(abs(places[0] - 1.0002) < 2e-4, 3, np.where(places[0] < 1, 2, 4)), 2.0
+    )
+    assert [number for number, _ in parts] == [2, 4]
+    assert sum(part.area for _, part in parts) == pytest.approx(2.0, abs=1e-3)
 
 
 def test_postures_are_those_within_the_limits() -> None:
