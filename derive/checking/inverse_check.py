@@ -31,7 +31,7 @@ from derive.errors import listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
-from derive.robot.expression import Call, Expression, Name, Pi, add, names, negate
+from derive.robot.expression import Call, Expression, Name, Number, Pi, add, names, negate, substitute
 from derive.robot.names import robot_symbols
 
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
@@ -178,6 +178,8 @@ class _InverseCheck:
         for group in self._printed.coupled():
             if len(group) > 1 and not any(line in failing for line in group):
                 self._check_together(group, found)
+            if not self.is_wrong and not any(line in failing for line in group):
+                self._check_signs(group, found)
         yield from sorted((*found.values(), *self._primed), key=lambda f: (f.location.line, f.location.column))
 
     def _hits(self, line: Line) -> list[bool]:
@@ -287,6 +289,22 @@ class _InverseCheck:
         plain = self._finding(line.quantity, formula, WRONG, right=self._ours.text(line))
         note = f" with the same signs as in {listed(other.quantity for other in group if other is not line)}"
         found[formula] = replace(self._repaired(repair, WRONG) if repair else plain, note=note)
+
+    def _check_signs(self, group: Sequence[Line], found: dict[Formula, Finding]) -> None:
+        """Choices of which one never gives anything: a plus-minus where a plus or a minus would do."""
+        parts = [part for line in group for part in (*self._printed.named_before(line), line)]
+        for sign in {name: None for line in group for name in self._printed.choices(line) if len(name) > 1}:
+            holders = [(part, f) for part in parts for f in part.formulas if sign in names(f.expression)]
+            met = {e: [self._printed.hit_together(group, x, {sign: e}) for x in self._required] for e in (1.0, -1.0)}
+            useful = [e for e, hits in met.items() if all(hits)]
+            if not holders or not useful or any(met[-useful[0]]):
+                continue
+            self.is_wrong = True
+            part, formula = holders[0]
+            right = substitute(formula.expression, {sign: Number(Fraction(int(useful[0])))})
+            text = shown(notation_text(right, self._model.robot))
+            said = Repair((SlipKind.SIGN,), f"+- that is not needed: {text}", Name(text))
+            found[formula] = self._finding(part.quantity, formula, WRONG, right=text, repair=said)
 
     @cached_property
     def _known(self) -> tuple[str, ...]:

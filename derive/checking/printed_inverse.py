@@ -285,16 +285,17 @@ class PrintedInverse:
         wanted, is_angle = self.wanted(line, place), self.is_angle(line)
         return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
 
-    def hit_together(self, lines: Sequence[Line], place: Place) -> bool:
+    def hit_together(self, lines: Sequence[Line], place: Place, fixed: Choice | None = None) -> bool:
         """Whether some choice gives what all of some lines are about.
 
         Args:
             lines: The lines.
             place: The configuration.
+            fixed: Choices that are made already.
         """
-        shared = self.shared(lines)
+        shared = {name: values for name, values in self.shared(lines).items() if name not in (fixed or {})}
         return any(
-            all(self.hits(line, at, dict(zip(shared, chosen, strict=True))) for line in lines)
+            all(self.hits(line, at, {**(fixed or {}), **dict(zip(shared, chosen, strict=True))}) for line in lines)
             for at in (replace(place, twin=None), *filter(None, (place.twin,)))
             for chosen in product(*shared.values())
         )

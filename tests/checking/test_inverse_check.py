@@ -183,6 +183,15 @@ def test_an_alternative_that_never_holds_is_wrong_by_itself() -> None:
     assert (right.verdict.equal, wrong.verdict.equal) == (True, False)
 
 
+def test_a_plus_minus_of_which_one_sign_never_holds_is_wrong() -> None:
+    text = "theta2 = atan2(r21, r11) - theta1"
+    assert change(checked("planar-2r-perugia", text.replace("= atan2", "= +-atan2"))) == (
+        "+- that is not needed: atan2(r21, r11) - q1"
+    )
+    assert "+- that is not needed" in change(checked("planar-2r-perugia", PLANAR.replace("atan2(y", "+-atan2(y")))
+    assert all(finding.verdict.equal for finding in checked("planar-2r-perugia", PLANAR.replace("a1 + a2", "a1 - -a2")))
+
+
 WRIST = """\
 theta5 = atan2(sqrt(1 - r33**2), r33)
 theta4 = atan2(r23, r13)
