@@ -225,7 +225,7 @@ class TapeField:
         self._as_found[moved[0].ref, moved[1].ref] = cosine, sine
         return moved
 
-    def conic(self, coefficients: Sequence[Value]) -> Sequence[tuple[Value, Value, Mask, Mask]]:
+    def conic(self, coefficients: Sequence[Value]) -> Sequence[tuple[Value, Value, Mask, Mask, Mask]]:
         """The common points of the unit circle and a conic.
 
         Args:

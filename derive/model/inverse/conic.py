@@ -26,11 +26,15 @@ POLISH_STEPS = 2
 FLAT = Fraction(1, 10**7)
 """Slopes of the conic along the circle below this part of its size are those of double points, which stay."""
 
+DOUBTFUL = (10**8, 10**5)
+"""By these factors a radicand may be above that of a double point, or below zero, so that rounding may decide about it:
+where four points are one it is known to a third of its digits."""
+
 ON_CONIC = Fraction(1, 10**9)
 """A point whose error is more than this part of the conic's size is none: its lines are not real."""
 
 
-def line_points(field: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, N, M, M]]:
+def line_points(field: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
     """The four common points of the unit circle and a conic.
 
     Args:
@@ -38,7 +42,8 @@ def line_points(field: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, 
         coefficients: Of c^2, c s, s^2, c, s and 1; not all zero.
 
     Returns:
-        Cosine, sine, whether the point exists, and whether it is a double one, which is listed once.
+        Cosine, sine, whether the point exists, whether it is a double one, which is listed once, and whether rounding
+        decides about that.
     """
     f = field
     scale = f.divide(f.number(1), f.sqrt(_total([k * k for k in coefficients])))
@@ -118,19 +123,20 @@ def _far_root(f: Field[N, M], linear: N, constant: N) -> N:
     return f.select(negative, -x, x)
 
 
-def _on_line(f: Field[N, M], line: Vector[N], unit: Sequence[N]) -> list[tuple[N, N, M, M]]:
+def _on_line(f: Field[N, M], line: Vector[N], unit: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
     """The two points of the circle on a line, moved onto the conic."""
     a, b, d = line
     square = a * a + b * b
     radicand = square - d * d
     exists, double = f.has_root(radicand, square), f.merges(radicand, square)
     root = f.select(double, f.number(0), f.sqrt(radicand))
-    points: list[tuple[N, N, M, M]] = []
+    doubt = f.merges(radicand, square * f.number(DOUBTFUL[0])) & f.has_root(radicand, square * f.number(DOUBTFUL[1]))
+    points: list[tuple[N, N, M, M, M]] = []
     for sign, real in ((1, exists), (-1, exists & ~double)):
         cosine, sine = f.divide(-(a * d) - sign * (b * root), square), f.divide(sign * (a * root) - b * d, square)
         cosine, sine, value = _polished(f, cosine, sine, unit)
         near = f.number(ON_CONIC)
-        points.append((cosine, sine, real & f.merges(value * value - near * near, f.number(0)), exists & double))
+        points.append((cosine, sine, real & f.merges(value * value - near * near, f.number(0)), exists & double, doubt))
     return points
 
 

@@ -145,14 +145,14 @@ class Field(Protocol[N, M]):
             sine: Of the angle, nearly.
         """
 
-    def conic(self, coefficients: Sequence[N]) -> Sequence[tuple[N, N, M, M]]:
+    def conic(self, coefficients: Sequence[N]) -> Sequence[tuple[N, N, M, M, M]]:
         """The four common points of the unit circle and a conic.
 
         Args:
             coefficients: Of c^2, c s, s^2, c, s and 1.
 
         Returns:
-            Cosine, sine, whether the point exists, and whether it is a double one.
+            Cosine, sine, whether the point exists, whether it is a double one, and whether rounding decides about that.
         """
 
     def general(self, formula: Formula, values: Mapping[str, N]) -> Sequence[tuple[tuple[tuple[N, ...], ...], M]]:
@@ -235,7 +235,7 @@ class Solver(Generic[N, M]):
                 equation = formula.equations[0]
                 coefficients = [self.evaluate(equation.coefficient(*exponents)) for exponents in CONIC_TERMS]
                 found = self.field.conic(coefficients)
-                return [Branch((c, s), exists, double, double) for c, s, exists, double in found]
+                return [Branch((c, s), exists, double, doubt) for c, s, exists, double, doubt in found]
         raise ValueError(f"no elementary type: {formula.kind}")
 
     def _is_zero(self, p: Polynomial, factor: float, *equations: Equation) -> M:

@@ -154,7 +154,7 @@ class FloatField:
         scale = 1.5 - 0.5 * (cosine * cosine + sine * sine)
         return cosine * scale, sine * scale
 
-    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks]]:
+    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
         """The common points of the unit circle and a conic.
 
         Args:
@@ -220,7 +220,7 @@ class ComplexField(FloatField):
         """
         return np.abs(a) <= ZERO * np.abs(scale)
 
-    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks]]:
+    def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
         """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle.
 
         Args:
@@ -231,7 +231,7 @@ class ComplexField(FloatField):
         found = []
         for t, w in quartic_roots(np.stack(ascending, axis=-1)):
             size = t * t + w * w
-            found.append(((w * w - t * t) / size, 2 * t * w / size, np.abs(size) > 0, np.bool_(False)))
+            found.append(((w * w - t * t) / size, 2 * t * w / size, np.abs(size) > 0, np.bool_(False), np.bool_(False)))
         return found
 
 
@@ -362,7 +362,7 @@ class PrimeField:
         """
         return cosine, sine
 
-    def conic(self, coefficients: Sequence[Residue]) -> Sequence[tuple[Residue, Residue, Masks, Masks]]:
+    def conic(self, coefficients: Sequence[Residue]) -> Sequence[tuple[Residue, Residue, Masks, Masks, Masks]]:
         """Not needed: graphs with quartics are counted over the complex numbers.
 
         Args:

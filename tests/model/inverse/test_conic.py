@@ -26,8 +26,8 @@ def conics_through(angles: Array, random: np.random.Generator) -> list[Array]:
 def points(coefficients: list[Array]) -> tuple[Array, Array]:
     """Angles of the four points, not a number where there is none, and which are double."""
     found = line_points(FloatField({}), coefficients)
-    angles = [np.where(exists, np.arctan2(sine, cosine), np.nan) for cosine, sine, exists, _ in found]
-    return np.array(angles), np.array([double for *_, double in found])
+    angles = [np.where(exists, np.arctan2(sine, cosine), np.nan) for cosine, sine, exists, *_ in found]
+    return np.array(angles), np.array([double for *_, double, _ in found])
 
 
 def worst(angles: Array, wanted: Array) -> Array:
@@ -64,3 +64,11 @@ def test_random_conics_have_as_many_points_as_their_quartics_have_real_roots() -
     assert set(numbers) == {0, 2, 4}
     x, y = np.cos(angles), np.sin(angles)
     assert np.nanmax(abs(cc * x * x + cs * x * y + ss * y * y + c * x + s * y + one)) < 1e-14
+
+
+def test_where_four_points_are_one_rounding_is_said_to_decide() -> None:
+    touching = [np.array([x]) for x in (2.0, 0.0, 1.0, -2.0, 0.0, 0.0)]  # c^2 + s^2 - 1 + (c - 1)^2
+    found = line_points(FloatField({}), touching)
+    assert all(np.all(doubt) for *_, doubt in found)
+    apart = [np.array([x]) for x in (1.0, 0.0, -1.0, 0.0, 0.0, 0.0)]
+    assert not any(np.any(doubt) for *_, doubt in line_points(FloatField({}), apart))
