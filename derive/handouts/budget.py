@@ -132,7 +132,7 @@ def _words(text: str) -> float:
 
 
 def _row(line: str) -> float:
-    rows = line.count("\\\\") + 1 if "bmatrix" in line or "{array}" in line else 1
+    rows = line.count("\\\\") + 1 if "bmatrix" in line else 1
     return _ROW + _LINE * (rows - 1) + (_FRACTION if "\\frac" in line else 0.0)
 
 

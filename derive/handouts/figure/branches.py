@@ -81,7 +81,7 @@ def branches_drawing(
     _draw_ends(paper, view, scenes[0], frames[0][-1], scale)
     for index, (group, places) in enumerate(zip(groups, shown, strict=True)):
         text = ",".join(names[k] for k in group)
-        others = [point for other in shown if other is not places for point in other]
+        others = [point for other in shown if other is not places for point in _along(other, 20)]
         place, direction = _apart(places, others)
         paper.label(text, around(place, direction, 9.0, label_width(text)), COLORS[index % len(COLORS)])
     return moved(paper.items, 3.0, title)
@@ -134,13 +134,15 @@ def _draw_ends(paper: Paper, view: View, scene: Scene, end: Sequence[Sequence[fl
 
 def _apart(line: Sequence[Point], others: Sequence[Point]) -> tuple[Point, Point]:
     """The place on a line that is farthest from other lines, and the direction away from their middle."""
-    places = [
-        ((1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]) for a, b in _pairs(line) for t in (0.3, 0.5, 0.7, 1.0)
-    ]
-    place = max(places, key=lambda p: round(min((math.dist(p, other) for other in others), default=0.0), 6))
+    place = max(_along(line, 6), key=lambda p: round(min((math.dist(p, other) for other in others), default=0.0), 6))
     middle = np.mean(np.array([*line, *others]), axis=0)
     return place, (float(place[0] - middle[0]), float(place[1] - middle[1]))
 
 
-def _pairs(line: Sequence[Point]) -> list[tuple[Point, Point]]:
-    return [(a, b) for a, b in pairwise(line) if math.dist(a, b) > 1e-9]
+def _along(line: Sequence[Point], parts: int) -> list[Point]:
+    """Points all along a line."""
+    return [
+        ((1 - k / parts) * a[0] + k / parts * b[0], (1 - k / parts) * a[1] + k / parts * b[1])
+        for a, b in pairwise(line)
+        for k in range(parts + 1)
+    ]

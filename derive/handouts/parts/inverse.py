@@ -380,9 +380,9 @@ class _Part:
         if any(len(line.alternatives) > 1 for step in self.found.steps for line in step.lines):
             words = _("The signs in the formulas lead to these branches; of two values, + is the first one:")
         yield Paragraph(words, is_answer=True)
-        heads = [_("Branch")] if has_names else []
-        heads += [_("sign in %(unknown)s", unknown=self._math(unknown)) for unknown in columns.values()]
-        yield Table(("", *heads), tuple(rows), is_answer=True)
+        heads = [_("Posture")] if has_names else []
+        heads += [self._math(unknown) for unknown in columns.values()]
+        yield Table((_("Branch"), *heads), tuple(rows), is_answer=True)
 
     def of_whole_pose(self) -> Iterator[Block]:
         """What changes where the orientation is given, too, of an arm solved for its position."""

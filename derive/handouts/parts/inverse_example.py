@@ -13,7 +13,7 @@ import sympy
 
 from derive.errors import DeriveError
 from derive.handouts.context import Context
-from derive.handouts.document import Block, Entry, Figure, Formula, Paragraph, Rows
+from derive.handouts.document import Block, Entry, Figure, Formula, Paragraph, Rows, Table
 from derive.handouts.figure.branches import branches_drawing
 from derive.handouts.figure.poses import RobotPoses
 from derive.handouts.layout.lines import EQUALS, matrix
@@ -87,7 +87,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
     rest = _("These reach it; put into $%(end)s$, each gives the pose back with all of its digits:", end=bold("T").tex)
     yield Paragraph(f"{words} {rest}", is_answer=True)
-    yield _table(context, found, solutions)
+    yield from _results(context, solutions)
     if len(solutions) > 1:
         frames = [poses.frames(solution.q) for solution in solutions]
         numbers_of = [str(solution.number) for solution in solutions]
@@ -204,24 +204,33 @@ def _pose(context: Context, rows: Sequence[Sequence[float]]) -> str:
     return concatenate(bold("T"), EQUALS, matrix(cells)).tex
 
 
-def _table(context: Context, found: InverseKinematics, solutions: Sequence[Found]) -> Formula:
-    """The configurations one below the other, as an array."""
+def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
+    """What an exercise asks for and a page copies, then the configurations as a table."""
     _, joints = context.text, context.robot.joints
-    names = [context.notation.glyph(joint.variable).box.tex.strip() for joint in joints]
     heads = [
-        f"{name}\\,[{_unit(context, joint.is_revolute).removeprefix(chr(92) + ',')}]"
-        if not (joint.is_revolute and context.notation.degrees)
-        else f"{name}\\,[{{}}^{{\\circ}}]"
-        for name, joint in zip(names, joints, strict=True)
+        f"{context.notation.glyph(joint.variable).box.tex.strip()}\\,[{_head_unit(context, joint.is_revolute)}]"
+        for joint in joints
     ]
-    rows = [
-        " & ".join((str(s.number), *(_number(context, x, j.is_revolute).tex for x, j in zip(s.q, joints, strict=True))))
-        for s in solutions
-    ]
-    body = " \\\\ ".join(rows)
-    head = f"& {' & '.join(heads)} \\\\ \\hline \\rule{{0pt}}{{2.4ex}}"
-    array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} {head}{body} \\end{{array}}"
+    cells = [[_number(context, x, j.is_revolute).tex for x, j in zip(s.q, joints, strict=True)] for s in solutions]
+    body = " \\\\ ".join(" & ".join((str(s.number), *row)) for s, row in zip(solutions, cells, strict=True))
+    array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} & {' & '.join(heads)} \\\\ \\hline {body} \\end{{array}}"
     python = "[" + ", ".join("[" + ", ".join(map(_COPIED, s.q)) + "]" for s in solutions) + "]"
-    entries = (Entry(bold("q").tex, array, python),)
     task = _("Compute in numbers all configurations that reach this pose.")
-    return Formula((Rows((array,)),), function="inverse_kinematics", entries=entries, task=task, blanks=("",))
+    room = ("",) * max(1, len(solutions) // 2)
+    yield Formula(
+        (), function="inverse_kinematics", entries=(Entry("\\mathbf{q}", array, python),), task=task, blanks=room
+    )
+    rows = tuple((str(s.number), *map(_aligned, row)) for s, row in zip(solutions, cells, strict=True))
+    yield Table((_("Branch"), *(f"${head}$" for head in heads)), rows, is_answer=True)
+
+
+def _head_unit(context: Context, is_angle: bool) -> str:
+    """A unit in brackets."""
+    if is_angle:
+        return "{}^{\\circ}" if context.notation.degrees else "\\mathrm{rad}"
+    return "\\mathrm{m}"
+
+
+def _aligned(number: str) -> str:
+    """A number in running text, one without a sign below one that has it."""
+    return f"${number}$" if number.startswith("-") else f"$\\phantom{{-}}{number}$"
