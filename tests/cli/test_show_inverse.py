@@ -55,3 +55,33 @@ def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.C
     rows = json.loads(text)["quantities"]["inverse"]
     columns = sorted(zip(*([float(x) for x in row] for row in rows), strict=True))
     assert columns == [pytest.approx((0.5, 1.0)), pytest.approx((1.5, -1.0))]
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        (["inverse", "--task", "z"], "a task of z, which no joint changes; allowed: x, y, phi, orientation"),
+        (["workspace", "--at", "0, 0"], "--at with workspace; ask for workspace without --at"),
+        (["aspects", "--abbreviate", "christoffel"], "--abbreviate with aspects"),
+        (["aspects", "--format", "latex"], "--format latex with aspects; text and json"),
+        (["workspase"], "quantity 'workspase'; did you mean 'workspace'?"),
+        (["Aspects"], "quantity 'Aspects'; did you mean 'aspects'?"),
+    ],
+)
+def test_what_cannot_be_described_is_refused_in_one_line(
+    asked: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["show", ARM, *asked]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith(f"derive: error: {message}")
+    assert printed.err.count("\n") == 1
+
+
+def test_descriptions_stand_beside_quantities(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", ARM, "workspace", "p", "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)["quantities"]
+    assert found["workspace"]["bounds"][0]["shape"] == "between two circles"
+    assert len(found["p"]) == 3
+    assert main(["show", ARM]) == 0
+    assert "aspects " in capsys.readouterr().out
