@@ -249,7 +249,7 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[_Read]) -> Iterator[Line]:
         for side in others:
             if side is not value and joints(side.expression):
                 about = Formula(first.expression, first.formulas[0].text, value.formulas[0].location)
-                yield Line(notation_text(side.expression, vocabulary.robot), (about,), side.expression)
+                yield _about(vocabulary, side, (about,))
         return
     target = first if joints(first.expression) else next((side for side in others if joints(side.expression)), None)
     if target is None:  # a condition of the pose

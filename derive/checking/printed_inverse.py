@@ -263,14 +263,17 @@ class PrintedInverse:
                 continue
 
     def wanted(self, line: Line, place: Place) -> float:
-        """What a line should give at a configuration.
+        """What a line should give at a configuration; not a number where its left side has no value.
 
         Args:
             line: The line, one with a target.
             place: The configuration.
         """
         assert line.target is not None
-        return Evaluator(place.values)(line.target)
+        try:
+            return Evaluator(place.values)(line.target)
+        except _BAD:
+            return math.nan
 
     def hits(self, line: Line, place: Place, fixed: Choice | None = None) -> bool:
         """Whether some choice gives what the line is about.
@@ -283,6 +286,8 @@ class PrintedInverse:
         if place.twin is not None and self.hits(line, place.twin, fixed):
             return True
         wanted, is_angle = self.wanted(line, place), self.is_angle(line)
+        if math.isnan(wanted):
+            return True
         return any(is_same(value, wanted, is_angle, self.close) for value in self.values(line, place, fixed))
 
     def hit_together(self, lines: Sequence[Line], place: Place, fixed: Choice | None = None) -> bool:

@@ -21,6 +21,11 @@ def test_a_chain_of_sides_names_and_gives() -> None:
     assert not printed.joints.meaning(Name("alpha"))
 
 
+def test_a_side_may_hold_what_is_named() -> None:
+    printed, _ = solution("planar-2r-perugia", "r = sqrt(x**2 + y**2) = theta2*r; theta2 = r; theta1 = atan2(y, x)")
+    assert [line.quantity for line in printed.given] == ["q2*r", "q2", "q1"]
+
+
 def test_the_middle_side_may_be_the_name() -> None:
     printed, vocabulary = solution("scara-perugia", "theta1 + theta2 - theta4 = alpha = atan2(r12, r11)")
     assert vocabulary.new == {"alpha"}

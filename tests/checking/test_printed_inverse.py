@@ -70,6 +70,12 @@ def test_truth_is_what_a_line_should_give_at_every_configuration() -> None:
     assert all(printed.hits(line, place) for place in places(vocabulary.pose, vocabulary.sums))
 
 
+def test_a_left_side_without_a_value_says_nothing() -> None:
+    printed, vocabulary = solution("planar-2r-perugia", "sqrt(c1) = x; theta1 = 0")
+    hits = [printed.hits(printed.given[0], place) for place in places(vocabulary.pose, vocabulary.sums)]
+    assert {True, False} == set(hits)
+
+
 def test_angles_are_the_same_up_to_full_turns() -> None:
     assert is_same(1 + 2 * math.pi, 1, True)
     assert not is_same(1 + 2 * math.pi, 1, False)
