@@ -14,7 +14,7 @@ from bench.results import read_json, write_json
 def main() -> int:
     """Everything in one run."""
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="fewer tools and rounds: under three minutes")
+    parser.add_argument("--quick", action="store_true", help="fewer tools and rounds: some minutes")
     options = parser.parse_args()
     write_json("operations", operations.run(options.quick))
     write_json("timings", timings.run(options.quick))

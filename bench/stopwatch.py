@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from time import perf_counter, thread_time
+from time import perf_counter, process_time
 
 from bench.peers.peer import Timed
 
@@ -56,10 +56,10 @@ def _repeats(timed: Timed, seconds: float) -> int:
 
 
 def _nanoseconds(timed: Timed, repeats: int) -> tuple[float, float]:
-    """Time that passes, and this thread's own."""
+    """Time that passes, and this process's own, all threads together."""
     run, scale = timed.run, 1e9 / (repeats * timed.count)
-    ours, start = thread_time(), perf_counter()
+    ours, start = process_time(), perf_counter()
     for _ in range(repeats):
         run()
     passed = perf_counter() - start
-    return passed * scale, (thread_time() - ours) * scale
+    return passed * scale, (process_time() - ours) * scale

@@ -10,9 +10,10 @@ from bench.tables import ABSENT, environment_line, figure, section, table
 
 _RULES = """\
 Microseconds a pose, all branches, one core. Poses of random configurations, {single} different ones from Python, up to
-{batch:,} in C and in a batch; the rows of a column take turns, {rounds} rounds, and figures are medians (minima and the
-processor's time are in `inverse.json`). Every solver is given the same Denavit-Hartenberg table. Solutions are put into
-an independent recursion, and a solver that misses the configuration that a pose comes from has no time."""
+{batch:,} in C and in a batch; the rows of a column take turns, {rounds} rounds, and figures are medians of the
+processor's time, which other work on the machine changes little (the time that passed is in `inverse.json`). Every
+solver is given the same Denavit-Hartenberg table. Solutions are put into an independent recursion, and a solver that
+misses the configuration that a pose comes from has no time."""
 
 _TITLES = {
     ONE: "One pose from Python, µs",
@@ -46,7 +47,7 @@ def times(results: dict[str, Any], way: str) -> str:
         results: The content of ``inverse.json``.
         way: One of `bench.inverse.problem.WAYS`.
     """
-    return _table(results, way, "median", lambda value: figure(value / 1000))
+    return _table(results, way, "processor", lambda value: figure(value / 1000))
 
 
 def _solutions(results: dict[str, Any]) -> str:
