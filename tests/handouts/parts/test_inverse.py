@@ -77,7 +77,9 @@ def copied(section: Section) -> list[str]:
     return [entry.python for block in found if block.function != "inverse_kinematics" for entry in block.entries]
 
 
-@pytest.mark.parametrize("name", [*KINDS, *(pytest.param(name, marks=pytest.mark.sweep) for name in LARGE), "ur-like"])
+@pytest.mark.parametrize(
+    "name", [*KINDS, *(pytest.param(name, marks=pytest.mark.sweep) for name in (*LARGE, "ur-like"))]
+)
 def test_its_formulas_give_back_the_pose_with_every_choice_of_signs(name: str) -> None:
     """In numbers, by the oracle: the original is among them, and all reach the pose unless the part says otherwise."""
     robot = Robot.from_text(UR5) if name == "ur-like" else Robot.load(name)
