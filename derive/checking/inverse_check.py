@@ -295,8 +295,9 @@ class _InverseCheck:
         parts = [part for line in group for part in (*self._printed.named_before(line), line)]
         for sign in {name: None for line in group for name in self._printed.choices(line) if len(name) > 1}:
             holders = [(part, f) for part in parts for f in part.formulas if sign in names(f.expression)]
-            met = {e: [self._printed.hit_together(group, x, {sign: e}) for x in self._required] for e in (1.0, -1.0)}
-            useful = [e for e, hits in met.items() if all(hits)]
+            met = {e: [self._printed.hit_together(group, x, {sign: e}) for x in self._places] for e in (1.0, -1.0)}
+            needed = [place.required for place in self._places]
+            useful = [e for e, hits in met.items() if all(h for h, n in zip(hits, needed, strict=True) if n)]
             if not holders or not useful or any(met[-useful[0]]):
                 continue
             self.is_wrong = True
