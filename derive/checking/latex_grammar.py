@@ -139,6 +139,17 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
                 return _Digits(_number(token), token.start_pos or 0)
             case "exponent_digit", (token,):
                 return number({"²": "2", "³": "3"}.get(token[-1], token[-1]))
+            case "number_power", (token, exponent):
+                return self._power(_number(token), exponent)
+            case "bracket_power", (base, exponent):
+                return _Raised(base, exponent)
+            case (("matrix" | "transpose" | "list"), _):
+                return self._matrix(data, children)
+        return self._of_functions(data, children)
+
+    def _of_functions(self, data: str, children: Children) -> Any:
+        """Functions of one argument and of two, their powers and inverses."""
+        match data, children:
             case "atan2", (token, *arguments):
                 return self._of_two(token, arguments)
             case "inverse", (token, *arguments):
@@ -153,12 +164,6 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
                 if isinstance(exponent, Number) and exponent.value < 0:
                     return self._inverse_function(function, exponent, [argument])
                 return self._power(self._call(function, argument), exponent)
-            case "number_power", (token, exponent):
-                return self._power(_number(token), exponent)
-            case "bracket_power", (base, exponent):
-                return _Raised(base, exponent)
-            case (("matrix" | "transpose" | "list"), _):
-                return self._matrix(data, children)
         return self._of_names(data, children)
 
     def _of_names(self, data: str, children: Children) -> Any:
