@@ -371,7 +371,7 @@ class Derivation:
         terms = sorted(whole.args if whole.is_Add else (whole,), key=str)
         held = [term for term in terms if not posed.isdisjoint(symbol.name for symbol in term.free_symbols)]
         if len(held) == len(terms) == 2:
-            held = held[:1]
+            held = [min(held, key=lambda term: len(term.free_symbols))]
         left = sympy.Add(*held)
         right = left - whole
         if is_negative(left):

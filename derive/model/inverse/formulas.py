@@ -256,7 +256,8 @@ class Derivation:
             found = [homes[name] for name in _names(row[0]) if name in homes]
             return len(row[0].raw) + sum(not turns for turns, _ in found), max((k for _, k in found), default=-1)
 
-        pool.sort(key=_length)
+        whole = [(p, Source(1, self.robot.n, entry)) for entry, p in self.pose.constant.items()]
+        pool = [*whole, *sorted(pool, key=_length)]
         complete = replace(graph, definitions=tuple(self.pose.definitions.items()))
         found = conditions(complete, missing, pool, self.evidence, self.constants, self.numbers)
         used = {name for equation in found for name in _names(equation.coefficient())}

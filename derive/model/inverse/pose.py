@@ -28,6 +28,7 @@ class Pose:
     Attributes:
         atoms: W and its invariants.
         definitions: Generator -> polynomial of the entries of T and of those defined before.
+        constant: By entries of the position within the arm, what vanishes since they are a number or another entry.
     """
 
     def __init__(
@@ -43,6 +44,7 @@ class Pose:
         self._domain, self._evidence, self._constants = domain, evidence, constants
         self._known: list[tuple[tuple[int, ...], Polynomial]] = []
         self.definitions: dict[str, Polynomial] = {}
+        self.constant: dict[str, Polynomial] = {}
         places = [(i, j) for j in range(4) for i in range(3)]
         first = sorted(places, key=lambda place: (place[0] + 1, place[1] + 1) not in allowed)
         end = self._frame({(i, j): self._entry(f"T[{i + 1},{j + 1}]", None) for i, j in first})
@@ -51,6 +53,8 @@ class Pose:
         flat = {(i, j): inner.position[i] if j == 3 else inner.rotation[i][j] for i, j in places}
         pose = self._frame({(i, j): self._entry(f"W[{i + 1},{j + 1}]", flat[i, j]) for i, j in places})
         r, p = pose.rotation, pose.position
+        plain = [(f"p[{i + 1}]", flat[i, 3] - p[i]) for i in range(3) if f"W[{i + 1},4]" not in self.definitions]
+        self.constant = {entry: difference for entry, difference in plain if difference}
         back = [self._entry(f"u[{k + 1}]", value) for k, value in enumerate(multiply(transpose(r), p))]
         square = self._entry("p.p", dot(p, p))
         moment = reflection = None

@@ -18,6 +18,9 @@ ARMS = {
     ),
     "{type: revolute, d: d1, alpha: -pi/2}, {type: revolute, a: a2}, {type: revolute, a: a3}, "
     "{type: revolute, a: a4, alpha: -pi/2}, {type: revolute, d: d5}": "r23*c1 = r13*s1",
+    "{type: revolute, alpha: -pi/2}, {type: revolute, alpha: pi/2}, {type: revolute, d: d6}": (
+        "px = d6*r13, py = d6*r23, pz = d6*r33"
+    ),
 }
 
 
