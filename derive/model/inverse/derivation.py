@@ -343,9 +343,8 @@ class Derivation:
         return any(exponent and g.name in self._pose_names for g, exponent in generators)
 
     def _origins(self, source: Source) -> tuple[Origin, ...]:
-        to_end = "orientation" not in self._graph.task
         sources = (source, source.also) if source.also else (source,)
-        return tuple(origin(self._robot, each, to_end=to_end) for each in sources)
+        return tuple(origin(self._robot, each, to_end=self._graph.to_end) for each in sources)
 
     def _whole(self, unknown: Unknown, a: Polynomial, b: Polynomial) -> Expr:
         """A cos + B sin as any other sum is written, ``a1*c1 + a2*c12``."""

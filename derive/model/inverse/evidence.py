@@ -257,15 +257,9 @@ class Evidence:
         """Which equations do not change with the entries of T that are not given."""
         if len(given) == 12:
             return np.ones(len(self.equations), dtype=bool)
-        entries = {(i, j): self.end.rotation[i][j] for i in range(3) for j in range(3)}
-        entries |= {(i, 3): self.end.position[i] for i in range(3)}
-        keys = {place: tuple(map(int, self._plain(value))) for place, value in entries.items()}
-        fixed = {key for (i, j), key in keys.items() if (i + 1, j + 1) in given}
-        fixed |= {tuple((self.prime - x) % self.prime for x in key) for key in fixed}
-        fixed |= {(number,) * self.poses for number in (0, 1, self.prime - 1)}
-        for place, key in keys.items():
-            if key not in fixed:
-                entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
+        entries = self._entries()
+        for place in self.untold(given):
+            entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
         rotation = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
         end = Frame((rotation[0], rotation[1], rotation[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
         inner = links.base.inverse @ end @ links.tool.inverse
@@ -274,6 +268,26 @@ class Evidence:
         same = self._table(links, cuts, self.pose) == other
         unchanged: Array = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
         return unchanged
+
+    def _entries(self) -> dict[tuple[int, int], Residue]:
+        """The entries of T by row and column, from 0."""
+        entries = {(i, j): self.end.rotation[i][j] for i in range(3) for j in range(3)}
+        return entries | {(i, 3): self.end.position[i] for i in range(3)}
+
+    def untold(self, given: frozenset[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Entries of T that are neither given, nor equal to one that is, nor always 0, 1 or -1.
+
+        Args:
+            given: Row and column, from 1, of what is given.
+
+        Returns:
+            Row and column, from 0.
+        """
+        keys = {place: tuple(map(int, self._plain(value))) for place, value in self._entries().items()}
+        told = {key for (i, j), key in keys.items() if (i + 1, j + 1) in given}
+        told |= {tuple((self.prime - x) % self.prime for x in key) for key in told}
+        told |= {(number,) * self.poses for number in (0, 1, self.prime - 1)}
+        return [place for place, key in keys.items() if key not in told]
 
     def value(self, p: Polynomial, constants: Mapping[str, Expression]) -> Array:
         """A polynomial of the arm's ring at the poses.

@@ -82,7 +82,7 @@ class Derivation:
     def __init__(self, robot: Robot, task: Task, given: Sequence[int] = (), *, deep: bool = False) -> None:
         allowed = frozenset(place for row in task for place in ROWS[row])
         self.task, self.given = task, tuple(given)
-        keep_tool = not all((i, j) in allowed for i in (1, 2, 3) for j in (1, 2, 3))
+        turned = [(i, j) in allowed for i in (1, 2, 3) for j in (1, 2, 3)]
         numbers = self.numbers = baked(robot)
         zeros = {name: value for name, value in numbers.items() if value == ZERO}
         self.robot, self.shifts = shifted(with_numbers(robot, zeros))
@@ -95,16 +95,22 @@ class Derivation:
         sampled = self.sampled = InverseDomain(specimen, self.constants.values())
         if (sampled.groups, sampled.directions) != (self.domain.groups, self.domain.directions):
             self.robot, self.domain = specimen, sampled
-        self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, keep_tool)
-        cuts = list(self.links.cuts())
-        self.evidence = Evidence(sampled, cuts, allowed, keep_tool=keep_tool, deep=deep)
-        self._special = partial(Evidence, sampled, cuts, allowed, keep_tool=keep_tool, deep=deep, special=True)
+        self._gather(allowed, keep_tool=not all(turned), deep=deep)
+        if self.to_end and any(turned) and all(column == 3 for _, column in self.evidence.untold(allowed)):
+            self._gather(allowed, keep_tool=False, deep=deep)
         self.pose = Pose(self.domain, self.links, self.evidence, self.constants, allowed, deep=deep)
         self.pool = Pool(self.links, self.pose.atoms)
         self.search = Search(self.evidence, given)
         self.polynomial, self.equation = cache(self._polynomial), cache(self._equation)
         self.nodes: list[Node] = []
         self.homes: dict[Unknown, int] = {}
+
+    def _gather(self, allowed: frozenset[tuple[int, int]], *, keep_tool: bool, deep: bool) -> None:
+        """The equations; they reach to the end effector where its orientation is not told, else to the last joint."""
+        self.to_end = keep_tool
+        self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, keep_tool)
+        evidence = partial(Evidence, self.sampled, list(self.links.cuts()), allowed, keep_tool=keep_tool, deep=deep)
+        self.evidence, self._special = evidence(), partial(evidence, special=True)
 
     @cached_property
     def special(self) -> Evidence:
@@ -284,6 +290,7 @@ class Derivation:
             self.domain.square_reach,
             tuple(self.nodes),
             self.shifts,
+            to_end=self.to_end,
         )
 
     # -- nodes

@@ -65,6 +65,7 @@ class SolutionGraph:
         count: Number of complex solutions of a generic reachable pose; 0 where it is not known.
         complete: Whether that number is certain.
         why_not: Why there is no closed form; empty where there is one.
+        to_end: Whether the last matrix of the equations ends at the end effector, whose orientation is not told.
     """
 
     robot: Robot
@@ -79,6 +80,7 @@ class SolutionGraph:
     count: int = 0
     complete: bool = False
     why_not: str = ""
+    to_end: bool = False
 
     @property
     def is_closed(self) -> bool:

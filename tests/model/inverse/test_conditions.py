@@ -6,6 +6,7 @@ import pytest
 
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
+from derive.model.inverse.solutions import inverse_kinematics
 from derive.model.model import Model
 from derive.robot.robot import Robot
 
@@ -29,3 +30,11 @@ def test_conditions_are_those_of_textbooks_with_their_signs(joints: str) -> None
     robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{joints}]\n")
     lines = derivation_lines(Model(robot).inverse, "text", Notation.of(robot))
     assert lines[1] == f"a pose can be reached only if {ARMS[joints]}"
+
+
+def test_an_angle_tells_the_orientation_of_a_planar_arm() -> None:
+    """So the last link is taken off first, as textbooks do, and the elbow follows from the law of cosines."""
+    robot = Robot.load("planar-3r")
+    lines = derivation_lines(inverse_kinematics(robot, robot.style, ("x", "y", "phi")), "text", Notation.of(robot))
+    assert "   wx = px - a3*r11" in lines
+    assert "   D = (wx**2 + wy**2 - a1**2 - a2**2)/(2*a1*a2)" in lines
