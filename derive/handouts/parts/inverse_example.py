@@ -37,6 +37,9 @@ _PLACES = 4
 _DIGIT = 5.0
 """Width of a digit [pt]."""
 
+_UNIT, _CELL, _ROOM = 30.0, 50.0, 400.0
+"""Widths of the unit of a variable, of a number with its gap, and of all numbers of a configuration in a table [pt]."""
+
 _COPIED = "{:.12g}".format
 _LEAST = 1e-9
 """Two configurations closer to each other than this are one [rad or m]."""
@@ -207,10 +210,9 @@ def _pose(context: Context, rows: Sequence[Sequence[float]]) -> str:
 def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     """What an exercise asks for and a page copies, then the configurations as a table."""
     _, joints = context.text, context.robot.joints
-    heads = [
-        f"{context.notation.glyph(joint.variable).box.tex.strip()}\\,[{_head_unit(context, joint.is_revolute)}]"
-        for joint in joints
-    ]
+    names = [context.notation.glyph(joint.variable).box for joint in joints]
+    units = [_head_unit(context, joint.is_revolute) for joint in joints]
+    heads = [f"{name.tex.strip()}\\,[{unit}]" for name, unit in zip(names, units, strict=True)]
     cells = [[_number(context, x, j.is_revolute).tex for x, j in zip(s.q, joints, strict=True)] for s in solutions]
     body = " \\\\ ".join(" & ".join((str(s.number), *row)) for s, row in zip(solutions, cells, strict=True))
     array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} & {' & '.join(heads)} \\\\ \\hline {body} \\end{{array}}"
@@ -220,6 +222,12 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     yield Formula(
         (), function="inverse_kinematics", entries=(Entry("\\mathbf{q}", array, python),), task=task, blanks=room
     )
+    if sum(max(name.width + _UNIT, _CELL) for name in names) > _ROOM:
+        separator = ";\\, " if context.notation.comma else ",\\, "
+        vectors = (f"\\mathbf{{q}} = [{separator.join(row)}]" for row in cells)
+        lines = (f"{s.number}\\colon\\quad {q}" for s, q in zip(solutions, vectors, strict=True))
+        yield Rows(tuple(lines), is_answer=True)
+        return
     rows = tuple((str(s.number), *map(_aligned, row)) for s, row in zip(solutions, cells, strict=True))
     yield Table((_("Branch"), *(f"${head}$" for head in heads)), rows, is_answer=True)
 
