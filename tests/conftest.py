@@ -1,4 +1,7 @@
-"""What holds for all tests: two workers share two cores, and a busy machine is no fault."""
+"""What holds for all tests: two workers share two cores, and a busy machine is no fault; examples are the same for all.
+
+With ``DERIVE_NEW_EXAMPLES=1`` in the environment every run draws others.
+"""
 
 from __future__ import annotations
 
@@ -7,5 +10,5 @@ import os
 from hypothesis import settings
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # two workers on two cores: threads would wait for each other
-settings.register_profile("derive", deadline=None)
+settings.register_profile("derive", deadline=None, derandomize="DERIVE_NEW_EXAMPLES" not in os.environ)
 settings.load_profile("derive")

@@ -67,7 +67,7 @@ def check_with_the_oracle(robot: RandomRobot, loaded: Robot, folder: Path, seed:
 
 @pytest.mark.parametrize("examples", [5, pytest.param(30, marks=pytest.mark.sweep)])
 def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, examples: int) -> None:
-    """Other robots in every run; every one writes over the files of the one before."""
+    """Every robot writes over the files of the one before."""
 
     @given(robots(max_joints=5))
     @settings(max_examples=examples, deadline=None)
