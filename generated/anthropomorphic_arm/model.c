@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -748,4 +778,468 @@ void anthropomorphic_arm_analytic_jacobian_zyz_batch(size_t count, const double 
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(18, result_block, analytic_jacobian_zyz_lanes, result + 18 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a3;
+    k[1] = p_a3*p_a3;
+    k[2] = p_a2;
+    k[3] = p_a2*p_a2;
+}
+
+void anthropomorphic_arm_inverse_kinematics_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    const double t1 = 0.0 < fabs(p_a2);
+    const double t2 = 1.0 - t1;
+    k[0] = p_a3;
+    k[1] = p_a2;
+    k[2] = t1;
+    k[3] = p_a2*p_a2 + p_a3*p_a3;
+    k[4] = t2;
+    inverse_kinematics_step_constants(params, k + 5);
+}
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = t1;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double t1 = sqrt(k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34))));
+    const double t2 = (0.0 < t1) ? t1 : 1.0;
+    const double t3 = k1*ca3;
+    const double t4 = k3*c2 + t3;
+    const double t5 = c1*t4;
+    const double t6 = (t5 - T14)/t2;
+    const double t7 = s1*t4;
+    const double t8 = (t7 - T24)/t2;
+    const double t9 = k1*sa3;
+    const double t10 = k3*s2 + t9;
+    const double t11 = (t10 - T34)/t2;
+    const double t12 = 1.0/t2;
+    const double t13 = t7*t12;
+    const double t14 = t5*t12;
+    const double t15 = t4*t12;
+    const double t16 = t3*t12;
+    const double t17 = c1*ca3;
+    const double t18 = t17 - T11;
+    const double t19 = s1*ca3;
+    const double t20 = t19 - T21;
+    const double t21 = sa3 - T31;
+    const double t22 = t6*t6 + t8*t8 + t11*t11 + t18*t18 + t20*t20 + t21*t21;
+    const double t23 = c1*sa3;
+    const double t24 = t23 + T12;
+    const double t25 = s1*sa3;
+    const double t26 = t25 + T22;
+    const double t27 = ca3 - T32;
+    const double t28 = s1 - T13;
+    const double t29 = c1 + T23;
+    const double t30 = t22 + t24*t24 + t26*t26 + t27*t27 + t28*t28 + t29*t29;
+    const double t31 = T33*T33;
+    const double t32 = sqrt(t30 + t31) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t33 = t32 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t34 = t33 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t35 = maximum(0.0, t34 - fabs(1.0 - (T23*T23 + T13*T13 + t31)));
+    const double t36 = c1*t9*t12;
+    const double t37 = s1*t9*t12;
+    const double t38 = t13*t36 - t14*t37;
+    const double t39 = damping1 + (2.0 + (t13*t13 + t14*t14));
+    const double t40 = t38/t39;
+    const double t41 = c1*t10*t12;
+    const double t42 = s1*t10*t12;
+    const double t43 = t13*t41 - t14*t42;
+    const double t44 = 2.0*(s1*s1 + c1*c1);
+    const double t45 = t44 + (t41*t36 + t42*t37 + t15*t16) - t43*t40;
+    const double t46 = t43/t39;
+    const double t47 = damping1 + (t41*t41 + t42*t42 + t15*t15 + t44) - t43*t46;
+    const double t48 = damping1 + (t44 + (t36*t36 + t37*t37 + t16*t16)) - t38*t40;
+    const double t49 = t45/t47;
+    const double t50 = c1*T13 + s1*T23 - (t19*T11 - t17*T21 - (t25*T12 - t23*T22));
+    const double t51 = t50 + t6*t13 - t8*t14;
+    const double t52 = s1*(c1*T33 + (sa3*T21 - t19*T31 + (ca3*T22 + t25*T32)));
+    const double t53 = c1*(s1*T33 + (t17*T31 - sa3*T11 - (t23*T32 + ca3*T12)));
+    const double t54 = t52 - t53;
+    const double t55 = t54 - t6*t41 - t8*t42 + t11*t15 + t51*t46;
+    const double t56 = (t54 - t6*t36 - t8*t37 + t11*t16 + t51*t40 - t49*t55)/(t48 - t45*t49);
+    const double t57 = t55/t47 - t49*t56;
+    result[0] = q1 + (t51/t39 + t46*t57 + t40*t56);
+    result[lanes] = q2 - t57;
+    result[2 * lanes] = q3 - t56;
+    result[3 * lanes] = t35;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near2 = near[lanes];
+    const double near3 = near[2 * lanes];
+    angles[0] = near2;
+    angles[lanes] = near3;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double t1 = 1.5 - 0.5*(T13*T13 + T23*T23);
+    const double t2 = T13*t1;
+    const double t3 = T23*t1;
+    const double t4 = T24 - k1*T21;
+    const double t5 = T14 - k1*T11;
+    const double t6 = (t4*t2 - t5*t3)/k2;
+    const double t7 = T34 - k1*T31;
+    const double t8 = t7/k2;
+    const double t9 = 1.5 - 0.5*(t6*t6 + t8*t8);
+    const double t10 = k3 > 0.0 ? t8*t9 : sa1;
+    const double t11 = k3 > 0.0 ? t6*t9 : ca1;
+    const double t12 = T21*t4 + (T31*t7 + T11*t5);
+    const double t13 = t4*T22 + (t7*T32 + t5*T12);
+    const double t14 = t12*t12 + t13*t13;
+    const double t15 = k2*t12/t14;
+    const double t16 = k2*t13/t14;
+    const double t17 = fabs(t14);
+    const double t18 = 1.5 - 0.5*(t15*t15 + t16*t16);
+    const double t19 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)));
+    const double t20 = t19*t19;
+    const double t21 = 1e-12*t20 < t17;
+    const double t22 = t21 > 0.0 ? -t16*t18 : sa2;
+    const double t23 = t21 > 0.0 ? t15*t18 : ca2;
+    const double t24 = t3*t11;
+    const double t25 = t3*t10;
+    const double t26 = t23*t24 - t22*t25;
+    const double t27 = t2*t11;
+    const double t28 = t2*t10;
+    const double t29 = t23*t27 - t22*t28;
+    const double t30 = t11*t22 + t10*t23;
+    const double t31 = maximum(fabs(T31 - t30), maximum(fabs(T11 + t26), fabs(T21 - t29)));
+    const double t32 = maximum(fabs(t23*t28 + (T22 + t22*t27)), maximum(fabs(t23*t25 - (T12 - t22*t24)), t31));
+    const double t33 = maximum(fabs(k1*t26 + (T14 + k2*t24)), fabs(k1*t29 - (T24 - k2*t27)));
+    const double t34 = maximum(fabs(T13 - t2), maximum(fabs(t10*t22 + (T32 - t11*t23)), t32));
+    const double t35 = maximum(fabs(t2*t2 - (1.0 - t3*t3)), maximum(fabs(T33), maximum(fabs(T23 - t3), t34)));
+    const double t36 = maximum(fabs(t22*t22 - (1.0 - t23*t23)), maximum(fabs(t10*t10 - (1.0 - t11*t11)), t35));
+    const double t37 = maximum(fabs(k1*t30 - (T34 - k2*t10)), t33) < 1e-07*t19;
+    const double t38 = maximum(k5, 1.0 - t21);
+    const double t39 = (t38 > 0.0 ? 3.0 : 1.0) + 4.0*maximum(k5, 1.0 - (0.001*t20 < t17));
+    const double t40 = (t36 < 1e-07)*t37 > 0.0 ? t39 : (t38 > 0.0 ? 8.0 : 4.0*t38);
+    result[0] = arctangent(T13, -T23);
+    result[lanes] = arctangent(t10, t11);
+    result[2 * lanes] = arctangent(t22, t23);
+    result[3 * lanes] = t40;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 3 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 1; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 1; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 3; ++j)
+            q[3 * b + j] = code ? values[(3 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 3; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
+{
+    enum { error = 3 };
+    double ahead[3 + 1], found[3 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, k + 5, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, k + 5, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 3 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, k + 5, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 3; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 3;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 1; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 3 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 3; ++j)
+                row[j] = isfinite(values[3 * b + j]) ? values[3 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 1e-07 : 3e-11);
+            for (size_t other = 0; fine && other < 1; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 3 * other, row, tolerance) : 3;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 3 * b, 3 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int anthropomorphic_arm_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[3], values[4];
+    const double *const codes = values + 3;
+    int kinds[1], doubts[1], free[1], settled[1] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 3; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 1; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 3; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, k, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 3 * sizeof *q);
+    for (size_t b = 0; b < 1; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, k, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 1; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 3; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, k, values);
+        for (size_t j = 0; j < 3 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 3])
+                values[j] += 1.3 * (double)(i * (j / 3 + 1) * (j % 3 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 1; ++b) {
+        for (size_t j = 0; j < 3 && !kinds[b]; ++j)
+            q[3 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[2 * inverse_kinematics_lanes], sines[2 * inverse_kinematics_lanes], cosines[2 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(2 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
+}
+
+void anthropomorphic_arm_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[3 * inverse_kinematics_lanes], result_block[4 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(3, near + 3 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, k, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 3 * row;
+            int *const codes = status ? status + 1 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                anthropomorphic_arm_inverse_kinematics(T + 16 * row, near ? near + 3 * row : NULL, k, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-INFINITY, -INFINITY, -INFINITY}, upper[] = {INFINITY, INFINITY, INFINITY};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 3; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int anthropomorphic_arm_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q)
+{
+    double solutions[3], least = INFINITY;
+    int status[1], found = 0;
+    anthropomorphic_arm_inverse_kinematics(T, near, k, solutions, status);
+    for (size_t j = 0; j < 3; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 1; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 3 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 3 * b, 3 * sizeof *q);
+        }
+    }
+    return found;
 }

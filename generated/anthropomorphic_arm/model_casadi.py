@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify anthropomorphic-arm` compares every function with an independent recursion.
 """
 
@@ -39,7 +43,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 22, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "inverse_kinematics": {"mul": 68, "add": 47, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 26},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -55,9 +65,26 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -68,7 +95,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a2, p_a3 = k
     s2 = sin(q2)
@@ -95,7 +122,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a2, p_a3 = k
     s2 = sin(q2)
@@ -136,7 +163,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a2, p_a3 = k
     c2 = cos(q2)
@@ -168,7 +195,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a2, p_a3 = k
     t1 = q2 + q3
@@ -196,7 +223,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     qd1, qd2, qd3 = qd
     p_a2, p_a3 = k
@@ -238,7 +265,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a3, p_a2 = k
     t1 = q2 + q3
@@ -271,7 +298,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a3, p_a2 = k
     t1 = q2 + q3
@@ -292,6 +319,156 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 1.0, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_a2, p_a3 = p
+    t1 = less(0.0, absolute(p_a2))
+    t2 = p_a2*p_a2 + p_a3*p_a3
+    t3 = 1.0 - t1
+    return (
+        p_a3, p_a2, t1, t2, t3,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3 = near
+    p_a3, p_a2, k3, k4, k5 = k
+    t4 = 1.5 - 0.5*(T13*T13 + T23*T23)
+    t5 = T13*t4
+    t6 = T23*t4
+    t7 = T24 - p_a3*T21
+    t8 = T14 - p_a3*T11
+    t9 = (t7*t5 - t8*t6)/p_a2
+    t10 = T34 - p_a3*T31
+    t11 = t10/p_a2
+    t12 = 1.5 - 0.5*(t9*t9 + t11*t11)
+    t13 = sin(near2)
+    t14 = select(k3, t11*t12, t13)
+    t15 = cos(near2)
+    t16 = select(k3, t9*t12, t15)
+    t17 = T21*t7 + (T31*t10 + T11*t8)
+    t18 = t7*T22 + (t10*T32 + t8*T12)
+    t19 = t17*t17 + t18*t18
+    t20 = p_a2*t17/t19
+    t21 = p_a2*t18/t19
+    t22 = absolute(t19)
+    t23 = 1.5 - 0.5*(t20*t20 + t21*t21)
+    t24 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)))
+    t25 = t24*t24
+    t26 = less(1e-12*t25, t22)
+    t27 = sin(near3)
+    t28 = select(t26, -t21*t23, t27)
+    t29 = cos(near3)
+    t30 = select(t26, t20*t23, t29)
+    t31 = t6*t16
+    t32 = t6*t14
+    t33 = t30*t31 - t28*t32
+    t34 = t5*t16
+    t35 = t5*t14
+    t36 = t30*t34 - t28*t35
+    t37 = t16*t28 + t14*t30
+    t38 = maximum(absolute(T31 - t37), maximum(absolute(T11 + t33), absolute(T21 - t36)))
+    t39 = maximum(absolute(t30*t35 + (T22 + t28*t34)), maximum(absolute(t30*t32 - (T12 - t28*t31)), t38))
+    t40 = maximum(absolute(p_a3*t33 + (T14 + p_a2*t31)), absolute(p_a3*t36 - (T24 - p_a2*t34)))
+    t41 = maximum(absolute(T13 - t5), maximum(absolute(t14*t28 + (T32 - t16*t30)), t39))
+    t42 = maximum(absolute(T33), maximum(absolute(T23 - t6), t41))
+    t43 = maximum(absolute(t14*t14 - (1.0 - t16*t16)), maximum(absolute(t5*t5 - (1.0 - t6*t6)), t42))
+    t44 = less(maximum(absolute(t28*t28 - (1.0 - t30*t30)), t43), 1e-07)
+    t45 = less(maximum(absolute(p_a3*t37 - (T34 - p_a2*t14)), t40), 1e-07*t24)
+    t46 = maximum(k5, 1.0 - t26)
+    t47 = select(t46, 3.0, 1.0) + 4.0*maximum(k5, 1.0 - less(0.001*t25, t22))
+    return (
+        atan2(T13, -T23), atan2(t14, t16), atan2(t28, t30), select(t44*t45, t47, select(t46, 8.0, 4.0*t46)),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_a2, p_a3 = p
+    t1 = p_a3*p_a3
+    t2 = p_a2*p_a2
+    return (
+        p_a3, t1, p_a2, t2,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_a3, k2, p_a2, k4 = k
+    t3 = sqrt(k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34))))
+    t4 = select(less(0.0, t3), t3, 1.0)
+    c2 = cos(q2)
+    t5 = q2 + q3
+    t6 = cos(t5)
+    t7 = sin(t5)
+    t8 = p_a3*t6
+    t9 = p_a2*c2 + t8
+    c1 = cos(q1)
+    t10 = c1*t9
+    t11 = (t10 - T14)/t4
+    s1 = sin(q1)
+    t12 = s1*t9
+    t13 = (t12 - T24)/t4
+    s2 = sin(q2)
+    t14 = p_a3*t7
+    t15 = p_a2*s2 + t14
+    t16 = (t15 - T34)/t4
+    t17 = 1.0/t4
+    t18 = t12*t17
+    t19 = t10*t17
+    t20 = t9*t17
+    t21 = t8*t17
+    t22 = c1*t6
+    t23 = t22 - T11
+    t24 = s1*t6
+    t25 = t24 - T21
+    t26 = t7 - T31
+    t27 = t11*t11 + t13*t13 + t16*t16 + t23*t23 + t25*t25 + t26*t26
+    t28 = c1*t7
+    t29 = t28 + T12
+    t30 = s1*t7
+    t31 = t30 + T22
+    t32 = t6 - T32
+    t33 = s1 - T13
+    t34 = c1 + T23
+    t35 = t27 + t29*t29 + t31*t31 + t32*t32 + t33*t33 + t34*t34
+    t36 = T33*T33
+    t37 = sqrt(t35 + t36) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t38 = t37 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t39 = t38 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t40 = maximum(0.0, t39 - absolute(1.0 - (T23*T23 + T13*T13 + t36)))
+    t41 = c1*t14*t17
+    t42 = s1*t14*t17
+    t43 = t18*t41 - t19*t42
+    t44 = damping1 + (2.0 + (t18*t18 + t19*t19))
+    t45 = t43/t44
+    t46 = c1*t15*t17
+    t47 = s1*t15*t17
+    t48 = t18*t46 - t19*t47
+    t49 = 2.0*(s1*s1 + c1*c1)
+    t50 = t49 + (t46*t41 + t47*t42 + t20*t21) - t48*t45
+    t51 = t48/t44
+    t52 = damping1 + (t46*t46 + t47*t47 + t20*t20 + t49) - t48*t51
+    t53 = damping1 + (t49 + (t41*t41 + t42*t42 + t21*t21)) - t43*t45
+    t54 = t50/t52
+    t55 = c1*T13 + s1*T23 - (t24*T11 - t22*T21 - (t30*T12 - t28*T22))
+    t56 = t55 + t11*t18 - t13*t19
+    t57 = s1*(c1*T33 + (t7*T21 - t24*T31 + (t6*T22 + t30*T32)))
+    t58 = c1*(s1*T33 + (t22*T31 - t7*T11 - (t28*T32 + t6*T12)))
+    t59 = t57 - t58
+    t60 = t59 - t11*t46 - t13*t47 + t16*t20 + t56*t51
+    t61 = t59 - t11*t41 - t13*t42 + t16*t21 + t56*t45 - t54*t60
+    t62 = t61/(t53 - t50*t54)
+    t63 = t60/t52 - t54*t62
+    return (
+        q1 + (t56/t44 + t51*t63 + t45*t62), q2 - t63, q3 - t62, t40,
     )
 
 
@@ -393,3 +570,48 @@ analytic_jacobian_zyz = _function(
         0, 1,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

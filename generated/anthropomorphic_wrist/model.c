@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1153,4 +1183,761 @@ void anthropomorphic_wrist_analytic_jacobian_zyz_batch(size_t count, const doubl
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_d4 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_d4;
+    k[2] = p_a2;
+    k[3] = p_d6*p_d6;
+    k[4] = p_d4*p_d4;
+    k[5] = p_a2*p_a2;
+}
+
+void anthropomorphic_wrist_inverse_kinematics_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_d4 = params[1];
+    const double p_d6 = params[2];
+    const double t1 = p_a2*p_a2 + p_d4*p_d4;
+    const double t2 = p_a2*(2.0*p_d4);
+    const double t3 = 0.0 < fabs(t2);
+    const double t4 = 1.0 - t3;
+    k[0] = p_d6;
+    k[1] = p_a2;
+    k[2] = p_d4;
+    k[3] = t1;
+    k[4] = t2;
+    k[5] = t3;
+    k[6] = p_d6*p_d6 + t1;
+    k[7] = t4;
+    inverse_kinematics_step_constants(params, k + 8);
+}
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = t1;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double sa6 = sines[5 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double ca6 = cosines[5 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double t1 = c4*s5;
+    const double t2 = ca6*t1 + c5*sa6;
+    const double t3 = s4*s5;
+    const double t4 = s1*t3 + c1*t2;
+    const double t5 = c1*t3 - s1*t2;
+    const double t6 = c1*sa6;
+    const double t7 = k3*c2;
+    const double t8 = sqrt(k6 + (k5 + (k4 + (T14*T14 + (T24*T24 + T34*T34)))));
+    const double t9 = (0.0 < t8) ? t8 : 1.0;
+    const double t10 = (c1*t7 + (k2*t6 + k1*t4) - T14)/t9;
+    const double t11 = s1*sa6;
+    const double t12 = (s1*t7 + (k2*t11 - k1*t5) - T24)/t9;
+    const double t13 = c5*ca6;
+    const double t14 = t13 - sa6*t1;
+    const double t15 = k3*s2;
+    const double t16 = (t15 - (k2*ca6 + k1*t14) - T34)/t9;
+    const double t17 = 1.0/t9;
+    const double t18 = c5*s6;
+    const double t19 = s5*s6;
+    const double t20 = c4*t18 + s4*c6;
+    const double t21 = s4*t18 - c4*c6;
+    const double t22 = ca6*t19 + sa6*t20;
+    const double t23 = ca6*t20 - sa6*t19;
+    const double t24 = c1*t21 - s1*t23;
+    const double t25 = s1*t21 + c1*t23;
+    const double t26 = t22*t5 + t24*t14;
+    const double t27 = t26 + T11;
+    const double t28 = t22*t4 + t25*t14;
+    const double t29 = t28 + T21;
+    const double t30 = t25*t5 - t24*t4;
+    const double t31 = t30 - T31;
+    const double t32 = t10*t10 + t12*t12 + t16*t16 + t27*t27 + t29*t29 + t31*t31;
+    const double t33 = t25 + T12;
+    const double t34 = t24 - T22;
+    const double t35 = t22 + T32;
+    const double t36 = t4 - T13;
+    const double t37 = t5 + T23;
+    const double t38 = t32 + t33*t33 + t34*t34 + t35*t35 + t36*t36 + t37*t37;
+    const double t39 = t14 + T33;
+    const double t40 = sqrt(t38 + t39*t39) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t41 = t40 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t42 = t41 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t43 = maximum(0.0, t42 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    const double t44 = k1*s5;
+    const double t45 = c4*t44;
+    const double t46 = k1*c5;
+    const double t47 = k2 + t46;
+    const double t48 = ca6*t45 + sa6*t47;
+    const double t49 = t7 + t48;
+    const double t50 = sa6*t45 - ca6*t47;
+    const double t51 = t15 + t50;
+    const double t52 = t48*t17;
+    const double t53 = s4*t44;
+    const double t54 = (s1*t49 - c1*t53)*t17;
+    const double t55 = c1*t51*t17;
+    const double t56 = s1*t51*t17;
+    const double t57 = (c1*t49 + s1*t53)*t17;
+    const double t58 = t49*t17;
+    const double t59 = t54*t55 - t57*t56;
+    const double t60 = damping1 + (2.0 + (t54*t54 + t57*t57));
+    const double t61 = c4*sa6;
+    const double t62 = s4*sa6;
+    const double t63 = t13 - s5*t61;
+    const double t64 = 2.0*t63;
+    const double t65 = t64/t60;
+    const double t66 = c1*ca6;
+    const double t67 = s1*s4 + c4*t66;
+    const double t68 = c5*t6 + s5*t67;
+    const double t69 = s1*ca6;
+    const double t70 = c1*s4 - c4*t69;
+    const double t71 = c5*t11 - s5*t70;
+    const double t72 = 2.0*(s1*t68 - c1*t71);
+    const double t73 = t72 + t59*t65;
+    const double t74 = t59/t60;
+    const double t75 = 2.0*(s1*s1 + c1*c1);
+    const double t76 = damping1 + (t55*t55 + t56*t56 + t58*t58 + t75) - t59*t74;
+    const double t77 = t73/t76;
+    const double t78 = c1*t50*t17;
+    const double t79 = s1*t50*t17;
+    const double t80 = t54*t78 - t57*t79;
+    const double t81 = t80/t60;
+    const double t82 = t75 + (t55*t78 + t56*t79 + t58*t52) - t59*t81;
+    const double t83 = t72 + t80*t65 - t82*t77;
+    const double t84 = t82/t76;
+    const double t85 = damping1 + (t75 + (t78*t78 + t79*t79 + t52*t52)) - t80*t81;
+    const double t86 = t85 - t82*t84;
+    const double t87 = t83/t86;
+    const double t88 = s1*c4 - s4*t66;
+    const double t89 = c1*c4 + s4*t69;
+    const double t90 = t44*t88*t17;
+    const double t91 = t44*t89*t17;
+    const double t92 = t54*t90 + t57*t91 + 2.0*ca6;
+    const double t93 = t92/t60;
+    const double t94 = t44*t62*t17;
+    const double t95 = 2.0*(s1*t6 - c1*t11);
+    const double t96 = t55*t90 - t56*t91 + t58*t94 - t95 - t59*t93;
+    const double t97 = t96/t76;
+    const double t98 = t95 - (t78*t90 - t79*t91 + t52*t94) + t80*t93 + t82*t97;
+    const double t99 = 2.0*(t6*t68 + t11*t71 + ca6*t63) - t92*t65 + t96*t77 - t98*t87;
+    const double t100 = t98/t86;
+    const double t101 = t90*t90 + t91*t91 + t94*t94 + 2.0*(t6*t6 + t11*t11 + ca6*ca6);
+    const double t102 = damping1 + t101 - t92*t93 - t96*t97 - t98*t100;
+    const double t103 = t99/t102;
+    const double t104 = (t46*t67 - t44*t6)*t17;
+    const double t105 = (t46*t70 + t44*t11)*t17;
+    const double t106 = (t46*t61 + ca6*t44)*t17;
+    const double t107 = t54*t104 + t57*t105 + 2.0*t62;
+    const double t108 = t107/t60;
+    const double t109 = 2.0*(s1*t88 + c1*t89);
+    const double t110 = t55*t104 - t56*t105 - t58*t106 - t109 - t59*t108;
+    const double t111 = t110/t76;
+    const double t112 = t109 - (t78*t104 - t79*t105 - t52*t106) + t80*t108 + t82*t111;
+    const double t113 = t112/t86;
+    const double t114 = t90*t104 + t91*t105 - t94*t106 + 2.0*(t6*t88 - t11*t89 + ca6*t62);
+    const double t115 = t114 - t92*t108 - t96*t111 - t98*t113;
+    const double t116 = 2.0*(t88*t68 - t89*t71 + t62*t63) - t107*t65 + t110*t77;
+    const double t117 = t116 - t112*t87 - t115*t103;
+    const double t118 = t115/t102;
+    const double t119 = t104*t104 + t105*t105 + t106*t106 + 2.0*(t88*t88 + t89*t89 + t62*t62);
+    const double t120 = damping1 + t119 - t107*t108 - t110*t111 - t112*t113 - t115*t118;
+    const double t121 = t117/t120;
+    const double t122 = t14*T23 - t5*T33 - (t30*T21 + t28*T31 - (t22*T22 + t24*T32));
+    const double t123 = t4*T33 + t14*T13 - (t26*T31 + t30*T11 + (t25*T32 - t22*T12));
+    const double t124 = s1*t122 + c1*t123;
+    const double t125 = t5*T13 + t4*T23 + (t28*T11 - t26*T21 - (t24*T12 + t25*T22));
+    const double t126 = t125 + t10*t54 - t12*t57;
+    const double t127 = t6*t122 - t11*t123 - ca6*t125 - t10*t90 + t12*t91 + t16*t94;
+    const double t128 = t88*t122 + t89*t123 - t62*t125 - t10*t104 + t12*t105 - t16*t106;
+    const double t129 = damping1 + 2.0*(t68*t68 + t71*t71 + t63*t63) - t64*t65;
+    const double t130 = t124 + t10*t55 + t12*t56 - t16*t58 - t126*t74;
+    const double t131 = t124 + t10*t78 + t12*t79 - t16*t52 - t126*t81 - t84*t130;
+    const double t132 = t127 + t126*t93 + t97*t130 - t100*t131;
+    const double t133 = t128 + t126*t108 + t111*t130 - t113*t131 - t118*t132;
+    const double t134 = t68*t122 - t71*t123 - t63*t125 + t126*t65 - t77*t130 - t87*t131;
+    const double t135 = (t134 - t103*t132 - t121*t133)/(t129 - t73*t77 - t83*t87 - t99*t103 - t117*t121);
+    const double t136 = t133/t120 - t121*t135;
+    const double t137 = t132/t102 - t118*t136 - t103*t135;
+    const double t138 = t131/t86 - t100*t137 - t113*t136 - t87*t135;
+    const double t139 = t130/t76 - t84*t138 + t97*t137 + t111*t136 - t77*t135;
+    const double t140 = t126/t60 - t74*t139 - t81*t138 + t93*t137 + t108*t136;
+    result[0] = q1 + (t140 + t65*t135);
+    result[lanes] = q2 + t139;
+    result[2 * lanes] = q3 + t138;
+    result[3 * lanes] = q4 + t137;
+    result[4 * lanes] = q5 + t136;
+    result[5 * lanes] = q6 + t135;
+    result[6 * lanes] = t43;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near3 = near[2 * lanes];
+    const double near4 = near[3 * lanes];
+    angles[0] = near3;
+    angles[lanes] = near1;
+    angles[2 * lanes] = near2;
+    angles[3 * lanes] = near4;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double sa4 = sines[3 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double ca4 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double t1 = T14 - k1*T13;
+    const double t2 = T24 - k1*T23;
+    const double t3 = t1*t1 + t2*t2;
+    const double t4 = sqrt(t3);
+    const double t5 = T34 - k1*T33;
+    const double t6 = (t5*t5 - (k4 - t3))/k5;
+    const double t7 = 1.0 - t6*t6;
+    const double t8 = 1e-14 < t7;
+    const double t9 = k6 > 0.0 ? (t8 > 0.0 ? sqrt(maximum(0.0, t7)) : 0.0) : ca1;
+    const double t10 = k3*t9;
+    const double t11 = t5*t10;
+    const double t12 = sqrt(T34*T34 + (T24*T24 + (k7 + T14*T14)));
+    const double t13 = 1e-12*t12;
+    const double t14 = fabs(t2);
+    const double t15 = 1.0 - (t13 < t14);
+    const double t16 = fabs(t1);
+    const double t17 = t15 - t15*(t13 < t16);
+    const double t18 = t12*t13;
+    const double t19 = t17 > 0.0 ? sa2 : t2/t4;
+    const double t20 = t17 > 0.0 ? ca2 : t1/t4;
+    const double t21 = t2*t19 + t1*t20;
+    const double t22 = k6 > 0.0 ? -t6 : sa1;
+    const double t23 = k6 > 0.0 ? t6 : sa1;
+    const double t24 = arctangent(t23, t9);
+    const double t25 = k2 - k3*t22;
+    const double t26 = t21*t25;
+    const double t27 = t10*t10;
+    const double t28 = t10*t21;
+    const double t29 = t27 + t25*t25;
+    const double t30 = (t11 + t26)/t29;
+    const double t31 = t5*t25;
+    const double t32 = (t28 - t31)/t29;
+    const double t33 = 1.5 - 0.5*(t30*t30 + t32*t32);
+    const double t34 = fabs(k4 - k5*t22);
+    const double t35 = t18 < t34;
+    const double t36 = t35 > 0.0 ? t33*((t11 - t26)/t29) : ca3;
+    const double t37 = t35 > 0.0 ? t30*t33 : ca3;
+    const double t38 = t35 > 0.0 ? t33*((t28 + t31)/t29) : sa3;
+    const double t39 = t35 > 0.0 ? -t32*t33 : sa3;
+    const double t40 = 1.0 - t35;
+    const double t41 = arctangent(t38, t36);
+    const double t42 = arctangent(t39, t37);
+    const double t43 = t9*t36 - t22*t38;
+    const double t44 = t9*t38 + t22*t36;
+    const double t45 = T23*t19 + T13*t20;
+    const double t46 = t45*t43 - T33*t44;
+    const double t47 = fabs(t46);
+    const double t48 = T13*t19 - T23*t20;
+    const double t49 = fabs(t48);
+    const double t50 = 1.0 - (1e-12 < t49);
+    const double t51 = t50 - t50*(1e-12 < t47);
+    const double t52 = maximum(k8, maximum(t17, t40));
+    const double t53 = maximum(t51, t52);
+    const double t54 = k6 - k6*(t7 < -1e-11);
+    const double t55 = t8*t54;
+    const double t56 = t54 - t55 > 0.0 ? 2.0 : 1.0;
+    const double t57 = maximum(k8, t54);
+    const double t58 = 1.0 - (0.001 < t49);
+    const double t59 = 1.0 - (1e-09 < t7);
+    const double t60 = maximum(k8, t59 - t59*(t7 < -9.999999999999999e-10));
+    const double t61 = 0.001*t12;
+    const double t62 = 1.0 - (t61 < t14);
+    const double t63 = maximum(t62 - t62*(t61 < t16), t60);
+    const double t64 = t12*t61;
+    const double t65 = maximum(t63, 1.0 - (t64 < t34));
+    const double t66 = maximum(t17, t60);
+    const double t67 = maximum(t66, t40);
+    const double t68 = (t53 > 0.0 ? 3.0 : t56) + 4.0*maximum(t65, t58 - t58*(0.001 < t47));
+    const double t69 = t53 > 0.0 ? 8.0 : 4.0*maximum(t51, t67);
+    const double t70 = 1.0 - t17;
+    const double t71 = t55*t70;
+    const double t72 = t57*t70;
+    const double t73 = k2 + k3*t23;
+    const double t74 = t21*t73;
+    const double t75 = t5*t73;
+    const double t76 = t27 + t73*t73;
+    const double t77 = (t11 - t74)/t76;
+    const double t78 = (t28 + t75)/t76;
+    const double t79 = 1.5 - 0.5*(t77*t77 + t78*t78);
+    const double t80 = fabs(k4 + k5*t23);
+    const double t81 = t18 < t80;
+    const double t82 = t81 > 0.0 ? -t79*((t11 + t74)/t76) : ca3;
+    const double t83 = t81 > 0.0 ? -t79*((t28 - t75)/t76) : sa3;
+    const double t84 = maximum(1.0 - (t64 < t80), t63);
+    const double t85 = t81 > 0.0 ? -t77*t79 : ca3;
+    const double t86 = t81 > 0.0 ? t78*t79 : sa3;
+    const double t87 = 1.0 - t81;
+    const double t88 = maximum(k8, maximum(t17, t87));
+    const double t89 = maximum(t87, t66);
+    const double t90 = arctangent(t83, t82);
+    const double t91 = arctangent(t86, t85);
+    const double t92 = t9*t82 - t23*t83;
+    const double t93 = t9*t83 + t23*t82;
+    const double t94 = t45*t92 - T33*t93;
+    const double t95 = fabs(t94);
+    const double t96 = t50 - t50*(1e-12 < t95);
+    const double t97 = maximum(t96, t88);
+    const double t98 = (t97 > 0.0 ? 3.0 : t56) + 4.0*maximum(t84, t58 - t58*(0.001 < t95));
+    const double t99 = t97 > 0.0 ? 8.0 : 4.0*maximum(t96, t89);
+    const double t100 = t9*t37 - t22*t39;
+    const double t101 = t9*t39 + t22*t37;
+    const double t102 = t45*t100 + T33*t101;
+    const double t103 = fabs(t102);
+    const double t104 = t50 - t50*(1e-12 < t103);
+    const double t105 = maximum(t104, t52);
+    const double t106 = t105 > 0.0 ? 8.0 : 4.0*maximum(t104, t67);
+    const double t107 = (t105 > 0.0 ? 3.0 : t56) + 4.0*maximum(t58 - t58*(0.001 < t103), t65);
+    const double t108 = t9*t85 - t23*t86;
+    const double t109 = t9*t86 + t23*t85;
+    const double t110 = arctangent(t22, -t9);
+    const double t111 = t108*t45 + T33*t109;
+    const double t112 = fabs(t111);
+    const double t113 = t50 - t50*(1e-12 < t112);
+    const double t114 = maximum(t113, t88);
+    const double t115 = (t114 > 0.0 ? 3.0 : t56) + 4.0*maximum(t58 - t58*(0.001 < t112), t84);
+    const double t116 = t114 > 0.0 ? 8.0 : 4.0*maximum(t113, t89);
+    const double t117 = t48*t48;
+    const double t118 = sqrt(t117 + t46*t46);
+    const double t119 = -ca4;
+    const double t120 = t51 > 0.0 ? t119 : t46/t118;
+    const double t121 = t19*T11 - t20*T21;
+    const double t122 = t51 > 0.0 ? sa4 : t48/t118;
+    const double t123 = t19*T21 + t20*T11;
+    const double t124 = t19*T12 - t20*T22;
+    const double t125 = arctangent(t122, -t120);
+    const double t126 = arctangent(t19, t20);
+    const double t127 = t19*T22 + t20*T12;
+    const double t128 = arctangent(t121*t120 + t122*(T31*t44 - t123*t43), t124*t120 + t122*(T32*t44 - t127*t43));
+    const double t129 = arctangent(t46*t120 + t48*t122, t45*t44 + T33*t43);
+    const double t130 = (0.0 < t128) ? 3.141592653589793 : -3.141592653589793;
+    const double t131 = (0.0 < t125) ? 3.141592653589793 : -3.141592653589793;
+    const double t132 = (0.0 < t126) ? 3.141592653589793 : -3.141592653589793;
+    const double t133 = t126 - t132;
+    const double t134 = sqrt(t117 + t94*t94);
+    const double t135 = t96 > 0.0 ? ca4 : t94/t134;
+    const double t136 = t96 > 0.0 ? sa4 : t48/t134;
+    const double t137 = -sa4;
+    const double t138 = arctangent(t136, t135);
+    const double t139 = arctangent(t121*t135 + t136*(T31*t93 - t123*t92), -(t124*t135 + t136*(T32*t93 - t127*t92)));
+    const double t140 = arctangent(t94*t135 + t48*t136, -(t45*t93 + T33*t92));
+    const double t141 = (t139 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t142 = (0.0 < t138) ? 3.141592653589793 : -3.141592653589793;
+    const double t143 = sqrt(t117 + t102*t102);
+    const double t144 = t104 > 0.0 ? ca4 : t102/t143;
+    const double t145 = t104 > 0.0 ? t137 : t48/t143;
+    const double t146 = arctangent(t145, t144);
+    const double t147 = arctangent(t121*t144 - t145*(T31*t101 + t123*t100), t124*t144 - t145*(T32*t101 + t127*t100));
+    const double t148 = arctangent(t102*t144 + t48*t145, -(t45*t101 - T33*t100));
+    const double t149 = (0.0 < t147) ? 3.141592653589793 : -3.141592653589793;
+    const double t150 = (t146 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t151 = sqrt(t117 + t111*t111);
+    const double t152 = t113 > 0.0 ? t119 : t111/t151;
+    const double t153 = t113 > 0.0 ? t137 : t48/t151;
+    const double t154 = arctangent(t111*t152 + t48*t153, t45*t109 - T33*t108);
+    const double t155 = arctangent(t153, -t152);
+    const double t156 = arctangent(t152*t121 - t153*(t109*T31 + t108*t123), -(t152*t124 - t153*(t109*T32 + t108*t127)));
+    const double t157 = (t156 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t158 = (t155 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = t126;
+    result[lanes] = t91;
+    result[2 * lanes] = t24;
+    result[3 * lanes] = -t155;
+    result[4 * lanes] = -t154;
+    result[5 * lanes] = -t156;
+    result[6 * lanes] = t126;
+    result[7 * lanes] = t91;
+    result[8 * lanes] = t24;
+    result[9 * lanes] = -(t155 + t158);
+    result[10 * lanes] = t154;
+    result[11 * lanes] = -(t156 + t157);
+    result[12 * lanes] = t126;
+    result[13 * lanes] = t42;
+    result[14 * lanes] = -t110;
+    result[15 * lanes] = -t146;
+    result[16 * lanes] = -t148;
+    result[17 * lanes] = t147;
+    result[18 * lanes] = t126;
+    result[19 * lanes] = t42;
+    result[20 * lanes] = -t110;
+    result[21 * lanes] = -(t146 + t150);
+    result[22 * lanes] = t148;
+    result[23 * lanes] = t147 - t149;
+    result[24 * lanes] = t133;
+    result[25 * lanes] = t90;
+    result[26 * lanes] = t24;
+    result[27 * lanes] = t138;
+    result[28 * lanes] = -t140;
+    result[29 * lanes] = -t139;
+    result[30 * lanes] = t133;
+    result[31 * lanes] = t90;
+    result[32 * lanes] = t24;
+    result[33 * lanes] = t138 - t142;
+    result[34 * lanes] = t140;
+    result[35 * lanes] = -(t139 + t141);
+    result[36 * lanes] = t133;
+    result[37 * lanes] = t41;
+    result[38 * lanes] = -t110;
+    result[39 * lanes] = t125;
+    result[40 * lanes] = -t129;
+    result[41 * lanes] = t128;
+    result[42 * lanes] = t133;
+    result[43 * lanes] = t41;
+    result[44 * lanes] = -t110;
+    result[45 * lanes] = t125 - t131;
+    result[46 * lanes] = t129;
+    result[47 * lanes] = t128 - t130;
+    result[48 * lanes] = t57 > 0.0 ? t115 : t116;
+    result[49 * lanes] = t57 - t113*t57 > 0.0 ? t115 : t116;
+    result[50 * lanes] = t55 > 0.0 ? t107 : t106;
+    result[51 * lanes] = t55 - t104*t55 > 0.0 ? t107 : t106;
+    result[52 * lanes] = t72 > 0.0 ? t98 : t99;
+    result[53 * lanes] = t72 - t96*t72 > 0.0 ? t98 : t99;
+    result[54 * lanes] = t71 > 0.0 ? t68 : t69;
+    result[55 * lanes] = t71 - t51*t71 > 0.0 ? t68 : t69;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 48 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 8; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 8; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 6; ++j)
+            q[6 * b + j] = code ? values[(6 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 6; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
+{
+    enum { error = 6 };
+    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, k + 8, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, k + 8, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 6 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, k + 8, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 6; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 48;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 8; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 6 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 6; ++j)
+                row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 3e-11 : 3e-11);
+            for (size_t other = 0; fine && other < 8; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int anthropomorphic_wrist_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[6], values[56];
+    const double *const codes = values + 48;
+    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 48; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 8; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, k, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 48 * sizeof *q);
+    for (size_t b = 0; b < 8; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, k, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 8; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 6; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, k, values);
+        for (size_t j = 0; j < 48 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 6])
+                values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 8; ++b) {
+        for (size_t j = 0; j < 6 && !kinds[b]; ++j)
+            q[6 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[4 * inverse_kinematics_lanes], sines[4 * inverse_kinematics_lanes], cosines[4 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
+}
+
+void anthropomorphic_wrist_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[6 * inverse_kinematics_lanes], result_block[56 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(6, near + 6 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, k, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 48 * row;
+            int *const codes = status ? status + 8 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                anthropomorphic_wrist_inverse_kinematics(T + 16 * row, near ? near + 6 * row : NULL, k, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}, upper[] = {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 6; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int anthropomorphic_wrist_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q)
+{
+    double solutions[48], least = INFINITY;
+    int status[8], found = 0;
+    anthropomorphic_wrist_inverse_kinematics(T, near, k, solutions, status);
+    for (size_t j = 0; j < 6; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 8; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 6 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 6 * b, 6 * sizeof *q);
+        }
+    }
+    return found;
 }

@@ -24,6 +24,10 @@ Every function has a last input `params`, a column of the free parameters in the
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+
 Self-check: `derive verify anthropomorphic-wrist` compares every function with an independent recursion.
 """
 
@@ -42,7 +46,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 111, "add": 66, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 160, "add": 115, "div": 19, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 104},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -58,9 +68,26 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -71,7 +98,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a2, p_d4 = k
     c5 = cos(q5)
@@ -118,7 +145,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a2, p_d4 = k
     c5 = cos(q5)
@@ -194,7 +221,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d4, p_a2 = k
     t1 = q2 + q3
@@ -246,7 +273,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a2, p_d4 = k
     c4 = cos(q4)
@@ -299,7 +326,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     p_d6, p_d4, p_a2 = k
@@ -382,7 +409,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d4, p_a2 = k
     t1 = q2 + q3
@@ -462,7 +489,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d4, p_a2 = k
     t1 = q2 + q3
@@ -517,6 +544,376 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t35, t35, t26*t37 - t3, -t19*t28, 0.0,
         0.0, -t36, -t36, t22*t32 - t21*t33, -(t23*t32 + t16*t33), 0.0,
         0.0, t34, t34, t37, t16*t30 - t23*t31, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_a2, p_d4, p_d6 = p
+    t1 = p_a2*p_a2 + p_d4*p_d4
+    t2 = p_a2*(2.0*p_d4)
+    t3 = less(0.0, absolute(t2))
+    t4 = p_d6*p_d6 + t1
+    t5 = 1.0 - t3
+    return (
+        p_d6, p_a2, p_d4, t1, t2, t3, t4, t5,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    p_d6, p_a2, p_d4, k4, k5, k6, k7, k8 = k
+    t6 = T14 - p_d6*T13
+    t7 = T24 - p_d6*T23
+    t8 = t6*t6 + t7*t7
+    t9 = sqrt(t8)
+    t10 = T34 - p_d6*T33
+    t11 = (t10*t10 - (k4 - t8))/k5
+    t12 = 1.0 - t11*t11
+    t13 = less(1e-14, t12)
+    t14 = cos(near3)
+    t15 = select(k6, select(t13, sqrt(maximum(0.0, t12)), 0.0), t14)
+    t16 = p_d4*t15
+    t17 = t10*t16
+    t18 = sqrt(T34*T34 + (T24*T24 + (k7 + T14*T14)))
+    t19 = 1e-12*t18
+    t20 = absolute(t7)
+    t21 = 1.0 - less(t19, t20)
+    t22 = absolute(t6)
+    t23 = t21 - t21*less(t19, t22)
+    t24 = t18*t19
+    t25 = sin(near1)
+    t26 = select(t23, t25, t7/t9)
+    t27 = cos(near1)
+    t28 = select(t23, t27, t6/t9)
+    t29 = t7*t26 + t6*t28
+    t30 = sin(near3)
+    t31 = select(k6, -t11, t30)
+    t32 = select(k6, t11, t30)
+    t33 = atan2(t32, t15)
+    t34 = p_a2 - p_d4*t31
+    t35 = t29*t34
+    t36 = t16*t16
+    t37 = t16*t29
+    t38 = t36 + t34*t34
+    t39 = (t17 + t35)/t38
+    t40 = t10*t34
+    t41 = (t37 - t40)/t38
+    t42 = 1.5 - 0.5*(t39*t39 + t41*t41)
+    t43 = absolute(k4 - k5*t31)
+    t44 = less(t24, t43)
+    t45 = cos(near2)
+    t46 = select(t44, t42*((t17 - t35)/t38), t45)
+    t47 = select(t44, t39*t42, t45)
+    t48 = sin(near2)
+    t49 = select(t44, t42*((t37 + t40)/t38), t48)
+    t50 = select(t44, -t41*t42, t48)
+    t51 = 1.0 - t44
+    t52 = atan2(t49, t46)
+    t53 = atan2(t50, t47)
+    t54 = t15*t46 - t31*t49
+    t55 = t15*t49 + t31*t46
+    t56 = T23*t26 + T13*t28
+    t57 = t56*t54 - T33*t55
+    t58 = absolute(t57)
+    t59 = T13*t26 - T23*t28
+    t60 = absolute(t59)
+    t61 = 1.0 - less(1e-12, t60)
+    t62 = t61 - t61*less(1e-12, t58)
+    t63 = maximum(k8, maximum(t23, t51))
+    t64 = maximum(t62, t63)
+    t65 = k6 - k6*less(t12, -1e-11)
+    t66 = t13*t65
+    t67 = select(t65 - t66, 2.0, 1.0)
+    t68 = maximum(k8, t65)
+    t69 = 1.0 - less(0.001, t60)
+    t70 = 1.0 - less(1e-09, t12)
+    t71 = maximum(k8, t70 - t70*less(t12, -9.999999999999999e-10))
+    t72 = 0.001*t18
+    t73 = 1.0 - less(t72, t20)
+    t74 = maximum(t73 - t73*less(t72, t22), t71)
+    t75 = t18*t72
+    t76 = maximum(t74, 1.0 - less(t75, t43))
+    t77 = maximum(t23, t71)
+    t78 = maximum(t77, t51)
+    t79 = select(t64, 3.0, t67) + 4.0*maximum(t76, t69 - t69*less(0.001, t58))
+    t80 = select(t64, 8.0, 4.0*maximum(t62, t78))
+    t81 = 1.0 - t23
+    t82 = t66*t81
+    t83 = t68*t81
+    t84 = p_a2 + p_d4*t32
+    t85 = t29*t84
+    t86 = t10*t84
+    t87 = t36 + t84*t84
+    t88 = (t17 - t85)/t87
+    t89 = (t37 + t86)/t87
+    t90 = 1.5 - 0.5*(t88*t88 + t89*t89)
+    t91 = absolute(k4 + k5*t32)
+    t92 = less(t24, t91)
+    t93 = select(t92, -t90*((t17 + t85)/t87), t45)
+    t94 = select(t92, -t90*((t37 - t86)/t87), t48)
+    t95 = maximum(1.0 - less(t75, t91), t74)
+    t96 = select(t92, -t88*t90, t45)
+    t97 = select(t92, t89*t90, t48)
+    t98 = 1.0 - t92
+    t99 = maximum(k8, maximum(t23, t98))
+    t100 = maximum(t98, t77)
+    t101 = atan2(t94, t93)
+    t102 = atan2(t97, t96)
+    t103 = t15*t93 - t32*t94
+    t104 = t15*t94 + t32*t93
+    t105 = t56*t103 - T33*t104
+    t106 = absolute(t105)
+    t107 = t61 - t61*less(1e-12, t106)
+    t108 = maximum(t107, t99)
+    t109 = select(t108, 3.0, t67) + 4.0*maximum(t95, t69 - t69*less(0.001, t106))
+    t110 = select(t108, 8.0, 4.0*maximum(t107, t100))
+    t111 = t15*t47 - t31*t50
+    t112 = t15*t50 + t31*t47
+    t113 = t56*t111 + T33*t112
+    t114 = absolute(t113)
+    t115 = t61 - t61*less(1e-12, t114)
+    t116 = maximum(t115, t63)
+    t117 = select(t116, 8.0, 4.0*maximum(t115, t78))
+    t118 = select(t116, 3.0, t67) + 4.0*maximum(t69 - t69*less(0.001, t114), t76)
+    t119 = t15*t96 - t32*t97
+    t120 = t15*t97 + t32*t96
+    t121 = atan2(t31, -t15)
+    t122 = t119*t56 + T33*t120
+    t123 = absolute(t122)
+    t124 = t61 - t61*less(1e-12, t123)
+    t125 = maximum(t124, t99)
+    t126 = select(t125, 3.0, t67) + 4.0*maximum(t69 - t69*less(0.001, t123), t95)
+    t127 = select(t125, 8.0, 4.0*maximum(t124, t100))
+    t128 = t59*t59
+    t129 = sqrt(t128 + t57*t57)
+    t130 = cos(near4)
+    t131 = -t130
+    t132 = select(t62, t131, t57/t129)
+    t133 = t26*T11 - t28*T21
+    t134 = sin(near4)
+    t135 = select(t62, t134, t59/t129)
+    t136 = t26*T21 + t28*T11
+    t137 = t26*T12 - t28*T22
+    t138 = atan2(t135, -t132)
+    t139 = atan2(t26, t28)
+    t140 = t26*T22 + t28*T12
+    t141 = atan2(t133*t132 + t135*(T31*t55 - t136*t54), t137*t132 + t135*(T32*t55 - t140*t54))
+    t142 = atan2(t57*t132 + t59*t135, t56*t55 + T33*t54)
+    t143 = select(less(0.0, t141), 3.141592653589793, -3.141592653589793)
+    t144 = select(less(0.0, t138), 3.141592653589793, -3.141592653589793)
+    t145 = select(less(0.0, t139), 3.141592653589793, -3.141592653589793)
+    t146 = t139 - t145
+    t147 = sqrt(t128 + t105*t105)
+    t148 = select(t107, t130, t105/t147)
+    t149 = select(t107, t134, t59/t147)
+    t150 = -t134
+    t151 = atan2(t149, t148)
+    t152 = atan2(t133*t148 + t149*(T31*t104 - t136*t103), -(t137*t148 + t149*(T32*t104 - t140*t103)))
+    t153 = atan2(t105*t148 + t59*t149, -(t56*t104 + T33*t103))
+    t154 = select(less(t152, 0.0), 3.141592653589793, -3.141592653589793)
+    t155 = select(less(0.0, t151), 3.141592653589793, -3.141592653589793)
+    t156 = sqrt(t128 + t113*t113)
+    t157 = select(t115, t130, t113/t156)
+    t158 = select(t115, t150, t59/t156)
+    t159 = atan2(t158, t157)
+    t160 = atan2(t133*t157 - t158*(T31*t112 + t136*t111), t137*t157 - t158*(T32*t112 + t140*t111))
+    t161 = atan2(t113*t157 + t59*t158, -(t56*t112 - T33*t111))
+    t162 = select(less(0.0, t160), 3.141592653589793, -3.141592653589793)
+    t163 = select(less(t159, 0.0), 3.141592653589793, -3.141592653589793)
+    t164 = sqrt(t128 + t122*t122)
+    t165 = select(t124, t131, t122/t164)
+    t166 = select(t124, t150, t59/t164)
+    t167 = atan2(t122*t165 + t59*t166, t56*t120 - T33*t119)
+    t168 = atan2(t166, -t165)
+    t169 = atan2(t165*t133 - t166*(t120*T31 + t119*t136), -(t165*t137 - t166*(t120*T32 + t119*t140)))
+    t170 = select(less(t169, 0.0), 3.141592653589793, -3.141592653589793)
+    t171 = select(less(t168, 0.0), 3.141592653589793, -3.141592653589793)
+    return (
+        t139, t102, t33, -t168, -t167, -t169, t139, t102, t33, -(t168 + t171), t167, -(t169 + t170), t139, t53,
+        -t121, -t159, -t161, t160, t139, t53, -t121, -(t159 + t163), t161, t160 - t162, t146, t101, t33, t151,
+        -t153, -t152, t146, t101, t33, t151 - t155, t153, -(t152 + t154), t146, t52, -t121, t138, -t142, t141,
+        t146, t52, -t121, t138 - t144, t142, t141 - t143, select(t68, t126, t127),
+        select(t68 - t124*t68, t126, t127), select(t66, t118, t117), select(t66 - t115*t66, t118, t117),
+        select(t83, t109, t110), select(t83 - t107*t83, t109, t110), select(t82, t79, t80),
+        select(t82 - t62*t82, t79, t80),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    t1 = p_d6*p_d6
+    t2 = p_d4*p_d4
+    t3 = p_a2*p_a2
+    return (
+        p_d6, p_d4, p_a2, t1, t2, t3,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_d6, p_d4, p_a2, k4, k5, k6 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t4 = c4*s5
+    t5 = q2 + q3
+    t6 = cos(t5)
+    t7 = sin(t5)
+    c5 = cos(q5)
+    t8 = t6*t4 + c5*t7
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t9 = s4*s5
+    s1 = sin(q1)
+    t10 = s1*t9 + c1*t8
+    t11 = c1*t9 - s1*t8
+    t12 = c1*t7
+    c2 = cos(q2)
+    t13 = p_a2*c2
+    t14 = sqrt(k6 + (k5 + (k4 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t15 = select(less(0.0, t14), t14, 1.0)
+    t16 = (c1*t13 + (p_d4*t12 + p_d6*t10) - T14)/t15
+    t17 = s1*t7
+    t18 = (s1*t13 + (p_d4*t17 - p_d6*t11) - T24)/t15
+    t19 = c5*t6
+    t20 = t19 - t7*t4
+    s2 = sin(q2)
+    t21 = p_a2*s2
+    t22 = (t21 - (p_d4*t6 + p_d6*t20) - T34)/t15
+    t23 = 1.0/t15
+    s6 = sin(q6)
+    t24 = c5*s6
+    t25 = s5*s6
+    c6 = cos(q6)
+    t26 = c4*t24 + s4*c6
+    t27 = s4*t24 - c4*c6
+    t28 = t6*t25 + t7*t26
+    t29 = t6*t26 - t7*t25
+    t30 = c1*t27 - s1*t29
+    t31 = s1*t27 + c1*t29
+    t32 = t28*t11 + t30*t20
+    t33 = t32 + T11
+    t34 = t28*t10 + t31*t20
+    t35 = t34 + T21
+    t36 = t31*t11 - t30*t10
+    t37 = t36 - T31
+    t38 = t16*t16 + t18*t18 + t22*t22 + t33*t33 + t35*t35 + t37*t37
+    t39 = t31 + T12
+    t40 = t30 - T22
+    t41 = t28 + T32
+    t42 = t10 - T13
+    t43 = t11 + T23
+    t44 = t38 + t39*t39 + t40*t40 + t41*t41 + t42*t42 + t43*t43
+    t45 = t20 + T33
+    t46 = sqrt(t44 + t45*t45) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t47 = t46 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t48 = t47 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t49 = maximum(0.0, t48 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    t50 = p_d6*s5
+    t51 = c4*t50
+    t52 = p_d6*c5
+    t53 = p_d4 + t52
+    t54 = t6*t51 + t7*t53
+    t55 = t13 + t54
+    t56 = t7*t51 - t6*t53
+    t57 = t21 + t56
+    t58 = t54*t23
+    t59 = s4*t50
+    t60 = (s1*t55 - c1*t59)*t23
+    t61 = c1*t57*t23
+    t62 = s1*t57*t23
+    t63 = (c1*t55 + s1*t59)*t23
+    t64 = t55*t23
+    t65 = t60*t61 - t63*t62
+    t66 = damping1 + (2.0 + (t60*t60 + t63*t63))
+    t67 = c4*t7
+    t68 = s4*t7
+    t69 = t19 - s5*t67
+    t70 = 2.0*t69
+    t71 = t70/t66
+    t72 = c1*t6
+    t73 = s1*s4 + c4*t72
+    t74 = c5*t12 + s5*t73
+    t75 = s1*t6
+    t76 = c1*s4 - c4*t75
+    t77 = c5*t17 - s5*t76
+    t78 = 2.0*(s1*t74 - c1*t77)
+    t79 = t78 + t65*t71
+    t80 = t65/t66
+    t81 = 2.0*(s1*s1 + c1*c1)
+    t82 = damping1 + (t61*t61 + t62*t62 + t64*t64 + t81) - t65*t80
+    t83 = t79/t82
+    t84 = c1*t56*t23
+    t85 = s1*t56*t23
+    t86 = t60*t84 - t63*t85
+    t87 = t86/t66
+    t88 = t81 + (t61*t84 + t62*t85 + t64*t58) - t65*t87
+    t89 = t78 + t86*t71 - t88*t83
+    t90 = t88/t82
+    t91 = damping1 + (t81 + (t84*t84 + t85*t85 + t58*t58)) - t86*t87
+    t92 = t91 - t88*t90
+    t93 = t89/t92
+    t94 = s1*c4 - s4*t72
+    t95 = c1*c4 + s4*t75
+    t96 = t50*t94*t23
+    t97 = t50*t95*t23
+    t98 = t60*t96 + t63*t97 + 2.0*t6
+    t99 = t98/t66
+    t100 = t50*t68*t23
+    t101 = 2.0*(s1*t12 - c1*t17)
+    t102 = t61*t96 - t62*t97 + t64*t100 - t101 - t65*t99
+    t103 = t102/t82
+    t104 = t101 - (t84*t96 - t85*t97 + t58*t100) + t86*t99 + t88*t103
+    t105 = 2.0*(t12*t74 + t17*t77 + t6*t69) - t98*t71 + t102*t83
+    t106 = t105 - t104*t93
+    t107 = t104/t92
+    t108 = t96*t96 + t97*t97 + t100*t100 + 2.0*(t12*t12 + t17*t17 + t6*t6)
+    t109 = damping1 + t108 - t98*t99 - t102*t103 - t104*t107
+    t110 = t106/t109
+    t111 = (t52*t73 - t50*t12)*t23
+    t112 = (t52*t76 + t50*t17)*t23
+    t113 = (t52*t67 + t6*t50)*t23
+    t114 = t60*t111 + t63*t112 + 2.0*t68
+    t115 = t114/t66
+    t116 = 2.0*(s1*t94 + c1*t95)
+    t117 = t61*t111 - t62*t112 - t64*t113 - t116 - t65*t115
+    t118 = t117/t82
+    t119 = t116 - (t84*t111 - t85*t112 - t58*t113) + t86*t115 + t88*t118
+    t120 = t119/t92
+    t121 = t96*t111 + t97*t112 - t100*t113 + 2.0*(t12*t94 - t17*t95 + t6*t68)
+    t122 = t121 - t98*t115 - t102*t118 - t104*t120
+    t123 = 2.0*(t94*t74 - t95*t77 + t68*t69) - t114*t71 + t117*t83
+    t124 = t123 - t119*t93 - t122*t110
+    t125 = t122/t109
+    t126 = t111*t111 + t112*t112 + t113*t113 + 2.0*(t94*t94 + t95*t95 + t68*t68)
+    t127 = damping1 + t126 - t114*t115 - t117*t118 - t119*t120 - t122*t125
+    t128 = t124/t127
+    t129 = t20*T23 - t11*T33 - (t36*T21 + t34*T31 - (t28*T22 + t30*T32))
+    t130 = t10*T33 + t20*T13 - (t32*T31 + t36*T11 + (t31*T32 - t28*T12))
+    t131 = s1*t129 + c1*t130
+    t132 = t11*T13 + t10*T23 + (t34*T11 - t32*T21 - (t30*T12 + t31*T22))
+    t133 = t132 + t16*t60 - t18*t63
+    t134 = t12*t129 - t17*t130 - t6*t132 - t16*t96 + t18*t97 + t22*t100
+    t135 = t94*t129 + t95*t130 - t68*t132 - t16*t111 + t18*t112 - t22*t113
+    t136 = damping1 + 2.0*(t74*t74 + t77*t77 + t69*t69) - t70*t71
+    t137 = t131 + t16*t61 + t18*t62 - t22*t64 - t133*t80
+    t138 = t131 + t16*t84 + t18*t85 - t22*t58 - t133*t87 - t90*t137
+    t139 = t134 + t133*t99 + t103*t137 - t107*t138
+    t140 = t135 + t133*t115 + t118*t137 - t120*t138 - t125*t139
+    t141 = t74*t129 - t77*t130 - t69*t132 + t133*t71 - t83*t137 - t93*t138
+    t142 = (t141 - t110*t139 - t128*t140)/(t136 - t79*t83 - t89*t93 - t106*t110 - t124*t128)
+    t143 = t140/t127 - t128*t142
+    t144 = t139/t109 - t125*t143 - t110*t142
+    t145 = t138/t92 - t107*t144 - t120*t143 - t93*t142
+    t146 = t137/t82 - t90*t145 + t103*t144 + t118*t143 - t83*t142
+    t147 = t133/t66 - t80*t146 - t87*t145 + t99*t144 + t115*t143
+    return (
+        q1 + (t147 + t71*t142), q2 + t146, q3 + t145, q4 + t144, q5 + t143, q6 + t142, t49,
     )
 
 
@@ -618,3 +1015,48 @@ analytic_jacobian_zyz = _function(
         0, 1, 2,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 8], values[DOF * 8 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -42,7 +42,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 111, "add": 66, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 160, "add": 115, "div": 19, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 104},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -58,6 +64,13 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
     "precompute",
 ]
 
@@ -182,6 +195,55 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Nothing, since all joints are solved for.
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 8): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 6); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 8, 6):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 160 mul, 115 add, 19 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 104 cases.
+    Once per set of parameters: 5 mul, 3 add, 1 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 6), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 def precompute(params):
     """Parameters for many calls: checked once, and what a function computes from them alone is computed once.
 
@@ -205,7 +267,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a2, p_d4 = k
     c5 = cos(q5)
@@ -252,7 +314,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a2, p_d4 = k
     c5 = cos(q5)
@@ -328,7 +390,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d4, p_a2 = k
     t1 = q2 + q3
@@ -380,7 +442,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a2, p_d4 = k
     c4 = cos(q4)
@@ -433,7 +495,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     p_d6, p_d4, p_a2 = k
@@ -516,7 +578,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d4, p_a2 = k
     t1 = q2 + q3
@@ -596,7 +658,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d4, p_a2 = k
     t1 = q2 + q3
@@ -651,6 +713,376 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t35, t35, t26*t37 - t3, -t19*t28, 0.0,
         0.0, -t36, -t36, t22*t32 - t21*t33, -(t23*t32 + t16*t33), 0.0,
         0.0, t34, t34, t37, t16*t30 - t23*t31, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_a2, p_d4, p_d6 = p
+    t1 = p_a2*p_a2 + p_d4*p_d4
+    t2 = p_a2*(2.0*p_d4)
+    t3 = less(0.0, absolute(t2))
+    t4 = p_d6*p_d6 + t1
+    t5 = 1.0 - t3
+    return (
+        p_d6, p_a2, p_d4, t1, t2, t3, t4, t5,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    p_d6, p_a2, p_d4, k4, k5, k6, k7, k8 = k
+    t6 = T14 - p_d6*T13
+    t7 = T24 - p_d6*T23
+    t8 = t6*t6 + t7*t7
+    t9 = sqrt(t8)
+    t10 = T34 - p_d6*T33
+    t11 = (t10*t10 - (k4 - t8))/k5
+    t12 = 1.0 - t11*t11
+    t13 = less(1e-14, t12)
+    t14 = cos(near3)
+    t15 = select(k6, select(t13, sqrt(maximum(0.0, t12)), 0.0), t14)
+    t16 = p_d4*t15
+    t17 = t10*t16
+    t18 = sqrt(T34*T34 + (T24*T24 + (k7 + T14*T14)))
+    t19 = 1e-12*t18
+    t20 = absolute(t7)
+    t21 = 1.0 - less(t19, t20)
+    t22 = absolute(t6)
+    t23 = t21 - t21*less(t19, t22)
+    t24 = t18*t19
+    t25 = sin(near1)
+    t26 = select(t23, t25, t7/t9)
+    t27 = cos(near1)
+    t28 = select(t23, t27, t6/t9)
+    t29 = t7*t26 + t6*t28
+    t30 = sin(near3)
+    t31 = select(k6, -t11, t30)
+    t32 = select(k6, t11, t30)
+    t33 = atan2(t32, t15)
+    t34 = p_a2 - p_d4*t31
+    t35 = t29*t34
+    t36 = t16*t16
+    t37 = t16*t29
+    t38 = t36 + t34*t34
+    t39 = (t17 + t35)/t38
+    t40 = t10*t34
+    t41 = (t37 - t40)/t38
+    t42 = 1.5 - 0.5*(t39*t39 + t41*t41)
+    t43 = absolute(k4 - k5*t31)
+    t44 = less(t24, t43)
+    t45 = cos(near2)
+    t46 = select(t44, t42*((t17 - t35)/t38), t45)
+    t47 = select(t44, t39*t42, t45)
+    t48 = sin(near2)
+    t49 = select(t44, t42*((t37 + t40)/t38), t48)
+    t50 = select(t44, -t41*t42, t48)
+    t51 = 1.0 - t44
+    t52 = atan2(t49, t46)
+    t53 = atan2(t50, t47)
+    t54 = t15*t46 - t31*t49
+    t55 = t15*t49 + t31*t46
+    t56 = T23*t26 + T13*t28
+    t57 = t56*t54 - T33*t55
+    t58 = absolute(t57)
+    t59 = T13*t26 - T23*t28
+    t60 = absolute(t59)
+    t61 = 1.0 - less(1e-12, t60)
+    t62 = t61 - t61*less(1e-12, t58)
+    t63 = maximum(k8, maximum(t23, t51))
+    t64 = maximum(t62, t63)
+    t65 = k6 - k6*less(t12, -1e-11)
+    t66 = t13*t65
+    t67 = select(t65 - t66, 2.0, 1.0)
+    t68 = maximum(k8, t65)
+    t69 = 1.0 - less(0.001, t60)
+    t70 = 1.0 - less(1e-09, t12)
+    t71 = maximum(k8, t70 - t70*less(t12, -9.999999999999999e-10))
+    t72 = 0.001*t18
+    t73 = 1.0 - less(t72, t20)
+    t74 = maximum(t73 - t73*less(t72, t22), t71)
+    t75 = t18*t72
+    t76 = maximum(t74, 1.0 - less(t75, t43))
+    t77 = maximum(t23, t71)
+    t78 = maximum(t77, t51)
+    t79 = select(t64, 3.0, t67) + 4.0*maximum(t76, t69 - t69*less(0.001, t58))
+    t80 = select(t64, 8.0, 4.0*maximum(t62, t78))
+    t81 = 1.0 - t23
+    t82 = t66*t81
+    t83 = t68*t81
+    t84 = p_a2 + p_d4*t32
+    t85 = t29*t84
+    t86 = t10*t84
+    t87 = t36 + t84*t84
+    t88 = (t17 - t85)/t87
+    t89 = (t37 + t86)/t87
+    t90 = 1.5 - 0.5*(t88*t88 + t89*t89)
+    t91 = absolute(k4 + k5*t32)
+    t92 = less(t24, t91)
+    t93 = select(t92, -t90*((t17 + t85)/t87), t45)
+    t94 = select(t92, -t90*((t37 - t86)/t87), t48)
+    t95 = maximum(1.0 - less(t75, t91), t74)
+    t96 = select(t92, -t88*t90, t45)
+    t97 = select(t92, t89*t90, t48)
+    t98 = 1.0 - t92
+    t99 = maximum(k8, maximum(t23, t98))
+    t100 = maximum(t98, t77)
+    t101 = atan2(t94, t93)
+    t102 = atan2(t97, t96)
+    t103 = t15*t93 - t32*t94
+    t104 = t15*t94 + t32*t93
+    t105 = t56*t103 - T33*t104
+    t106 = absolute(t105)
+    t107 = t61 - t61*less(1e-12, t106)
+    t108 = maximum(t107, t99)
+    t109 = select(t108, 3.0, t67) + 4.0*maximum(t95, t69 - t69*less(0.001, t106))
+    t110 = select(t108, 8.0, 4.0*maximum(t107, t100))
+    t111 = t15*t47 - t31*t50
+    t112 = t15*t50 + t31*t47
+    t113 = t56*t111 + T33*t112
+    t114 = absolute(t113)
+    t115 = t61 - t61*less(1e-12, t114)
+    t116 = maximum(t115, t63)
+    t117 = select(t116, 8.0, 4.0*maximum(t115, t78))
+    t118 = select(t116, 3.0, t67) + 4.0*maximum(t69 - t69*less(0.001, t114), t76)
+    t119 = t15*t96 - t32*t97
+    t120 = t15*t97 + t32*t96
+    t121 = atan2(t31, -t15)
+    t122 = t119*t56 + T33*t120
+    t123 = absolute(t122)
+    t124 = t61 - t61*less(1e-12, t123)
+    t125 = maximum(t124, t99)
+    t126 = select(t125, 3.0, t67) + 4.0*maximum(t69 - t69*less(0.001, t123), t95)
+    t127 = select(t125, 8.0, 4.0*maximum(t124, t100))
+    t128 = t59*t59
+    t129 = sqrt(t128 + t57*t57)
+    t130 = cos(near4)
+    t131 = -t130
+    t132 = select(t62, t131, t57/t129)
+    t133 = t26*T11 - t28*T21
+    t134 = sin(near4)
+    t135 = select(t62, t134, t59/t129)
+    t136 = t26*T21 + t28*T11
+    t137 = t26*T12 - t28*T22
+    t138 = atan2(t135, -t132)
+    t139 = atan2(t26, t28)
+    t140 = t26*T22 + t28*T12
+    t141 = atan2(t133*t132 + t135*(T31*t55 - t136*t54), t137*t132 + t135*(T32*t55 - t140*t54))
+    t142 = atan2(t57*t132 + t59*t135, t56*t55 + T33*t54)
+    t143 = select(less(0.0, t141), 3.141592653589793, -3.141592653589793)
+    t144 = select(less(0.0, t138), 3.141592653589793, -3.141592653589793)
+    t145 = select(less(0.0, t139), 3.141592653589793, -3.141592653589793)
+    t146 = t139 - t145
+    t147 = sqrt(t128 + t105*t105)
+    t148 = select(t107, t130, t105/t147)
+    t149 = select(t107, t134, t59/t147)
+    t150 = -t134
+    t151 = atan2(t149, t148)
+    t152 = atan2(t133*t148 + t149*(T31*t104 - t136*t103), -(t137*t148 + t149*(T32*t104 - t140*t103)))
+    t153 = atan2(t105*t148 + t59*t149, -(t56*t104 + T33*t103))
+    t154 = select(less(t152, 0.0), 3.141592653589793, -3.141592653589793)
+    t155 = select(less(0.0, t151), 3.141592653589793, -3.141592653589793)
+    t156 = sqrt(t128 + t113*t113)
+    t157 = select(t115, t130, t113/t156)
+    t158 = select(t115, t150, t59/t156)
+    t159 = atan2(t158, t157)
+    t160 = atan2(t133*t157 - t158*(T31*t112 + t136*t111), t137*t157 - t158*(T32*t112 + t140*t111))
+    t161 = atan2(t113*t157 + t59*t158, -(t56*t112 - T33*t111))
+    t162 = select(less(0.0, t160), 3.141592653589793, -3.141592653589793)
+    t163 = select(less(t159, 0.0), 3.141592653589793, -3.141592653589793)
+    t164 = sqrt(t128 + t122*t122)
+    t165 = select(t124, t131, t122/t164)
+    t166 = select(t124, t150, t59/t164)
+    t167 = atan2(t122*t165 + t59*t166, t56*t120 - T33*t119)
+    t168 = atan2(t166, -t165)
+    t169 = atan2(t165*t133 - t166*(t120*T31 + t119*t136), -(t165*t137 - t166*(t120*T32 + t119*t140)))
+    t170 = select(less(t169, 0.0), 3.141592653589793, -3.141592653589793)
+    t171 = select(less(t168, 0.0), 3.141592653589793, -3.141592653589793)
+    return (
+        t139, t102, t33, -t168, -t167, -t169, t139, t102, t33, -(t168 + t171), t167, -(t169 + t170), t139, t53,
+        -t121, -t159, -t161, t160, t139, t53, -t121, -(t159 + t163), t161, t160 - t162, t146, t101, t33, t151,
+        -t153, -t152, t146, t101, t33, t151 - t155, t153, -(t152 + t154), t146, t52, -t121, t138, -t142, t141,
+        t146, t52, -t121, t138 - t144, t142, t141 - t143, select(t68, t126, t127),
+        select(t68 - t124*t68, t126, t127), select(t66, t118, t117), select(t66 - t115*t66, t118, t117),
+        select(t83, t109, t110), select(t83 - t107*t83, t109, t110), select(t82, t79, t80),
+        select(t82 - t62*t82, t79, t80),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    t1 = p_d6*p_d6
+    t2 = p_d4*p_d4
+    t3 = p_a2*p_a2
+    return (
+        p_d6, p_d4, p_a2, t1, t2, t3,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_d6, p_d4, p_a2, k4, k5, k6 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t4 = c4*s5
+    t5 = q2 + q3
+    t6 = cos(t5)
+    t7 = sin(t5)
+    c5 = cos(q5)
+    t8 = t6*t4 + c5*t7
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t9 = s4*s5
+    s1 = sin(q1)
+    t10 = s1*t9 + c1*t8
+    t11 = c1*t9 - s1*t8
+    t12 = c1*t7
+    c2 = cos(q2)
+    t13 = p_a2*c2
+    t14 = sqrt(k6 + (k5 + (k4 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t15 = select(less(0.0, t14), t14, 1.0)
+    t16 = (c1*t13 + (p_d4*t12 + p_d6*t10) - T14)/t15
+    t17 = s1*t7
+    t18 = (s1*t13 + (p_d4*t17 - p_d6*t11) - T24)/t15
+    t19 = c5*t6
+    t20 = t19 - t7*t4
+    s2 = sin(q2)
+    t21 = p_a2*s2
+    t22 = (t21 - (p_d4*t6 + p_d6*t20) - T34)/t15
+    t23 = 1.0/t15
+    s6 = sin(q6)
+    t24 = c5*s6
+    t25 = s5*s6
+    c6 = cos(q6)
+    t26 = c4*t24 + s4*c6
+    t27 = s4*t24 - c4*c6
+    t28 = t6*t25 + t7*t26
+    t29 = t6*t26 - t7*t25
+    t30 = c1*t27 - s1*t29
+    t31 = s1*t27 + c1*t29
+    t32 = t28*t11 + t30*t20
+    t33 = t32 + T11
+    t34 = t28*t10 + t31*t20
+    t35 = t34 + T21
+    t36 = t31*t11 - t30*t10
+    t37 = t36 - T31
+    t38 = t16*t16 + t18*t18 + t22*t22 + t33*t33 + t35*t35 + t37*t37
+    t39 = t31 + T12
+    t40 = t30 - T22
+    t41 = t28 + T32
+    t42 = t10 - T13
+    t43 = t11 + T23
+    t44 = t38 + t39*t39 + t40*t40 + t41*t41 + t42*t42 + t43*t43
+    t45 = t20 + T33
+    t46 = sqrt(t44 + t45*t45) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t47 = t46 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t48 = t47 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t49 = maximum(0.0, t48 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    t50 = p_d6*s5
+    t51 = c4*t50
+    t52 = p_d6*c5
+    t53 = p_d4 + t52
+    t54 = t6*t51 + t7*t53
+    t55 = t13 + t54
+    t56 = t7*t51 - t6*t53
+    t57 = t21 + t56
+    t58 = t54*t23
+    t59 = s4*t50
+    t60 = (s1*t55 - c1*t59)*t23
+    t61 = c1*t57*t23
+    t62 = s1*t57*t23
+    t63 = (c1*t55 + s1*t59)*t23
+    t64 = t55*t23
+    t65 = t60*t61 - t63*t62
+    t66 = damping1 + (2.0 + (t60*t60 + t63*t63))
+    t67 = c4*t7
+    t68 = s4*t7
+    t69 = t19 - s5*t67
+    t70 = 2.0*t69
+    t71 = t70/t66
+    t72 = c1*t6
+    t73 = s1*s4 + c4*t72
+    t74 = c5*t12 + s5*t73
+    t75 = s1*t6
+    t76 = c1*s4 - c4*t75
+    t77 = c5*t17 - s5*t76
+    t78 = 2.0*(s1*t74 - c1*t77)
+    t79 = t78 + t65*t71
+    t80 = t65/t66
+    t81 = 2.0*(s1*s1 + c1*c1)
+    t82 = damping1 + (t61*t61 + t62*t62 + t64*t64 + t81) - t65*t80
+    t83 = t79/t82
+    t84 = c1*t56*t23
+    t85 = s1*t56*t23
+    t86 = t60*t84 - t63*t85
+    t87 = t86/t66
+    t88 = t81 + (t61*t84 + t62*t85 + t64*t58) - t65*t87
+    t89 = t78 + t86*t71 - t88*t83
+    t90 = t88/t82
+    t91 = damping1 + (t81 + (t84*t84 + t85*t85 + t58*t58)) - t86*t87
+    t92 = t91 - t88*t90
+    t93 = t89/t92
+    t94 = s1*c4 - s4*t72
+    t95 = c1*c4 + s4*t75
+    t96 = t50*t94*t23
+    t97 = t50*t95*t23
+    t98 = t60*t96 + t63*t97 + 2.0*t6
+    t99 = t98/t66
+    t100 = t50*t68*t23
+    t101 = 2.0*(s1*t12 - c1*t17)
+    t102 = t61*t96 - t62*t97 + t64*t100 - t101 - t65*t99
+    t103 = t102/t82
+    t104 = t101 - (t84*t96 - t85*t97 + t58*t100) + t86*t99 + t88*t103
+    t105 = 2.0*(t12*t74 + t17*t77 + t6*t69) - t98*t71 + t102*t83
+    t106 = t105 - t104*t93
+    t107 = t104/t92
+    t108 = t96*t96 + t97*t97 + t100*t100 + 2.0*(t12*t12 + t17*t17 + t6*t6)
+    t109 = damping1 + t108 - t98*t99 - t102*t103 - t104*t107
+    t110 = t106/t109
+    t111 = (t52*t73 - t50*t12)*t23
+    t112 = (t52*t76 + t50*t17)*t23
+    t113 = (t52*t67 + t6*t50)*t23
+    t114 = t60*t111 + t63*t112 + 2.0*t68
+    t115 = t114/t66
+    t116 = 2.0*(s1*t94 + c1*t95)
+    t117 = t61*t111 - t62*t112 - t64*t113 - t116 - t65*t115
+    t118 = t117/t82
+    t119 = t116 - (t84*t111 - t85*t112 - t58*t113) + t86*t115 + t88*t118
+    t120 = t119/t92
+    t121 = t96*t111 + t97*t112 - t100*t113 + 2.0*(t12*t94 - t17*t95 + t6*t68)
+    t122 = t121 - t98*t115 - t102*t118 - t104*t120
+    t123 = 2.0*(t94*t74 - t95*t77 + t68*t69) - t114*t71 + t117*t83
+    t124 = t123 - t119*t93 - t122*t110
+    t125 = t122/t109
+    t126 = t111*t111 + t112*t112 + t113*t113 + 2.0*(t94*t94 + t95*t95 + t68*t68)
+    t127 = damping1 + t126 - t114*t115 - t117*t118 - t119*t120 - t122*t125
+    t128 = t124/t127
+    t129 = t20*T23 - t11*T33 - (t36*T21 + t34*T31 - (t28*T22 + t30*T32))
+    t130 = t10*T33 + t20*T13 - (t32*T31 + t36*T11 + (t31*T32 - t28*T12))
+    t131 = s1*t129 + c1*t130
+    t132 = t11*T13 + t10*T23 + (t34*T11 - t32*T21 - (t30*T12 + t31*T22))
+    t133 = t132 + t16*t60 - t18*t63
+    t134 = t12*t129 - t17*t130 - t6*t132 - t16*t96 + t18*t97 + t22*t100
+    t135 = t94*t129 + t95*t130 - t68*t132 - t16*t111 + t18*t112 - t22*t113
+    t136 = damping1 + 2.0*(t74*t74 + t77*t77 + t69*t69) - t70*t71
+    t137 = t131 + t16*t61 + t18*t62 - t22*t64 - t133*t80
+    t138 = t131 + t16*t84 + t18*t85 - t22*t58 - t133*t87 - t90*t137
+    t139 = t134 + t133*t99 + t103*t137 - t107*t138
+    t140 = t135 + t133*t115 + t118*t137 - t120*t138 - t125*t139
+    t141 = t74*t129 - t77*t130 - t69*t132 + t133*t71 - t83*t137 - t93*t138
+    t142 = (t141 - t110*t139 - t128*t140)/(t136 - t79*t83 - t89*t93 - t106*t110 - t124*t128)
+    t143 = t140/t127 - t128*t142
+    t144 = t139/t109 - t125*t143 - t110*t142
+    t145 = t138/t92 - t107*t144 - t120*t143 - t93*t142
+    t146 = t137/t82 - t90*t145 + t103*t144 + t118*t143 - t83*t142
+    t147 = t133/t66 - t80*t146 - t87*t145 + t99*t144 + t115*t143
+    return (
+        q1 + (t147 + t71*t142), q2 + t146, q3 + t145, q4 + t144, q5 + t143, q6 + t142, t49,
     )
 
 
@@ -810,6 +1242,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -830,6 +1263,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -1012,7 +1463,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -1186,8 +1674,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 3e-11
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -1264,3 +2182,22 @@ _FUNCTIONS = {
         ),
     ),
 }
+
+_GIVEN_JOINTS = ()
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=8,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+        hoisted=_inverse_kinematics_step_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    hoisted=_inverse_kinematics_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)

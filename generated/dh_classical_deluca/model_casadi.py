@@ -19,6 +19,10 @@ Every function has a last input `params`, a column of the free parameters in the
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify dh-classical-deluca` compares every function with an independent recursion.
 """
 
@@ -37,7 +41,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "inverse_kinematics": {"mul": 18, "add": 18, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -53,13 +63,30 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_d1, p_a1, p_alpha1 = p
     t1 = cos(p_alpha1)
     t2 = sin(p_alpha1)
@@ -69,7 +96,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     p_d1, k2, k3, p_a1 = k
     s1 = sin(q1)
@@ -83,7 +110,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms_constants(functions, p):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_d1, p_a1, p_alpha1 = p
     t1 = cos(p_alpha1)
     t2 = sin(p_alpha1)
@@ -93,7 +120,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     p_d1, k2, k3, p_a1 = k
     s1 = sin(q1)
@@ -114,7 +141,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     (p_a1,) = k
     s1 = sin(q1)
@@ -130,7 +157,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end_constants(functions, p):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_a1, p_alpha1 = p
     t1 = cos(p_alpha1)
     t2 = p_a1*t1
@@ -161,7 +188,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     (qd1,) = qd
     (p_a1,) = k
@@ -186,7 +213,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     (p_a1,) = k
     s1 = sin(q1)
@@ -209,7 +236,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     (p_a1,) = k
     s1 = sin(q1)
@@ -221,6 +248,92 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0,
         0.0,
         0.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_d1, p_a1, p_alpha1 = p
+    t1 = cos(p_alpha1)
+    t2 = sin(p_alpha1)
+    t3 = p_a1*p_a1 + p_d1*p_d1
+    return (
+        t1, t2, p_a1, p_d1, t3,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    k1, k2, p_a1, p_d1, k5 = k
+    t4 = 1.5 - 0.5*(T11*T11 + T21*T21)
+    t5 = T21*t4
+    t6 = T11*t4
+    t7 = maximum(absolute(T31), maximum(absolute(T11 - t6), absolute(T21 - t5)))
+    t8 = maximum(absolute(T22 - k1*t6), maximum(absolute(T12 + k1*t5), t7))
+    t9 = maximum(absolute(T13 - k2*t5), maximum(absolute(k2 - T32), t8))
+    t10 = maximum(absolute(k1 - T33), maximum(absolute(T23 + k2*t6), t9))
+    t11 = less(maximum(absolute(t5*t5 - (1.0 - t6*t6)), t10), 1e-07)
+    t12 = maximum(absolute(T14 - p_a1*t6), absolute(T24 - p_a1*t5))
+    t13 = less(maximum(absolute(p_d1 - T34), t12), 1e-07*sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14))))
+    return (
+        atan2(T21, T11), t11*t13,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_d1, p_a1, p_alpha1 = p
+    t1 = p_d1*p_d1
+    t2 = p_a1*p_a1
+    t3 = cos(p_alpha1)
+    t4 = sin(p_alpha1)
+    return (
+        p_d1, t1, p_a1, t2, t3, t4,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (q1,) = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_d1, k2, p_a1, k4, k5, k6 = k
+    t5 = sqrt(k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34))))
+    t6 = select(less(0.0, t5), t5, 1.0)
+    c1 = cos(q1)
+    t7 = p_a1*c1
+    t8 = (t7 - T14)/t6
+    s1 = sin(q1)
+    t9 = p_a1*s1
+    t10 = (t9 - T24)/t6
+    t11 = (p_d1 - T34)/t6
+    t12 = 1.0/t6
+    t13 = t9*t12
+    t14 = t7*t12
+    t15 = c1 - T11
+    t16 = s1 - T21
+    t17 = T31*T31
+    t18 = k5*s1
+    t19 = t18 + T12
+    t20 = t8*t8 + t10*t10 + t11*t11 + t15*t15 + t16*t16 + t17 + t19*t19
+    t21 = k5*c1
+    t22 = t21 - T22
+    t23 = k6 - T32
+    t24 = k6*s1
+    t25 = t24 - T13
+    t26 = k6*c1
+    t27 = t26 + T23
+    t28 = t26*T13 + t24*T23 - (s1*T11 - c1*T21 + (t21*T12 + t18*T22))
+    t29 = k5 - T33
+    t30 = t20 + t22*t22 + t23*t23 + t25*t25 + t27*t27 + t29*t29
+    t31 = sqrt(t30) - absolute(1.0 - (T11*T11 + T21*T21 + t17))
+    t32 = t31 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t33 = t32 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t34 = maximum(0.0, t33 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    t35 = (t28 + t8*t13 - t10*t14)/(damping1 + (2.0 + (t13*t13 + t14*t14)))
+    return (
+        q1 + t35, t34,
     )
 
 
@@ -322,3 +435,48 @@ analytic_jacobian_zyz = _function(
         1,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -46,6 +46,12 @@ enum {
     dh_general_laschi_jacobian_dot_constant_count = 1,
     dh_general_laschi_analytic_jacobian_rpy_constant_count = 1,
     dh_general_laschi_analytic_jacobian_zyz_constant_count = 1,
+    dh_general_laschi_inverse_kinematics_constant_count = 11,
+    dh_general_laschi_branches = 1, /**< Branches of inverse kinematics. */
+    dh_general_laschi_none = 0, /**< The branch does not exist. */
+    dh_general_laschi_exact = 1, /**< A solution. */
+    dh_general_laschi_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    dh_general_laschi_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -170,6 +176,41 @@ void dh_general_laschi_analytic_jacobian_zyz_batch(size_t count, const double *q
 
 /** The constants of dh_general_laschi_analytic_jacobian_zyz, 1, from the parameters, 3. */
 void dh_general_laschi_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has one solution, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       11 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 1 x 1: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 1; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 18 mul, 18 add, 1 sqrt, 1 atan2, 13 cases.
+ * Once per set of parameters: 2 mul, 1 add, 1 sin, 1 cos.
+ */
+int dh_general_laschi_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void dh_general_laschi_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int dh_general_laschi_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of dh_general_laschi_inverse_kinematics, 11, from the parameters, 3. */
+void dh_general_laschi_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

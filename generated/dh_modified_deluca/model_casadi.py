@@ -19,6 +19,10 @@ Every function has a last input `params`, a column of the free parameters in the
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify dh-modified-deluca` compares every function with an independent recursion.
 """
 
@@ -37,7 +41,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 7, "add": 1, "div": 2, "sin": 1, "cos": 1, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "inverse_kinematics": {"mul": 18, "add": 19, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -53,13 +63,30 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_d1, p_a0, p_alpha0 = p
     t1 = cos(p_alpha0)
     t2 = p_d1*t1
@@ -71,7 +98,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     k1, k2, k3, k4, p_a0 = k
     c1 = cos(q1)
@@ -85,7 +112,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms_constants(functions, p):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_d1, p_a0, p_alpha0 = p
     t1 = cos(p_alpha0)
     t2 = p_d1*t1
@@ -97,7 +124,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     k1, k2, k3, k4, p_a0 = k
     c1 = cos(q1)
@@ -111,7 +138,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian_constants(functions, p):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (p_alpha0,) = p
     t1 = sin(p_alpha0)
     t2 = cos(p_alpha0)
@@ -155,7 +182,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy_constants(functions, p):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (p_alpha0,) = p
     t1 = cos(p_alpha0)
     t2 = t1*t1
@@ -168,7 +195,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     (q1,) = q
     k1, k2, k3, k4, k5 = k
     c1 = cos(q1)
@@ -193,6 +220,93 @@ def _analytic_jacobian_zyz(functions, k, q):
         0.0,
         0.0,
         1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_d1, p_a0, p_alpha0 = p
+    t1 = sin(p_alpha0)
+    t2 = cos(p_alpha0)
+    t3 = p_d1*t1
+    t4 = p_d1*t2
+    t5 = p_a0*p_a0 + p_d1*p_d1
+    return (
+        t1, t2, p_a0, t3, t4, t5,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    k1, k2, p_a0, k4, k5, k6 = k
+    t6 = k1*T31 + k2*T21
+    t7 = 1.5 - 0.5*(T11*T11 + t6*t6)
+    t8 = t6*t7
+    t9 = T11*t7
+    t10 = maximum(absolute(T31 - k1*t8), maximum(absolute(T11 - t9), absolute(T21 - k2*t8)))
+    t11 = maximum(absolute(T22 - k2*t9), maximum(absolute(t8 + T12), t10))
+    t12 = maximum(absolute(T13), maximum(absolute(T32 - k1*t9), t11))
+    t13 = maximum(absolute(k2 - T33), maximum(absolute(k1 + T23), t12))
+    t14 = less(maximum(absolute(t8*t8 - (1.0 - t9*t9)), t13), 1e-07)
+    t15 = maximum(absolute(k5 - T34), maximum(absolute(p_a0 - T14), absolute(k4 + T24)))
+    t16 = less(t15, 1e-07*sqrt(T34*T34 + (T24*T24 + (k6 + T14*T14))))
+    return (
+        atan2(t6, T11), t14*t16,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_d1, p_a0, p_alpha0 = p
+    t1 = sin(p_alpha0)
+    t2 = cos(p_alpha0)
+    t3 = 2.0*(t1*t1 + t2*t2)
+    t4 = p_d1*p_d1
+    t5 = p_a0*p_a0
+    t6 = p_d1*t1
+    t7 = p_d1*t2
+    return (
+        t1, t2, t3, t4, p_a0, t5, t6, t7,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (q1,) = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    k1, k2, k3, k4, p_a0, k6, k7, k8 = k
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t8 = k1*s1
+    t9 = k1*c1
+    t10 = k2*s1
+    t11 = k2*c1
+    t12 = k2*(k1*T13 - (t10*T11 - c1*T21 + (t11*T12 + s1*T22)))
+    t13 = k1*(k2*T13 - (c1*T31 - t8*T11 - (s1*T32 + t9*T12))) - t12
+    t14 = sqrt(k6 + (k4 + (T14*T14 + (T24*T24 + T34*T34))))
+    t15 = select(less(0.0, t14), t14, 1.0)
+    t16 = (p_a0 - T14)/t15
+    t17 = (k7 + T24)/t15
+    t18 = (k8 - T34)/t15
+    t19 = c1 - T11
+    t20 = t10 - T21
+    t21 = t8 - T31
+    t22 = t16*t16 + t17*t17 + t18*t18 + t19*t19 + t20*t20 + t21*t21
+    t23 = s1 + T12
+    t24 = t11 - T22
+    t25 = t9 - T32
+    t26 = T13*T13
+    t27 = k1 + T23
+    t28 = k2 - T33
+    t29 = t22 + t23*t23 + t24*t24 + t25*t25 + t26 + t27*t27 + t28*t28
+    t30 = sqrt(t29) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t31 = t30 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t32 = t31 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t33 = maximum(0.0, t32 - absolute(1.0 - (t26 + T23*T23 + T33*T33)))
+    return (
+        q1 - t13/(damping1 + k3), t33,
     )
 
 
@@ -282,3 +396,48 @@ analytic_jacobian_zyz = _function(
     shape=(6, 1),
     kernel=_analytic_jacobian_zyz,
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

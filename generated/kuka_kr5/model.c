@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1071,4 +1101,740 @@ void kuka_kr5_analytic_jacobian_zyz_batch(size_t count, const double *restrict q
         analytic_jacobian_zyz_block(q_block, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = t1;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double sa6 = sines[5 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double ca6 = cosines[5 * lanes];
+    const double t1 = c4*s5;
+    const double t2 = sa6*t1 - c5*ca6;
+    const double t3 = s4*s5;
+    const double t4 = s1*t3 - c1*t2;
+    const double t5 = c1*t3 + s1*t2;
+    const double t6 = 0.09*sa6 + 0.295*ca6;
+    const double t7 = 0.27*s2;
+    const double t8 = 0.075 + t7;
+    const double t9 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.292275)));
+    const double t10 = (0.0 < t9) ? t9 : 1.0;
+    const double t11 = (c1*t8 + (c1*t6 + 0.08*t4) - T14)/t10;
+    const double t12 = (s1*t8 + (s1*t6 - 0.08*t5) - T24)/t10;
+    const double t13 = c5*sa6;
+    const double t14 = t13 + ca6*t1;
+    const double t15 = 0.27*c2;
+    const double t16 = 0.335 + (t15 + (0.09*ca6 - 0.295*sa6 - 0.08*t14)) - T34;
+    const double t17 = t16/t10;
+    const double t18 = 1.0/t10;
+    const double t19 = c5*s6;
+    const double t20 = s5*s6;
+    const double t21 = c4*t19 + s4*c6;
+    const double t22 = s4*t19 - c4*c6;
+    const double t23 = sa6*t20 - ca6*t21;
+    const double t24 = sa6*t21 + ca6*t20;
+    const double t25 = c1*t22 + s1*t24;
+    const double t26 = s1*t22 - c1*t24;
+    const double t27 = t23*t5 + t25*t14;
+    const double t28 = t27 + T11;
+    const double t29 = t23*t4 + t26*t14;
+    const double t30 = t29 + T21;
+    const double t31 = t26*t5 - t25*t4;
+    const double t32 = t31 - T31;
+    const double t33 = t11*t11 + t12*t12 + t17*t17 + t28*t28 + t30*t30 + t32*t32;
+    const double t34 = t26 + T12;
+    const double t35 = t25 - T22;
+    const double t36 = t23 + T32;
+    const double t37 = t4 - T13;
+    const double t38 = t5 + T23;
+    const double t39 = t33 + t34*t34 + t35*t35 + t36*t36 + t37*t37 + t38*t38;
+    const double t40 = t14 + T33;
+    const double t41 = sqrt(t39 + t40*t40) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t42 = t41 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t43 = t42 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t44 = maximum(0.0, t43 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    const double t45 = 0.08*s5;
+    const double t46 = 0.09 - c4*t45;
+    const double t47 = 0.08*c5;
+    const double t48 = 0.295 + t47;
+    const double t49 = sa6*t46 + ca6*t48;
+    const double t50 = t7 + t49;
+    const double t51 = ca6*t46 - sa6*t48;
+    const double t52 = t15 + t51;
+    const double t53 = t49*t18;
+    const double t54 = 0.075 + t50;
+    const double t55 = t50*t18;
+    const double t56 = s4*t45;
+    const double t57 = (s1*t54 - c1*t56)*t18;
+    const double t58 = (c1*t54 + s1*t56)*t18;
+    const double t59 = c1*t52*t18;
+    const double t60 = s1*t52*t18;
+    const double t61 = t57*t59 - t58*t60;
+    const double t62 = damping1 + (2.0 + (t57*t57 + t58*t58));
+    const double t63 = c4*ca6;
+    const double t64 = t13 + s5*t63;
+    const double t65 = 2.0*t64;
+    const double t66 = t65/t62;
+    const double t67 = c1*sa6;
+    const double t68 = s1*s4 - c4*t67;
+    const double t69 = c1*ca6;
+    const double t70 = c5*t69 + s5*t68;
+    const double t71 = s1*sa6;
+    const double t72 = c1*s4 + c4*t71;
+    const double t73 = s4*ca6;
+    const double t74 = s1*ca6;
+    const double t75 = c5*t74 - s5*t72;
+    const double t76 = 2.0*(s1*t70 - c1*t75);
+    const double t77 = t76 + t61*t66;
+    const double t78 = t61/t62;
+    const double t79 = 2.0*(s1*s1 + c1*c1);
+    const double t80 = damping1 + (t59*t59 + t60*t60 + t55*t55 + t79) - t61*t78;
+    const double t81 = t77/t80;
+    const double t82 = c1*t51*t18;
+    const double t83 = s1*t51*t18;
+    const double t84 = t57*t82 - t58*t83;
+    const double t85 = t84/t62;
+    const double t86 = t79 + (t59*t82 + t60*t83 + t55*t53) - t61*t85;
+    const double t87 = t76 + t84*t66 - t86*t81;
+    const double t88 = t86/t80;
+    const double t89 = damping1 + (t79 + (t82*t82 + t83*t83 + t53*t53)) - t84*t85;
+    const double t90 = t89 - t86*t88;
+    const double t91 = t87/t90;
+    const double t92 = s1*c4 + s4*t67;
+    const double t93 = c1*c4 - s4*t71;
+    const double t94 = t45*t92*t18;
+    const double t95 = t45*t93*t18;
+    const double t96 = t57*t94 + t58*t95 - 2.0*sa6;
+    const double t97 = t96/t62;
+    const double t98 = t45*t73*t18;
+    const double t99 = 2.0*(s1*t69 - c1*t74);
+    const double t100 = t59*t94 - t60*t95 - t55*t98 + t99 - t61*t97;
+    const double t101 = t100/t80;
+    const double t102 = t99 + (t82*t94 - t83*t95 - t53*t98) - t84*t97 - t86*t101;
+    const double t103 = 2.0*(t69*t70 + t74*t75 + sa6*t64) + t96*t66 - t100*t81;
+    const double t104 = t103 - t102*t91;
+    const double t105 = t102/t90;
+    const double t106 = t94*t94 + t95*t95 + t98*t98 + 2.0*(t69*t69 + t74*t74 + sa6*sa6);
+    const double t107 = damping1 + t106 - t96*t97 - t100*t101 - t102*t105;
+    const double t108 = t104/t107;
+    const double t109 = (t47*t68 - t45*t69)*t18;
+    const double t110 = (t47*t72 + t45*t74)*t18;
+    const double t111 = (t47*t63 - sa6*t45)*t18;
+    const double t112 = t57*t109 + t58*t110 + 2.0*t73;
+    const double t113 = t112/t62;
+    const double t114 = 2.0*(s1*t92 + c1*t93);
+    const double t115 = t59*t109 - t60*t110 + t55*t111 + t114 - t61*t113;
+    const double t116 = t115/t80;
+    const double t117 = t114 + (t82*t109 - t83*t110 + t53*t111) - t84*t113 - t86*t116;
+    const double t118 = t117/t90;
+    const double t119 = t94*t109 + t95*t110 - t98*t111 + 2.0*(t69*t92 - t74*t93 - sa6*t73);
+    const double t120 = t119 - t96*t113 - t100*t116 - t102*t118;
+    const double t121 = 2.0*(t92*t70 - t93*t75 - t73*t64) + t112*t66 - t115*t81;
+    const double t122 = t121 - t117*t91 - t120*t108;
+    const double t123 = t120/t107;
+    const double t124 = t109*t109 + t110*t110 + t111*t111 + 2.0*(t92*t92 + t93*t93 + t73*t73);
+    const double t125 = damping1 + t124 - t112*t113 - t115*t116 - t117*t118 - t120*t123;
+    const double t126 = t122/t125;
+    const double t127 = t14*T23 - t5*T33 - (t31*T21 + t29*T31 - (t23*T22 + t25*T32));
+    const double t128 = t4*T33 + t14*T13 - (t27*T31 + t31*T11 + (t26*T32 - t23*T12));
+    const double t129 = s1*t127 + c1*t128;
+    const double t130 = t5*T13 + t4*T23 + (t29*T11 - t27*T21 - (t25*T12 + t26*T22));
+    const double t131 = t130 + t11*t57 - t12*t58;
+    const double t132 = t69*t127 - t74*t128 - sa6*t130 + t11*t94 - t12*t95 + t17*t98;
+    const double t133 = t92*t127 + t93*t128 + t73*t130 + t11*t109 - t12*t110 - t17*t111;
+    const double t134 = damping1 + 2.0*(t70*t70 + t75*t75 + t64*t64) - t65*t66;
+    const double t135 = t129 + t11*t59 + t12*t60 - t17*t55 - t131*t78;
+    const double t136 = t129 + t11*t82 + t12*t83 - t17*t53 - t131*t85 - t88*t135;
+    const double t137 = t132 - t131*t97 - t101*t135 - t105*t136;
+    const double t138 = t133 - t131*t113 - t116*t135 - t118*t136 - t123*t137;
+    const double t139 = t70*t127 - t75*t128 - t64*t130 + t131*t66 - t81*t135 - t91*t136;
+    const double t140 = (t139 - t108*t137 - t126*t138)/(t134 - t77*t81 - t87*t91 - t104*t108 - t122*t126);
+    const double t141 = t138/t125 - t126*t140;
+    const double t142 = t137/t107 - t123*t141 - t108*t140;
+    const double t143 = t136/t90 - t105*t142 - t118*t141 - t91*t140;
+    const double t144 = t135/t80 - t88*t143 - t101*t142 - t116*t141 - t81*t140;
+    const double t145 = t131/t62 - t78*t144 - t85*t143 - t97*t142 - t113*t141;
+    result[0] = q1 + (t145 + t66*t140);
+    result[lanes] = q2 - t144;
+    result[2 * lanes] = q3 - t143;
+    result[3 * lanes] = q4 - t142;
+    result[4 * lanes] = q5 - t141;
+    result[5 * lanes] = q6 - t140;
+    result[6 * lanes] = t44;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near3 = near[2 * lanes];
+    const double near4 = near[3 * lanes];
+    angles[0] = near1;
+    angles[lanes] = near2;
+    angles[2 * lanes] = near3;
+    angles[3 * lanes] = near4;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double sa4 = sines[3 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double ca4 = cosines[3 * lanes];
+    const double t1 = sqrt(T34*T34 + (T24*T24 + (0.292275 + T14*T14)));
+    const double t2 = 1e-12*t1;
+    const double t3 = T24 - 0.08*T23;
+    const double t4 = fabs(t3);
+    const double t5 = 1.0 - (t2 < t4);
+    const double t6 = T14 - 0.08*T13;
+    const double t7 = fabs(t6);
+    const double t8 = t5 - t5*(t2 < t7);
+    const double t9 = t6*t6 + t3*t3;
+    const double t10 = sqrt(t9);
+    const double t11 = t8 > 0.0 ? -ca1 : t6/t10;
+    const double t12 = t8 > 0.0 ? -sa1 : t3/t10;
+    const double t13 = t6*t11 + t3*t12;
+    const double t14 = 1500.0*t13;
+    const double t15 = 0.08*T33 + (0.335 - T34);
+    const double t16 = 1624.0 - 10000.0*(t9 + t15*t15);
+    const double t17 = t14 + t16;
+    const double t18 = t14 - t16;
+    const double t19 = 2773845.0 - t17*t17;
+    const double t20 = 2.773845e-08 < t19;
+    const double t21 = t20 > 0.0 ? sqrt(maximum(0.0, t19)) : 0.0;
+    const double t22 = 0.0005742930841485374*t21;
+    const double t23 = 0.00017520805957074026*t21;
+    const double t24 = 0.00017520805957074026*t17;
+    const double t25 = 0.0005742930841485374*t17;
+    const double t26 = t22 - t24;
+    const double t27 = t22 + t24;
+    const double t28 = 18.0 + 54.0*t26;
+    const double t29 = t25 + t23;
+    const double t30 = t25 - t23;
+    const double t31 = arctangent(t29, t26);
+    const double t32 = 59.0 - 54.0*t29;
+    const double t33 = t28*t28 + t32*t32;
+    const double t34 = 200.0*t15;
+    const double t35 = 200.0*t13;
+    const double t36 = 15.0 - t35;
+    const double t37 = 15.0 + t35;
+    const double t38 = (t34*t28 + t36*t32)/t33;
+    const double t39 = (t28*t36 - t34*t32)/t33;
+    const double t40 = 1.5 - 0.5*(t38*t38 + t39*t39);
+    const double t41 = 18.0 - 54.0*t27;
+    const double t42 = 59.0 - 54.0*t30;
+    const double t43 = fabs(6372.0*t29 - (6721.0 + 1944.0*t26));
+    const double t44 = t1*t1;
+    const double t45 = 4e-08*t44;
+    const double t46 = t45 < t43;
+    const double t47 = sa2*ca3 + ca2*sa3;
+    const double t48 = t46 > 0.0 ? -t40*((t36*t41 - t34*t42)/t33) : t47;
+    const double t49 = ca3*ca2 - sa2*sa3;
+    const double t50 = t46 > 0.0 ? -t40*((t34*t41 + t36*t42)/t33) : t49;
+    const double t51 = t46 > 0.0 ? -t39*t40 : t47;
+    const double t52 = t46 > 0.0 ? -t38*t40 : t49;
+    const double t53 = 1.0 - t46;
+    const double t54 = T23*t12 + T13*t11;
+    const double t55 = t54*t48 + T33*t50;
+    const double t56 = fabs(t55);
+    const double t57 = T13*t12 - T23*t11;
+    const double t58 = fabs(t57);
+    const double t59 = 1.0 - (1e-12 < t58);
+    const double t60 = t59 - t59*(1e-12 < t56);
+    const double t61 = maximum(t8, t53);
+    const double t62 = maximum(t60, t61);
+    const double t63 = 1.0 - (t19 < -2.773845e-05);
+    const double t64 = t63 - t20*t63 > 0.0 ? 2.0 : 1.0;
+    const double t65 = 1.0 - (0.001 < t58);
+    const double t66 = 0.001*t1;
+    const double t67 = 1.0 - (t66 < t4);
+    const double t68 = t67 - t67*(t66 < t7);
+    const double t69 = 40.0*t44;
+    const double t70 = 1.0 - (0.002773845 < t19);
+    const double t71 = t70 - t70*(t19 < -0.002773845);
+    const double t72 = maximum(1.0 - (t69 < t43), maximum(t68, t71));
+    const double t73 = maximum(t53, maximum(t8, t71));
+    const double t74 = (t62 > 0.0 ? 3.0 : t64) + 4.0*maximum(t72, t65 - t65*(0.001 < t56));
+    const double t75 = t62 > 0.0 ? 8.0 : 4.0*maximum(t60, t73);
+    const double t76 = (1.0 - t8)*t63;
+    const double t77 = t20*t76;
+    const double t78 = t54*t51 + T33*t52;
+    const double t79 = fabs(t78);
+    const double t80 = t59 - t59*(1e-12 < t79);
+    const double t81 = maximum(t80, t61);
+    const double t82 = (t81 > 0.0 ? 3.0 : t64) + 4.0*maximum(t65 - t65*(0.001 < t79), t72);
+    const double t83 = t81 > 0.0 ? 8.0 : 4.0*maximum(t80, t73);
+    const double t84 = 2773845.0 - t18*t18;
+    const double t85 = 2.773845e-08 < t84;
+    const double t86 = t85 > 0.0 ? sqrt(maximum(0.0, t84)) : 0.0;
+    const double t87 = 0.0005742930841485374*t86;
+    const double t88 = 0.00017520805957074026*t86;
+    const double t89 = 0.00017520805957074026*t18;
+    const double t90 = 0.0005742930841485374*t18;
+    const double t91 = t87 + t89;
+    const double t92 = t87 - t89;
+    const double t93 = 18.0 + 54.0*t91;
+    const double t94 = t88 - t90;
+    const double t95 = t88 + t90;
+    const double t96 = arctangent(t94, t91);
+    const double t97 = 59.0 - 54.0*t94;
+    const double t98 = t93*t93 + t97*t97;
+    const double t99 = (t93*t34 + t37*t97)/t98;
+    const double t100 = (t93*t37 - t97*t34)/t98;
+    const double t101 = 1.5 - 0.5*(t99*t99 + t100*t100);
+    const double t102 = 18.0 - 54.0*t92;
+    const double t103 = 59.0 + 54.0*t95;
+    const double t104 = fabs(6372.0*t94 - (6721.0 + 1944.0*t91));
+    const double t105 = t45 < t104;
+    const double t106 = t105 > 0.0 ? -t101*((t37*t102 - t34*t103)/t98) : t47;
+    const double t107 = t105 > 0.0 ? -t101*((t34*t102 + t37*t103)/t98) : t49;
+    const double t108 = t105 > 0.0 ? -t100*t101 : t47;
+    const double t109 = t105 > 0.0 ? -t99*t101 : t49;
+    const double t110 = 1.0 - t105;
+    const double t111 = t54*t106 - T33*t107;
+    const double t112 = fabs(t111);
+    const double t113 = t59 - t59*(1e-12 < t112);
+    const double t114 = maximum(t8, t110);
+    const double t115 = maximum(t113, t114);
+    const double t116 = t84 < -2.773845e-05;
+    const double t117 = 1.0 - t116;
+    const double t118 = t85*t117;
+    const double t119 = t117 - t118 > 0.0 ? 2.0 : 1.0;
+    const double t120 = 1.0 - (0.002773845 < t84);
+    const double t121 = t120 - t120*(t84 < -0.002773845);
+    const double t122 = maximum(1.0 - (t69 < t104), maximum(t121, t68));
+    const double t123 = (t115 > 0.0 ? 3.0 : t119) + 4.0*maximum(t122, t65 - t65*(0.001 < t112));
+    const double t124 = maximum(t110, maximum(t8, t121));
+    const double t125 = t115 > 0.0 ? 8.0 : 4.0*maximum(t113, t124);
+    const double t126 = t108*t54 - T33*t109;
+    const double t127 = fabs(t126);
+    const double t128 = t59 - t59*(1e-12 < t127);
+    const double t129 = maximum(t128, t114);
+    const double t130 = (t129 > 0.0 ? 3.0 : t119) + 4.0*maximum(t65 - t65*(0.001 < t127), t122);
+    const double t131 = t129 > 0.0 ? 8.0 : 4.0*maximum(t128, t124);
+    const double t132 = t57*t57;
+    const double t133 = sqrt(t132 + t55*t55);
+    const double t134 = -ca4;
+    const double t135 = t60 > 0.0 ? t134 : t55/t133;
+    const double t136 = t12*T11 - t11*T21;
+    const double t137 = t60 > 0.0 ? sa4 : t57/t133;
+    const double t138 = t12*T21 + t11*T11;
+    const double t139 = t12*T12 - t11*T22;
+    const double t140 = arctangent(t137, -t135);
+    const double t141 = t12*T22 + t11*T12;
+    const double t142 = arctangent(t12, -t11);
+    const double t143 = arctangent(t136*t135 - t137*(T31*t50 + t138*t48), -(t139*t135 - t137*(T32*t50 + t141*t48)));
+    const double t144 = (0.0 < t143) ? 3.141592653589793 : -3.141592653589793;
+    const double t145 = arctangent(t55*t135 + t57*t137, t54*t50 - T33*t48);
+    const double t146 = (0.0 < t140) ? 3.141592653589793 : -3.141592653589793;
+    const double t147 = arctangent(t30, -t27);
+    const double t148 = arctangent(t30*t50 + t27*t48, t30*t48 - t27*t50);
+    const double t149 = (t142 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t150 = t142 + t149;
+    const double t151 = sqrt(t132 + t78*t78);
+    const double t152 = t80 > 0.0 ? t134 : t78/t151;
+    const double t153 = t80 > 0.0 ? sa4 : t57/t151;
+    const double t154 = -sa4;
+    const double t155 = arctangent(t153, -t152);
+    const double t156 = arctangent(t136*t152 - t153*(T31*t52 + t138*t51), -(t139*t152 - t153*(T32*t52 + t141*t51)));
+    const double t157 = (0.0 < t156) ? 3.141592653589793 : -3.141592653589793;
+    const double t158 = arctangent(t78*t152 + t57*t153, t54*t52 - T33*t51);
+    const double t159 = (0.0 < t155) ? 3.141592653589793 : -3.141592653589793;
+    const double t160 = arctangent(t26*t51 - t29*t52, t26*t52 + t29*t51);
+    const double t161 = sqrt(t132 + t111*t111);
+    const double t162 = t113 > 0.0 ? ca4 : t111/t161;
+    const double t163 = t113 > 0.0 ? t154 : t57/t161;
+    const double t164 = arctangent(t163, t162);
+    const double t165 = arctangent(t136*t162 + t163*(T31*t107 - t138*t106), -(t139*t162 + t163*(T32*t107 - t141*t106)));
+    const double t166 = (0.0 < t165) ? 3.141592653589793 : -3.141592653589793;
+    const double t167 = arctangent(t111*t162 + t57*t163, -(t54*t107 + T33*t106));
+    const double t168 = (t164 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t169 = arctangent(t95, -t92);
+    const double t170 = arctangent(t95*t107 - t92*t106, -(t92*t107 + t95*t106));
+    const double t171 = sqrt(t132 + t126*t126);
+    const double t172 = t128 > 0.0 ? ca4 : t126/t171;
+    const double t173 = t128 > 0.0 ? t154 : t57/t171;
+    const double t174 = arctangent(t173, t172);
+    const double t175 = arctangent(t172*t136 + t173*(t109*T31 - t108*t138), -(t172*t139 + t173*(t109*T32 - t108*t141)));
+    const double t176 = (0.0 < t175) ? 3.141592653589793 : -3.141592653589793;
+    const double t177 = arctangent(t126*t172 + t57*t173, -(t109*t54 + T33*t108));
+    const double t178 = (t174 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t179 = arctangent(t91*t108 - t94*t109, t91*t109 + t94*t108);
+    result[0] = -t142;
+    result[lanes] = t179;
+    result[2 * lanes] = t96;
+    result[3 * lanes] = -t174;
+    result[4 * lanes] = t177;
+    result[5 * lanes] = t175;
+    result[6 * lanes] = -t142;
+    result[7 * lanes] = t179;
+    result[8 * lanes] = t96;
+    result[9 * lanes] = -(t174 + t178);
+    result[10 * lanes] = -t177;
+    result[11 * lanes] = t175 - t176;
+    result[12 * lanes] = -t142;
+    result[13 * lanes] = t170;
+    result[14 * lanes] = -t169;
+    result[15 * lanes] = -t164;
+    result[16 * lanes] = t167;
+    result[17 * lanes] = t165;
+    result[18 * lanes] = -t142;
+    result[19 * lanes] = t170;
+    result[20 * lanes] = -t169;
+    result[21 * lanes] = -(t164 + t168);
+    result[22 * lanes] = -t167;
+    result[23 * lanes] = t165 - t166;
+    result[24 * lanes] = -t150;
+    result[25 * lanes] = t160;
+    result[26 * lanes] = t31;
+    result[27 * lanes] = t155;
+    result[28 * lanes] = t158;
+    result[29 * lanes] = t156;
+    result[30 * lanes] = -t150;
+    result[31 * lanes] = t160;
+    result[32 * lanes] = t31;
+    result[33 * lanes] = t155 - t159;
+    result[34 * lanes] = -t158;
+    result[35 * lanes] = t156 - t157;
+    result[36 * lanes] = -t150;
+    result[37 * lanes] = -t148;
+    result[38 * lanes] = t147;
+    result[39 * lanes] = t140;
+    result[40 * lanes] = t145;
+    result[41 * lanes] = t143;
+    result[42 * lanes] = -t150;
+    result[43 * lanes] = -t148;
+    result[44 * lanes] = t147;
+    result[45 * lanes] = t140 - t146;
+    result[46 * lanes] = -t145;
+    result[47 * lanes] = t143 - t144;
+    result[48 * lanes] = t116 > 0.0 ? t131 : t130;
+    result[49 * lanes] = t117 - t128*t117 > 0.0 ? t130 : t131;
+    result[50 * lanes] = t118 > 0.0 ? t123 : t125;
+    result[51 * lanes] = t118 - t113*t118 > 0.0 ? t123 : t125;
+    result[52 * lanes] = t76 > 0.0 ? t82 : t83;
+    result[53 * lanes] = t76 - t80*t76 > 0.0 ? t82 : t83;
+    result[54 * lanes] = t77 > 0.0 ? t74 : t75;
+    result[55 * lanes] = t77 - t60*t77 > 0.0 ? t74 : t75;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 48 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 8; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 8; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 6; ++j)
+            q[6 * b + j] = code ? values[(6 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 6; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
+{
+    enum { error = 6 };
+    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 6 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 6; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 48;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 8; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 6 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 6; ++j)
+                row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, row) <= (kind < 3 ? 3e-11 : 3e-11);
+            for (size_t other = 0; fine && other < 8; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, result, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int kuka_kr5_inverse_kinematics(const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[6], values[56];
+    const double *const codes = values + 48;
+    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 48; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 8; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 48 * sizeof *q);
+    for (size_t b = 0; b < 8; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 8; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 6; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, values);
+        for (size_t j = 0; j < 48 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 6])
+                values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 8; ++b) {
+        for (size_t j = 0; j < 6 && !kinds[b]; ++j)
+            q[6 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, double *restrict result)
+{
+    double angles[4 * inverse_kinematics_lanes], sines[4 * inverse_kinematics_lanes], cosines[4 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, result + i, inverse_kinematics_lanes);
+}
+
+void kuka_kr5_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[6 * inverse_kinematics_lanes], result_block[56 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(6, near + 6 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 48 * row;
+            int *const codes = status ? status + 8 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                kuka_kr5_inverse_kinematics(T + 16 * row, near ? near + 6 * row : NULL, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-2.9670597283903604, -3.3161255787892263, -2.076941809873252, -3.3161255787892263, -2.0943951023931957, -6.2482787221397}, upper[] = {2.9670597283903604, 0.7853981633974483, 2.879793265790644, 3.3161255787892263, 2.0943951023931957, 6.2482787221397};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 6; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int kuka_kr5_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, double *restrict q)
+{
+    double solutions[48], least = INFINITY;
+    int status[8], found = 0;
+    kuka_kr5_inverse_kinematics(T, near, solutions, status);
+    for (size_t j = 0; j < 6; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 8; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 6 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 6 * b, 6 * sizeof *q);
+        }
+    }
+    return found;
 }

@@ -38,6 +38,11 @@ extern "C" {
 enum {
     kuka_kr5_dof = 6, /**< Number of joints. */
     kuka_kr5_parameter_count = 0, /**< Number of parameters without a number. */
+    kuka_kr5_branches = 8, /**< Branches of inverse kinematics. */
+    kuka_kr5_none = 0, /**< The branch does not exist. */
+    kuka_kr5_exact = 1, /**< A solution. */
+    kuka_kr5_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    kuka_kr5_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -131,6 +136,36 @@ void kuka_kr5_analytic_jacobian_zyz(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void kuka_kr5_analytic_jacobian_zyz_batch(size_t count, const double *q, double *result);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has up to 8 solutions, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[out] q       joint variables, 8 x 6: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 8; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 197 mul, 143 add, 18 div, 4 sin, 4 cos, 8 sqrt, 21 atan2, 106 cases.
+ */
+int kuka_kr5_inverse_kinematics(const double *T, const double *near, double *q, int *status);
+
+/** The same for `count` poses. */
+void kuka_kr5_inverse_kinematics_batch(size_t count, const double *T, const double *near, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int kuka_kr5_inverse_kinematics_nearest(const double *T, const double *near, double *q);
 
 #ifdef __cplusplus
 }

@@ -24,6 +24,10 @@ Every parameter has its number in this file.
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+
 Self-check: `derive verify kuka-kr5` compares every function with an independent recursion.
 """
 
@@ -46,7 +50,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 113, "add": 69, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 89, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 65, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 197, "add": 143, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 106},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -62,13 +72,30 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c5 = cos(q5)
     t1 = q2 + q3
@@ -107,7 +134,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -180,7 +207,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -225,7 +252,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s6 = sin(q6)
@@ -270,7 +297,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -345,7 +372,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -418,7 +445,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -473,6 +500,376 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, -t36, -t36, t4 - t27*t38, -t18*t29, 0.0,
         0.0, t37, t37, t22*t34 - t23*t33, t24*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, -t38, t24*t32 - t15*t31, -1.0,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    t1 = sqrt(T34*T34 + (T24*T24 + (0.292275 + T14*T14)))
+    t2 = 1e-12*t1
+    t3 = T24 - 0.08*T23
+    t4 = absolute(t3)
+    t5 = 1.0 - less(t2, t4)
+    t6 = T14 - 0.08*T13
+    t7 = absolute(t6)
+    t8 = t5 - t5*less(t2, t7)
+    t9 = t6*t6 + t3*t3
+    t10 = sqrt(t9)
+    t11 = cos(near1)
+    t12 = select(t8, -t11, t6/t10)
+    t13 = sin(near1)
+    t14 = select(t8, -t13, t3/t10)
+    t15 = t6*t12 + t3*t14
+    t16 = 1500.0*t15
+    t17 = 0.08*T33 + (0.335 - T34)
+    t18 = 1624.0 - 10000.0*(t9 + t17*t17)
+    t19 = t16 + t18
+    t20 = t16 - t18
+    t21 = 2773845.0 - t19*t19
+    t22 = less(2.773845e-08, t21)
+    t23 = select(t22, sqrt(maximum(0.0, t21)), 0.0)
+    t24 = 0.0005742930841485374*t23
+    t25 = 0.00017520805957074026*t23
+    t26 = 0.00017520805957074026*t19
+    t27 = 0.0005742930841485374*t19
+    t28 = t24 - t26
+    t29 = t24 + t26
+    t30 = 18.0 + 54.0*t28
+    t31 = t27 + t25
+    t32 = t27 - t25
+    t33 = atan2(t31, t28)
+    t34 = 59.0 - 54.0*t31
+    t35 = t30*t30 + t34*t34
+    t36 = 200.0*t17
+    t37 = 200.0*t15
+    t38 = 15.0 - t37
+    t39 = 15.0 + t37
+    t40 = (t36*t30 + t38*t34)/t35
+    t41 = (t30*t38 - t36*t34)/t35
+    t42 = 1.5 - 0.5*(t40*t40 + t41*t41)
+    t43 = 18.0 - 54.0*t29
+    t44 = 59.0 - 54.0*t32
+    t45 = absolute(6372.0*t31 - (6721.0 + 1944.0*t28))
+    t46 = t1*t1
+    t47 = 4e-08*t46
+    t48 = less(t47, t45)
+    t49 = sin(near2)
+    t50 = cos(near3)
+    t51 = cos(near2)
+    t52 = sin(near3)
+    t53 = t49*t50 + t51*t52
+    t54 = select(t48, -t42*((t38*t43 - t36*t44)/t35), t53)
+    t55 = t50*t51 - t49*t52
+    t56 = select(t48, -t42*((t36*t43 + t38*t44)/t35), t55)
+    t57 = select(t48, -t41*t42, t53)
+    t58 = select(t48, -t40*t42, t55)
+    t59 = 1.0 - t48
+    t60 = T23*t14 + T13*t12
+    t61 = t60*t54 + T33*t56
+    t62 = absolute(t61)
+    t63 = T13*t14 - T23*t12
+    t64 = absolute(t63)
+    t65 = 1.0 - less(1e-12, t64)
+    t66 = t65 - t65*less(1e-12, t62)
+    t67 = maximum(t8, t59)
+    t68 = maximum(t66, t67)
+    t69 = 1.0 - less(t21, -2.773845e-05)
+    t70 = select(t69 - t22*t69, 2.0, 1.0)
+    t71 = 1.0 - less(0.001, t64)
+    t72 = 0.001*t1
+    t73 = 1.0 - less(t72, t4)
+    t74 = t73 - t73*less(t72, t7)
+    t75 = 40.0*t46
+    t76 = 1.0 - less(0.002773845, t21)
+    t77 = t76 - t76*less(t21, -0.002773845)
+    t78 = maximum(1.0 - less(t75, t45), maximum(t74, t77))
+    t79 = maximum(t59, maximum(t8, t77))
+    t80 = select(t68, 3.0, t70) + 4.0*maximum(t78, t71 - t71*less(0.001, t62))
+    t81 = select(t68, 8.0, 4.0*maximum(t66, t79))
+    t82 = (1.0 - t8)*t69
+    t83 = t22*t82
+    t84 = t60*t57 + T33*t58
+    t85 = absolute(t84)
+    t86 = t65 - t65*less(1e-12, t85)
+    t87 = maximum(t86, t67)
+    t88 = select(t87, 3.0, t70) + 4.0*maximum(t71 - t71*less(0.001, t85), t78)
+    t89 = select(t87, 8.0, 4.0*maximum(t86, t79))
+    t90 = 2773845.0 - t20*t20
+    t91 = less(2.773845e-08, t90)
+    t92 = select(t91, sqrt(maximum(0.0, t90)), 0.0)
+    t93 = 0.0005742930841485374*t92
+    t94 = 0.00017520805957074026*t92
+    t95 = 0.00017520805957074026*t20
+    t96 = 0.0005742930841485374*t20
+    t97 = t93 + t95
+    t98 = t93 - t95
+    t99 = 18.0 + 54.0*t97
+    t100 = t94 - t96
+    t101 = t94 + t96
+    t102 = atan2(t100, t97)
+    t103 = 59.0 - 54.0*t100
+    t104 = t99*t99 + t103*t103
+    t105 = (t99*t36 + t39*t103)/t104
+    t106 = (t99*t39 - t103*t36)/t104
+    t107 = 1.5 - 0.5*(t105*t105 + t106*t106)
+    t108 = 18.0 - 54.0*t98
+    t109 = 59.0 + 54.0*t101
+    t110 = absolute(6372.0*t100 - (6721.0 + 1944.0*t97))
+    t111 = less(t47, t110)
+    t112 = select(t111, -t107*((t39*t108 - t36*t109)/t104), t53)
+    t113 = select(t111, -t107*((t36*t108 + t39*t109)/t104), t55)
+    t114 = select(t111, -t106*t107, t53)
+    t115 = select(t111, -t105*t107, t55)
+    t116 = 1.0 - t111
+    t117 = t60*t112 - T33*t113
+    t118 = absolute(t117)
+    t119 = t65 - t65*less(1e-12, t118)
+    t120 = maximum(t8, t116)
+    t121 = maximum(t119, t120)
+    t122 = less(t90, -2.773845e-05)
+    t123 = 1.0 - t122
+    t124 = t91*t123
+    t125 = select(t123 - t124, 2.0, 1.0)
+    t126 = 1.0 - less(0.002773845, t90)
+    t127 = t126 - t126*less(t90, -0.002773845)
+    t128 = maximum(1.0 - less(t75, t110), maximum(t127, t74))
+    t129 = select(t121, 3.0, t125) + 4.0*maximum(t128, t71 - t71*less(0.001, t118))
+    t130 = maximum(t116, maximum(t8, t127))
+    t131 = select(t121, 8.0, 4.0*maximum(t119, t130))
+    t132 = t114*t60 - T33*t115
+    t133 = absolute(t132)
+    t134 = t65 - t65*less(1e-12, t133)
+    t135 = maximum(t134, t120)
+    t136 = select(t135, 3.0, t125) + 4.0*maximum(t71 - t71*less(0.001, t133), t128)
+    t137 = select(t135, 8.0, 4.0*maximum(t134, t130))
+    t138 = t63*t63
+    t139 = sqrt(t138 + t61*t61)
+    t140 = cos(near4)
+    t141 = -t140
+    t142 = select(t66, t141, t61/t139)
+    t143 = t14*T11 - t12*T21
+    t144 = sin(near4)
+    t145 = select(t66, t144, t63/t139)
+    t146 = t14*T21 + t12*T11
+    t147 = t14*T12 - t12*T22
+    t148 = atan2(t145, -t142)
+    t149 = t14*T22 + t12*T12
+    t150 = atan2(t14, -t12)
+    t151 = atan2(t143*t142 - t145*(T31*t56 + t146*t54), -(t147*t142 - t145*(T32*t56 + t149*t54)))
+    t152 = select(less(0.0, t151), 3.141592653589793, -3.141592653589793)
+    t153 = atan2(t61*t142 + t63*t145, t60*t56 - T33*t54)
+    t154 = select(less(0.0, t148), 3.141592653589793, -3.141592653589793)
+    t155 = atan2(t32, -t29)
+    t156 = atan2(t32*t56 + t29*t54, t32*t54 - t29*t56)
+    t157 = select(less(t150, 0.0), 3.141592653589793, -3.141592653589793)
+    t158 = t150 + t157
+    t159 = sqrt(t138 + t84*t84)
+    t160 = select(t86, t141, t84/t159)
+    t161 = select(t86, t144, t63/t159)
+    t162 = -t144
+    t163 = atan2(t161, -t160)
+    t164 = atan2(t143*t160 - t161*(T31*t58 + t146*t57), -(t147*t160 - t161*(T32*t58 + t149*t57)))
+    t165 = select(less(0.0, t164), 3.141592653589793, -3.141592653589793)
+    t166 = atan2(t84*t160 + t63*t161, t60*t58 - T33*t57)
+    t167 = select(less(0.0, t163), 3.141592653589793, -3.141592653589793)
+    t168 = atan2(t28*t57 - t31*t58, t28*t58 + t31*t57)
+    t169 = sqrt(t138 + t117*t117)
+    t170 = select(t119, t140, t117/t169)
+    t171 = select(t119, t162, t63/t169)
+    t172 = atan2(t171, t170)
+    t173 = atan2(t143*t170 + t171*(T31*t113 - t146*t112), -(t147*t170 + t171*(T32*t113 - t149*t112)))
+    t174 = select(less(0.0, t173), 3.141592653589793, -3.141592653589793)
+    t175 = atan2(t117*t170 + t63*t171, -(t60*t113 + T33*t112))
+    t176 = select(less(t172, 0.0), 3.141592653589793, -3.141592653589793)
+    t177 = atan2(t101, -t98)
+    t178 = atan2(t101*t113 - t98*t112, -(t98*t113 + t101*t112))
+    t179 = sqrt(t138 + t132*t132)
+    t180 = select(t134, t140, t132/t179)
+    t181 = select(t134, t162, t63/t179)
+    t182 = atan2(t181, t180)
+    t183 = atan2(t180*t143 + t181*(t115*T31 - t114*t146), -(t180*t147 + t181*(t115*T32 - t114*t149)))
+    t184 = select(less(0.0, t183), 3.141592653589793, -3.141592653589793)
+    t185 = atan2(t132*t180 + t63*t181, -(t115*t60 + T33*t114))
+    t186 = select(less(t182, 0.0), 3.141592653589793, -3.141592653589793)
+    t187 = atan2(t97*t114 - t100*t115, t97*t115 + t100*t114)
+    return (
+        -t150, t187, t102, -t182, t185, t183, -t150, t187, t102, -(t182 + t186), -t185, t183 - t184, -t150,
+        t178, -t177, -t172, t175, t173, -t150, t178, -t177, -(t172 + t176), -t175, t173 - t174, -t158, t168,
+        t33, t163, t166, t164, -t158, t168, t33, t163 - t167, -t166, t164 - t165, -t158, -t156, t155, t148,
+        t153, t151, -t158, -t156, t155, t148 - t154, -t153, t151 - t152, select(t122, t137, t136),
+        select(t123 - t134*t123, t136, t137), select(t124, t129, t131), select(t124 - t119*t124, t129, t131),
+        select(t82, t88, t89), select(t82 - t86*t82, t88, t89), select(t83, t80, t81),
+        select(t83 - t66*t83, t80, t81),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*s5
+    t2 = q2 + q3
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c5 = cos(q5)
+    t5 = t3*t1 - c5*t4
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t6 = s4*s5
+    s1 = sin(q1)
+    t7 = s1*t6 - c1*t5
+    t8 = c1*t6 + s1*t5
+    t9 = 0.09*t3 + 0.295*t4
+    s2 = sin(q2)
+    t10 = 0.27*s2
+    t11 = 0.075 + t10
+    t12 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.292275)))
+    t13 = select(less(0.0, t12), t12, 1.0)
+    t14 = (c1*t11 + (c1*t9 + 0.08*t7) - T14)/t13
+    t15 = (s1*t11 + (s1*t9 - 0.08*t8) - T24)/t13
+    t16 = c5*t3
+    t17 = t16 + t4*t1
+    c2 = cos(q2)
+    t18 = 0.27*c2
+    t19 = 0.335 + (t18 + (0.09*t4 - 0.295*t3 - 0.08*t17)) - T34
+    t20 = t19/t13
+    t21 = 1.0/t13
+    s6 = sin(q6)
+    t22 = c5*s6
+    t23 = s5*s6
+    c6 = cos(q6)
+    t24 = c4*t22 + s4*c6
+    t25 = s4*t22 - c4*c6
+    t26 = t3*t23 - t4*t24
+    t27 = t3*t24 + t4*t23
+    t28 = c1*t25 + s1*t27
+    t29 = s1*t25 - c1*t27
+    t30 = t26*t8 + t28*t17
+    t31 = t30 + T11
+    t32 = t26*t7 + t29*t17
+    t33 = t32 + T21
+    t34 = t29*t8 - t28*t7
+    t35 = t34 - T31
+    t36 = t14*t14 + t15*t15 + t20*t20 + t31*t31 + t33*t33 + t35*t35
+    t37 = t29 + T12
+    t38 = t28 - T22
+    t39 = t26 + T32
+    t40 = t7 - T13
+    t41 = t8 + T23
+    t42 = t36 + t37*t37 + t38*t38 + t39*t39 + t40*t40 + t41*t41
+    t43 = t17 + T33
+    t44 = sqrt(t42 + t43*t43) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t45 = t44 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t46 = t45 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t47 = maximum(0.0, t46 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    t48 = 0.08*s5
+    t49 = 0.09 - c4*t48
+    t50 = 0.08*c5
+    t51 = 0.295 + t50
+    t52 = t3*t49 + t4*t51
+    t53 = t10 + t52
+    t54 = t4*t49 - t3*t51
+    t55 = t18 + t54
+    t56 = t52*t21
+    t57 = 0.075 + t53
+    t58 = t53*t21
+    t59 = s4*t48
+    t60 = (s1*t57 - c1*t59)*t21
+    t61 = (c1*t57 + s1*t59)*t21
+    t62 = c1*t55*t21
+    t63 = s1*t55*t21
+    t64 = t60*t62 - t61*t63
+    t65 = damping1 + (2.0 + (t60*t60 + t61*t61))
+    t66 = c4*t4
+    t67 = t16 + s5*t66
+    t68 = 2.0*t67
+    t69 = t68/t65
+    t70 = c1*t3
+    t71 = s1*s4 - c4*t70
+    t72 = c1*t4
+    t73 = c5*t72 + s5*t71
+    t74 = s1*t3
+    t75 = c1*s4 + c4*t74
+    t76 = s4*t4
+    t77 = s1*t4
+    t78 = c5*t77 - s5*t75
+    t79 = 2.0*(s1*t73 - c1*t78)
+    t80 = t79 + t64*t69
+    t81 = t64/t65
+    t82 = 2.0*(s1*s1 + c1*c1)
+    t83 = damping1 + (t62*t62 + t63*t63 + t58*t58 + t82) - t64*t81
+    t84 = t80/t83
+    t85 = c1*t54*t21
+    t86 = s1*t54*t21
+    t87 = t60*t85 - t61*t86
+    t88 = t87/t65
+    t89 = t82 + (t62*t85 + t63*t86 + t58*t56) - t64*t88
+    t90 = t79 + t87*t69 - t89*t84
+    t91 = t89/t83
+    t92 = damping1 + (t82 + (t85*t85 + t86*t86 + t56*t56)) - t87*t88
+    t93 = t92 - t89*t91
+    t94 = t90/t93
+    t95 = s1*c4 + s4*t70
+    t96 = c1*c4 - s4*t74
+    t97 = t48*t95*t21
+    t98 = t48*t96*t21
+    t99 = t60*t97 + t61*t98 - 2.0*t3
+    t100 = t99/t65
+    t101 = t48*t76*t21
+    t102 = 2.0*(s1*t72 - c1*t77)
+    t103 = t62*t97 - t63*t98 - t58*t101 + t102 - t64*t100
+    t104 = t103/t83
+    t105 = t102 + (t85*t97 - t86*t98 - t56*t101) - t87*t100 - t89*t104
+    t106 = 2.0*(t72*t73 + t77*t78 + t3*t67) + t99*t69 - t103*t84
+    t107 = t106 - t105*t94
+    t108 = t105/t93
+    t109 = t97*t97 + t98*t98 + t101*t101 + 2.0*(t72*t72 + t77*t77 + t3*t3)
+    t110 = damping1 + t109 - t99*t100 - t103*t104 - t105*t108
+    t111 = t107/t110
+    t112 = (t50*t71 - t48*t72)*t21
+    t113 = (t50*t75 + t48*t77)*t21
+    t114 = (t50*t66 - t3*t48)*t21
+    t115 = t60*t112 + t61*t113 + 2.0*t76
+    t116 = t115/t65
+    t117 = 2.0*(s1*t95 + c1*t96)
+    t118 = t62*t112 - t63*t113 + t58*t114 + t117 - t64*t116
+    t119 = t118/t83
+    t120 = t117 + (t85*t112 - t86*t113 + t56*t114) - t87*t116 - t89*t119
+    t121 = t120/t93
+    t122 = t97*t112 + t98*t113 - t101*t114 + 2.0*(t72*t95 - t77*t96 - t3*t76)
+    t123 = t122 - t99*t116 - t103*t119 - t105*t121
+    t124 = 2.0*(t95*t73 - t96*t78 - t76*t67) + t115*t69 - t118*t84
+    t125 = t124 - t120*t94 - t123*t111
+    t126 = t123/t110
+    t127 = t112*t112 + t113*t113 + t114*t114 + 2.0*(t95*t95 + t96*t96 + t76*t76)
+    t128 = damping1 + t127 - t115*t116 - t118*t119 - t120*t121 - t123*t126
+    t129 = t125/t128
+    t130 = t17*T23 - t8*T33 - (t34*T21 + t32*T31 - (t26*T22 + t28*T32))
+    t131 = t7*T33 + t17*T13 - (t30*T31 + t34*T11 + (t29*T32 - t26*T12))
+    t132 = s1*t130 + c1*t131
+    t133 = t8*T13 + t7*T23 + (t32*T11 - t30*T21 - (t28*T12 + t29*T22))
+    t134 = t133 + t14*t60 - t15*t61
+    t135 = t72*t130 - t77*t131 - t3*t133 + t14*t97 - t15*t98 + t20*t101
+    t136 = t95*t130 + t96*t131 + t76*t133 + t14*t112 - t15*t113 - t20*t114
+    t137 = damping1 + 2.0*(t73*t73 + t78*t78 + t67*t67) - t68*t69
+    t138 = t132 + t14*t62 + t15*t63 - t20*t58 - t134*t81
+    t139 = t132 + t14*t85 + t15*t86 - t20*t56 - t134*t88 - t91*t138
+    t140 = t135 - t134*t100 - t104*t138 - t108*t139
+    t141 = t136 - t134*t116 - t119*t138 - t121*t139 - t126*t140
+    t142 = t73*t130 - t78*t131 - t67*t133 + t134*t69 - t84*t138 - t94*t139
+    t143 = (t142 - t111*t140 - t129*t141)/(t137 - t80*t84 - t90*t94 - t107*t111 - t125*t129)
+    t144 = t141/t128 - t129*t143
+    t145 = t140/t110 - t126*t144 - t111*t143
+    t146 = t139/t93 - t108*t145 - t121*t144 - t94*t143
+    t147 = t138/t83 - t91*t146 - t104*t145 - t119*t144 - t84*t143
+    t148 = t134/t65 - t81*t147 - t88*t146 - t100*t145 - t116*t144
+    return (
+        q1 + (t148 + t69*t143), q2 - t147, q3 - t146, q4 - t145, q5 - t144, q6 - t143, t47,
     )
 
 
@@ -544,3 +941,40 @@ analytic_jacobian_zyz = _function(
     shape=(6, 6),
     kernel=_analytic_jacobian_zyz,
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    constants = ()
+    step_constants = ()
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 8], values[DOF * 8 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -44,7 +44,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 113, "add": 69, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 89, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 65, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 197, "add": 143, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 106},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -60,6 +66,13 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
 ]
 
 
@@ -183,11 +196,59 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Nothing, since all joints are solved for.
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 8): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 6); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 8, 6):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 197 mul, 143 add, 18 div, 4 sin, 4 cos, 8 sqrt, 21 atan2, 106 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 6), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c5 = cos(q5)
     t1 = q2 + q3
@@ -226,7 +287,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -299,7 +360,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -344,7 +405,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s6 = sin(q6)
@@ -389,7 +450,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -464,7 +525,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -537,7 +598,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -592,6 +653,376 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, -t36, -t36, t4 - t27*t38, -t18*t29, 0.0,
         0.0, t37, t37, t22*t34 - t23*t33, t24*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, -t38, t24*t32 - t15*t31, -1.0,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    t1 = sqrt(T34*T34 + (T24*T24 + (0.292275 + T14*T14)))
+    t2 = 1e-12*t1
+    t3 = T24 - 0.08*T23
+    t4 = absolute(t3)
+    t5 = 1.0 - less(t2, t4)
+    t6 = T14 - 0.08*T13
+    t7 = absolute(t6)
+    t8 = t5 - t5*less(t2, t7)
+    t9 = t6*t6 + t3*t3
+    t10 = sqrt(t9)
+    t11 = cos(near1)
+    t12 = select(t8, -t11, t6/t10)
+    t13 = sin(near1)
+    t14 = select(t8, -t13, t3/t10)
+    t15 = t6*t12 + t3*t14
+    t16 = 1500.0*t15
+    t17 = 0.08*T33 + (0.335 - T34)
+    t18 = 1624.0 - 10000.0*(t9 + t17*t17)
+    t19 = t16 + t18
+    t20 = t16 - t18
+    t21 = 2773845.0 - t19*t19
+    t22 = less(2.773845e-08, t21)
+    t23 = select(t22, sqrt(maximum(0.0, t21)), 0.0)
+    t24 = 0.0005742930841485374*t23
+    t25 = 0.00017520805957074026*t23
+    t26 = 0.00017520805957074026*t19
+    t27 = 0.0005742930841485374*t19
+    t28 = t24 - t26
+    t29 = t24 + t26
+    t30 = 18.0 + 54.0*t28
+    t31 = t27 + t25
+    t32 = t27 - t25
+    t33 = atan2(t31, t28)
+    t34 = 59.0 - 54.0*t31
+    t35 = t30*t30 + t34*t34
+    t36 = 200.0*t17
+    t37 = 200.0*t15
+    t38 = 15.0 - t37
+    t39 = 15.0 + t37
+    t40 = (t36*t30 + t38*t34)/t35
+    t41 = (t30*t38 - t36*t34)/t35
+    t42 = 1.5 - 0.5*(t40*t40 + t41*t41)
+    t43 = 18.0 - 54.0*t29
+    t44 = 59.0 - 54.0*t32
+    t45 = absolute(6372.0*t31 - (6721.0 + 1944.0*t28))
+    t46 = t1*t1
+    t47 = 4e-08*t46
+    t48 = less(t47, t45)
+    t49 = sin(near2)
+    t50 = cos(near3)
+    t51 = cos(near2)
+    t52 = sin(near3)
+    t53 = t49*t50 + t51*t52
+    t54 = select(t48, -t42*((t38*t43 - t36*t44)/t35), t53)
+    t55 = t50*t51 - t49*t52
+    t56 = select(t48, -t42*((t36*t43 + t38*t44)/t35), t55)
+    t57 = select(t48, -t41*t42, t53)
+    t58 = select(t48, -t40*t42, t55)
+    t59 = 1.0 - t48
+    t60 = T23*t14 + T13*t12
+    t61 = t60*t54 + T33*t56
+    t62 = absolute(t61)
+    t63 = T13*t14 - T23*t12
+    t64 = absolute(t63)
+    t65 = 1.0 - less(1e-12, t64)
+    t66 = t65 - t65*less(1e-12, t62)
+    t67 = maximum(t8, t59)
+    t68 = maximum(t66, t67)
+    t69 = 1.0 - less(t21, -2.773845e-05)
+    t70 = select(t69 - t22*t69, 2.0, 1.0)
+    t71 = 1.0 - less(0.001, t64)
+    t72 = 0.001*t1
+    t73 = 1.0 - less(t72, t4)
+    t74 = t73 - t73*less(t72, t7)
+    t75 = 40.0*t46
+    t76 = 1.0 - less(0.002773845, t21)
+    t77 = t76 - t76*less(t21, -0.002773845)
+    t78 = maximum(1.0 - less(t75, t45), maximum(t74, t77))
+    t79 = maximum(t59, maximum(t8, t77))
+    t80 = select(t68, 3.0, t70) + 4.0*maximum(t78, t71 - t71*less(0.001, t62))
+    t81 = select(t68, 8.0, 4.0*maximum(t66, t79))
+    t82 = (1.0 - t8)*t69
+    t83 = t22*t82
+    t84 = t60*t57 + T33*t58
+    t85 = absolute(t84)
+    t86 = t65 - t65*less(1e-12, t85)
+    t87 = maximum(t86, t67)
+    t88 = select(t87, 3.0, t70) + 4.0*maximum(t71 - t71*less(0.001, t85), t78)
+    t89 = select(t87, 8.0, 4.0*maximum(t86, t79))
+    t90 = 2773845.0 - t20*t20
+    t91 = less(2.773845e-08, t90)
+    t92 = select(t91, sqrt(maximum(0.0, t90)), 0.0)
+    t93 = 0.0005742930841485374*t92
+    t94 = 0.00017520805957074026*t92
+    t95 = 0.00017520805957074026*t20
+    t96 = 0.0005742930841485374*t20
+    t97 = t93 + t95
+    t98 = t93 - t95
+    t99 = 18.0 + 54.0*t97
+    t100 = t94 - t96
+    t101 = t94 + t96
+    t102 = atan2(t100, t97)
+    t103 = 59.0 - 54.0*t100
+    t104 = t99*t99 + t103*t103
+    t105 = (t99*t36 + t39*t103)/t104
+    t106 = (t99*t39 - t103*t36)/t104
+    t107 = 1.5 - 0.5*(t105*t105 + t106*t106)
+    t108 = 18.0 - 54.0*t98
+    t109 = 59.0 + 54.0*t101
+    t110 = absolute(6372.0*t100 - (6721.0 + 1944.0*t97))
+    t111 = less(t47, t110)
+    t112 = select(t111, -t107*((t39*t108 - t36*t109)/t104), t53)
+    t113 = select(t111, -t107*((t36*t108 + t39*t109)/t104), t55)
+    t114 = select(t111, -t106*t107, t53)
+    t115 = select(t111, -t105*t107, t55)
+    t116 = 1.0 - t111
+    t117 = t60*t112 - T33*t113
+    t118 = absolute(t117)
+    t119 = t65 - t65*less(1e-12, t118)
+    t120 = maximum(t8, t116)
+    t121 = maximum(t119, t120)
+    t122 = less(t90, -2.773845e-05)
+    t123 = 1.0 - t122
+    t124 = t91*t123
+    t125 = select(t123 - t124, 2.0, 1.0)
+    t126 = 1.0 - less(0.002773845, t90)
+    t127 = t126 - t126*less(t90, -0.002773845)
+    t128 = maximum(1.0 - less(t75, t110), maximum(t127, t74))
+    t129 = select(t121, 3.0, t125) + 4.0*maximum(t128, t71 - t71*less(0.001, t118))
+    t130 = maximum(t116, maximum(t8, t127))
+    t131 = select(t121, 8.0, 4.0*maximum(t119, t130))
+    t132 = t114*t60 - T33*t115
+    t133 = absolute(t132)
+    t134 = t65 - t65*less(1e-12, t133)
+    t135 = maximum(t134, t120)
+    t136 = select(t135, 3.0, t125) + 4.0*maximum(t71 - t71*less(0.001, t133), t128)
+    t137 = select(t135, 8.0, 4.0*maximum(t134, t130))
+    t138 = t63*t63
+    t139 = sqrt(t138 + t61*t61)
+    t140 = cos(near4)
+    t141 = -t140
+    t142 = select(t66, t141, t61/t139)
+    t143 = t14*T11 - t12*T21
+    t144 = sin(near4)
+    t145 = select(t66, t144, t63/t139)
+    t146 = t14*T21 + t12*T11
+    t147 = t14*T12 - t12*T22
+    t148 = atan2(t145, -t142)
+    t149 = t14*T22 + t12*T12
+    t150 = atan2(t14, -t12)
+    t151 = atan2(t143*t142 - t145*(T31*t56 + t146*t54), -(t147*t142 - t145*(T32*t56 + t149*t54)))
+    t152 = select(less(0.0, t151), 3.141592653589793, -3.141592653589793)
+    t153 = atan2(t61*t142 + t63*t145, t60*t56 - T33*t54)
+    t154 = select(less(0.0, t148), 3.141592653589793, -3.141592653589793)
+    t155 = atan2(t32, -t29)
+    t156 = atan2(t32*t56 + t29*t54, t32*t54 - t29*t56)
+    t157 = select(less(t150, 0.0), 3.141592653589793, -3.141592653589793)
+    t158 = t150 + t157
+    t159 = sqrt(t138 + t84*t84)
+    t160 = select(t86, t141, t84/t159)
+    t161 = select(t86, t144, t63/t159)
+    t162 = -t144
+    t163 = atan2(t161, -t160)
+    t164 = atan2(t143*t160 - t161*(T31*t58 + t146*t57), -(t147*t160 - t161*(T32*t58 + t149*t57)))
+    t165 = select(less(0.0, t164), 3.141592653589793, -3.141592653589793)
+    t166 = atan2(t84*t160 + t63*t161, t60*t58 - T33*t57)
+    t167 = select(less(0.0, t163), 3.141592653589793, -3.141592653589793)
+    t168 = atan2(t28*t57 - t31*t58, t28*t58 + t31*t57)
+    t169 = sqrt(t138 + t117*t117)
+    t170 = select(t119, t140, t117/t169)
+    t171 = select(t119, t162, t63/t169)
+    t172 = atan2(t171, t170)
+    t173 = atan2(t143*t170 + t171*(T31*t113 - t146*t112), -(t147*t170 + t171*(T32*t113 - t149*t112)))
+    t174 = select(less(0.0, t173), 3.141592653589793, -3.141592653589793)
+    t175 = atan2(t117*t170 + t63*t171, -(t60*t113 + T33*t112))
+    t176 = select(less(t172, 0.0), 3.141592653589793, -3.141592653589793)
+    t177 = atan2(t101, -t98)
+    t178 = atan2(t101*t113 - t98*t112, -(t98*t113 + t101*t112))
+    t179 = sqrt(t138 + t132*t132)
+    t180 = select(t134, t140, t132/t179)
+    t181 = select(t134, t162, t63/t179)
+    t182 = atan2(t181, t180)
+    t183 = atan2(t180*t143 + t181*(t115*T31 - t114*t146), -(t180*t147 + t181*(t115*T32 - t114*t149)))
+    t184 = select(less(0.0, t183), 3.141592653589793, -3.141592653589793)
+    t185 = atan2(t132*t180 + t63*t181, -(t115*t60 + T33*t114))
+    t186 = select(less(t182, 0.0), 3.141592653589793, -3.141592653589793)
+    t187 = atan2(t97*t114 - t100*t115, t97*t115 + t100*t114)
+    return (
+        -t150, t187, t102, -t182, t185, t183, -t150, t187, t102, -(t182 + t186), -t185, t183 - t184, -t150,
+        t178, -t177, -t172, t175, t173, -t150, t178, -t177, -(t172 + t176), -t175, t173 - t174, -t158, t168,
+        t33, t163, t166, t164, -t158, t168, t33, t163 - t167, -t166, t164 - t165, -t158, -t156, t155, t148,
+        t153, t151, -t158, -t156, t155, t148 - t154, -t153, t151 - t152, select(t122, t137, t136),
+        select(t123 - t134*t123, t136, t137), select(t124, t129, t131), select(t124 - t119*t124, t129, t131),
+        select(t82, t88, t89), select(t82 - t86*t82, t88, t89), select(t83, t80, t81),
+        select(t83 - t66*t83, t80, t81),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*s5
+    t2 = q2 + q3
+    t3 = sin(t2)
+    t4 = cos(t2)
+    c5 = cos(q5)
+    t5 = t3*t1 - c5*t4
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t6 = s4*s5
+    s1 = sin(q1)
+    t7 = s1*t6 - c1*t5
+    t8 = c1*t6 + s1*t5
+    t9 = 0.09*t3 + 0.295*t4
+    s2 = sin(q2)
+    t10 = 0.27*s2
+    t11 = 0.075 + t10
+    t12 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.292275)))
+    t13 = select(less(0.0, t12), t12, 1.0)
+    t14 = (c1*t11 + (c1*t9 + 0.08*t7) - T14)/t13
+    t15 = (s1*t11 + (s1*t9 - 0.08*t8) - T24)/t13
+    t16 = c5*t3
+    t17 = t16 + t4*t1
+    c2 = cos(q2)
+    t18 = 0.27*c2
+    t19 = 0.335 + (t18 + (0.09*t4 - 0.295*t3 - 0.08*t17)) - T34
+    t20 = t19/t13
+    t21 = 1.0/t13
+    s6 = sin(q6)
+    t22 = c5*s6
+    t23 = s5*s6
+    c6 = cos(q6)
+    t24 = c4*t22 + s4*c6
+    t25 = s4*t22 - c4*c6
+    t26 = t3*t23 - t4*t24
+    t27 = t3*t24 + t4*t23
+    t28 = c1*t25 + s1*t27
+    t29 = s1*t25 - c1*t27
+    t30 = t26*t8 + t28*t17
+    t31 = t30 + T11
+    t32 = t26*t7 + t29*t17
+    t33 = t32 + T21
+    t34 = t29*t8 - t28*t7
+    t35 = t34 - T31
+    t36 = t14*t14 + t15*t15 + t20*t20 + t31*t31 + t33*t33 + t35*t35
+    t37 = t29 + T12
+    t38 = t28 - T22
+    t39 = t26 + T32
+    t40 = t7 - T13
+    t41 = t8 + T23
+    t42 = t36 + t37*t37 + t38*t38 + t39*t39 + t40*t40 + t41*t41
+    t43 = t17 + T33
+    t44 = sqrt(t42 + t43*t43) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t45 = t44 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t46 = t45 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t47 = maximum(0.0, t46 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    t48 = 0.08*s5
+    t49 = 0.09 - c4*t48
+    t50 = 0.08*c5
+    t51 = 0.295 + t50
+    t52 = t3*t49 + t4*t51
+    t53 = t10 + t52
+    t54 = t4*t49 - t3*t51
+    t55 = t18 + t54
+    t56 = t52*t21
+    t57 = 0.075 + t53
+    t58 = t53*t21
+    t59 = s4*t48
+    t60 = (s1*t57 - c1*t59)*t21
+    t61 = (c1*t57 + s1*t59)*t21
+    t62 = c1*t55*t21
+    t63 = s1*t55*t21
+    t64 = t60*t62 - t61*t63
+    t65 = damping1 + (2.0 + (t60*t60 + t61*t61))
+    t66 = c4*t4
+    t67 = t16 + s5*t66
+    t68 = 2.0*t67
+    t69 = t68/t65
+    t70 = c1*t3
+    t71 = s1*s4 - c4*t70
+    t72 = c1*t4
+    t73 = c5*t72 + s5*t71
+    t74 = s1*t3
+    t75 = c1*s4 + c4*t74
+    t76 = s4*t4
+    t77 = s1*t4
+    t78 = c5*t77 - s5*t75
+    t79 = 2.0*(s1*t73 - c1*t78)
+    t80 = t79 + t64*t69
+    t81 = t64/t65
+    t82 = 2.0*(s1*s1 + c1*c1)
+    t83 = damping1 + (t62*t62 + t63*t63 + t58*t58 + t82) - t64*t81
+    t84 = t80/t83
+    t85 = c1*t54*t21
+    t86 = s1*t54*t21
+    t87 = t60*t85 - t61*t86
+    t88 = t87/t65
+    t89 = t82 + (t62*t85 + t63*t86 + t58*t56) - t64*t88
+    t90 = t79 + t87*t69 - t89*t84
+    t91 = t89/t83
+    t92 = damping1 + (t82 + (t85*t85 + t86*t86 + t56*t56)) - t87*t88
+    t93 = t92 - t89*t91
+    t94 = t90/t93
+    t95 = s1*c4 + s4*t70
+    t96 = c1*c4 - s4*t74
+    t97 = t48*t95*t21
+    t98 = t48*t96*t21
+    t99 = t60*t97 + t61*t98 - 2.0*t3
+    t100 = t99/t65
+    t101 = t48*t76*t21
+    t102 = 2.0*(s1*t72 - c1*t77)
+    t103 = t62*t97 - t63*t98 - t58*t101 + t102 - t64*t100
+    t104 = t103/t83
+    t105 = t102 + (t85*t97 - t86*t98 - t56*t101) - t87*t100 - t89*t104
+    t106 = 2.0*(t72*t73 + t77*t78 + t3*t67) + t99*t69 - t103*t84
+    t107 = t106 - t105*t94
+    t108 = t105/t93
+    t109 = t97*t97 + t98*t98 + t101*t101 + 2.0*(t72*t72 + t77*t77 + t3*t3)
+    t110 = damping1 + t109 - t99*t100 - t103*t104 - t105*t108
+    t111 = t107/t110
+    t112 = (t50*t71 - t48*t72)*t21
+    t113 = (t50*t75 + t48*t77)*t21
+    t114 = (t50*t66 - t3*t48)*t21
+    t115 = t60*t112 + t61*t113 + 2.0*t76
+    t116 = t115/t65
+    t117 = 2.0*(s1*t95 + c1*t96)
+    t118 = t62*t112 - t63*t113 + t58*t114 + t117 - t64*t116
+    t119 = t118/t83
+    t120 = t117 + (t85*t112 - t86*t113 + t56*t114) - t87*t116 - t89*t119
+    t121 = t120/t93
+    t122 = t97*t112 + t98*t113 - t101*t114 + 2.0*(t72*t95 - t77*t96 - t3*t76)
+    t123 = t122 - t99*t116 - t103*t119 - t105*t121
+    t124 = 2.0*(t95*t73 - t96*t78 - t76*t67) + t115*t69 - t118*t84
+    t125 = t124 - t120*t94 - t123*t111
+    t126 = t123/t110
+    t127 = t112*t112 + t113*t113 + t114*t114 + 2.0*(t95*t95 + t96*t96 + t76*t76)
+    t128 = damping1 + t127 - t115*t116 - t118*t119 - t120*t121 - t123*t126
+    t129 = t125/t128
+    t130 = t17*T23 - t8*T33 - (t34*T21 + t32*T31 - (t26*T22 + t28*T32))
+    t131 = t7*T33 + t17*T13 - (t30*T31 + t34*T11 + (t29*T32 - t26*T12))
+    t132 = s1*t130 + c1*t131
+    t133 = t8*T13 + t7*T23 + (t32*T11 - t30*T21 - (t28*T12 + t29*T22))
+    t134 = t133 + t14*t60 - t15*t61
+    t135 = t72*t130 - t77*t131 - t3*t133 + t14*t97 - t15*t98 + t20*t101
+    t136 = t95*t130 + t96*t131 + t76*t133 + t14*t112 - t15*t113 - t20*t114
+    t137 = damping1 + 2.0*(t73*t73 + t78*t78 + t67*t67) - t68*t69
+    t138 = t132 + t14*t62 + t15*t63 - t20*t58 - t134*t81
+    t139 = t132 + t14*t85 + t15*t86 - t20*t56 - t134*t88 - t91*t138
+    t140 = t135 - t134*t100 - t104*t138 - t108*t139
+    t141 = t136 - t134*t116 - t119*t138 - t121*t139 - t126*t140
+    t142 = t73*t130 - t78*t131 - t67*t133 + t134*t69 - t84*t138 - t94*t139
+    t143 = (t142 - t111*t140 - t129*t141)/(t137 - t80*t84 - t90*t94 - t107*t111 - t125*t129)
+    t144 = t141/t128 - t129*t143
+    t145 = t140/t110 - t126*t144 - t111*t143
+    t146 = t139/t93 - t108*t145 - t121*t144 - t94*t143
+    t147 = t138/t83 - t91*t146 - t104*t145 - t119*t144 - t84*t143
+    t148 = t134/t65 - t81*t147 - t88*t146 - t100*t145 - t116*t144
+    return (
+        q1 + (t148 + t69*t143), q2 - t147, q3 - t146, q4 - t145, q5 - t144, q6 - t143, t47,
     )
 
 
@@ -751,6 +1182,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -771,6 +1203,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -953,7 +1403,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -1127,8 +1614,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 3e-11
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -1177,3 +2094,14 @@ _FUNCTIONS = {
         kernel=_analytic_jacobian_zyz,
     ),
 }
+
+_GIVEN_JOINTS = ()
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=8,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+    ),
+)

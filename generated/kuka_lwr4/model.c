@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1228,4 +1258,849 @@ void kuka_lwr4_analytic_jacobian_zyz_batch(size_t count, const double *restrict 
         analytic_jacobian_zyz_block(q_block, result_block);
         store(42, result_block, analytic_jacobian_zyz_lanes, result + 42 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+    angles[5 * lanes] = q6;
+    angles[6 * lanes] = q7;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double s6 = sines[5 * lanes];
+    const double s7 = sines[6 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double c6 = cosines[5 * lanes];
+    const double c7 = cosines[6 * lanes];
+    const double t1 = c5*s6;
+    const double t2 = c4*t1 - s4*c6;
+    const double t3 = s5*s6;
+    const double t4 = s3*t2 + c3*t3;
+    const double t5 = c3*t2 - s3*t3;
+    const double t6 = s4*t1 + c4*c6;
+    const double t7 = c2*t5 + s2*t6;
+    const double t8 = c2*t6 - s2*t5;
+    const double t9 = c1*t4 + s1*t7;
+    const double t10 = s1*t4 - c1*t7;
+    const double t11 = c6*s7;
+    const double t12 = s6*s7;
+    const double t13 = c5*t11 + s5*c7;
+    const double t14 = s5*t11 - c5*c7;
+    const double t15 = s4*t13 - c4*t12;
+    const double t16 = c4*t13 + s4*t12;
+    const double t17 = c3*t16 - s3*t14;
+    const double t18 = s3*t16 + c3*t14;
+    const double t19 = c2*t15 - s2*t17;
+    const double t20 = c2*t17 + s2*t15;
+    const double t21 = s1*t18 - c1*t20;
+    const double t22 = c1*t18 + s1*t20;
+    const double t23 = t19*t10 - t21*t8;
+    const double t24 = t19*t9 - t22*t8;
+    const double t25 = t9*T13 + t10*T23 - (t23*T11 - t24*T21 - (t22*T12 + t21*T22));
+    const double t26 = 0.078*s6;
+    const double t27 = c5*t26;
+    const double t28 = 0.39 + 0.078*c6;
+    const double t29 = c4*t27 - s4*t28;
+    const double t30 = s5*t26;
+    const double t31 = c3*t29 - s3*t30;
+    const double t32 = s3*t29 + c3*t30;
+    const double t33 = 0.4 + (s4*t27 + c4*t28);
+    const double t34 = c2*t31 + s2*t33;
+    const double t35 = 0.1521 + (0.006084 + (T14*T14 + (T24*T24 + T34*T34)));
+    const double t36 = sqrt(0.09641025 + (0.16 + t35));
+    const double t37 = (0.0 < t36) ? t36 : 1.0;
+    const double t38 = (c1*t34 - s1*t32 + T14)/t37;
+    const double t39 = (s1*t34 + c1*t32 + T24)/t37;
+    const double t40 = s1*s2;
+    const double t41 = s1*c2;
+    const double t42 = c3*t41 + c1*s3;
+    const double t43 = c4*t40 - s4*t42;
+    const double t44 = c4*t42 + s4*t40;
+    const double t45 = c1*c3 - s3*t41;
+    const double t46 = c6*t43 + (t44*t1 + t45*t3);
+    const double t47 = 0.078*t46;
+    const double t48 = 0.39*t43 + t47;
+    const double t49 = 0.4*t40 + t48;
+    const double t50 = 1.0/t37;
+    const double t51 = t49*t50;
+    const double t52 = c1*s2;
+    const double t53 = c1*c2;
+    const double t54 = c3*t53 - s1*s3;
+    const double t55 = s2*s3;
+    const double t56 = s2*c3;
+    const double t57 = s1*c3 + s3*t53;
+    const double t58 = c4*t52 - s4*t54;
+    const double t59 = c4*t54 + s4*t52;
+    const double t60 = c6*t58 + (t59*t1 - t57*t3);
+    const double t61 = 0.078*t60;
+    const double t62 = 0.39*t58 + t61;
+    const double t63 = 0.4*t52 + t62;
+    const double t64 = t63*t50;
+    const double t65 = (s1*t49 + c1*t63)*t50;
+    const double t66 = t25 + t38*t51 - t39*t64;
+    const double t67 = damping1 + (2.0 + (t51*t51 + t64*t64));
+    const double t68 = c2*c4 + s4*t56;
+    const double t69 = c4*t56 - c2*s4;
+    const double t70 = c6*t68 - (t69*t1 - t55*t3);
+    const double t71 = 0.078*t70;
+    const double t72 = 0.39*t68 + t71;
+    const double t73 = 0.4*c2 + t72;
+    const double t74 = c1*t73*t50;
+    const double t75 = s1*t73*t50;
+    const double t76 = t51*t74 - t64*t75;
+    const double t77 = t76/t67;
+    const double t78 = t9 + T23;
+    const double t79 = t21*t9 - t22*t10;
+    const double t80 = t23 - T21;
+    const double t81 = t8*T23 + t9*T33 - (t79*T21 + t23*T31 - (t19*T22 + t22*T32));
+    const double t82 = t22 + T22;
+    const double t83 = t10 - T13;
+    const double t84 = t8 - T33;
+    const double t85 = t24 - T11;
+    const double t86 = t79 + T31;
+    const double t87 = t21 - T12;
+    const double t88 = t10*T33 - t8*T13 + (t24*T31 + t79*T11 + (t21*T32 - t19*T12));
+    const double t89 = t19 - T32;
+    const double t90 = (0.3105 - (s2*t31 - c2*t33) - T34)/t37;
+    const double t91 = s1*t81 - c1*t88 + t38*t74 + t39*t75 - t90*t65 - t66*t77;
+    const double t92 = damping1 + (t74*t74 + t75*t75 + t65*t65 + 2.0*(s1*s1 + c1*c1));
+    const double t93 = t92 - t76*t77;
+    const double t94 = (t45*t72 - t55*t48)*t50;
+    const double t95 = (t55*t62 + t57*t72)*t50;
+    const double t96 = (t57*t48 + t45*t62)*t50;
+    const double t97 = t51*t94 - t64*t95 - 2.0*t55;
+    const double t98 = t97/t67;
+    const double t99 = t74*t94 + t75*t95 + t65*t96 + 2.0*(s1*t57 + c1*t45) - t76*t98;
+    const double t100 = t99/t93;
+    const double t101 = t57*t81 - t45*t88 - t55*t25 + t38*t94 + t39*t95 - t90*t96;
+    const double t102 = t101 - t66*t98 - t100*t91;
+    const double t103 = t94*t94 + t95*t95 + t96*t96 + 2.0*(t57*t57 + t45*t45 + t55*t55);
+    const double t104 = damping1 + t103 - t97*t98 - t99*t100;
+    const double t105 = c5*t57 + s5*t59;
+    const double t106 = t105*t26*t50;
+    const double t107 = c5*t45 - s5*t44;
+    const double t108 = c5*t55 + s5*t69;
+    const double t109 = t107*t26*t50;
+    const double t110 = t108*t26*t50;
+    const double t111 = t94*t106 - t95*t109 + t96*t110 + 2.0*(t57*t58 - t45*t43 - t55*t68);
+    const double t112 = t51*t106 + t64*t109 + 2.0*t68;
+    const double t113 = t112/t67;
+    const double t114 = t74*t106 - t75*t109 + t65*t110 + 2.0*(s1*t58 - c1*t43);
+    const double t115 = t114 - t76*t113;
+    const double t116 = t115/t93;
+    const double t117 = t111 - t97*t113 - t99*t116;
+    const double t118 = t117/t104;
+    const double t119 = t58*t81 + t43*t88 + t68*t25 + t38*t106 - t39*t109 - t90*t110;
+    const double t120 = t119 - t66*t113 - t116*t91 - t118*t102;
+    const double t121 = t106*t106 + t109*t109 + t110*t110 + 2.0*(t58*t58 + t43*t43 + t68*t68);
+    const double t122 = damping1 + t121 - t112*t113 - t115*t116 - t117*t118;
+    const double t123 = (t107*t71 - t108*t47)*t50;
+    const double t124 = (t108*t61 + t105*t71)*t50;
+    const double t125 = (t105*t47 + t107*t61)*t50;
+    const double t126 = t106*t123 - t109*t124 + t110*t125 + 2.0*(t58*t105 - t43*t107 - t68*t108);
+    const double t127 = t51*t123 - t64*t124 - 2.0*t108;
+    const double t128 = t127/t67;
+    const double t129 = t74*t123 + t75*t124 + t65*t125 + 2.0*(s1*t105 + c1*t107);
+    const double t130 = t129 - t76*t128;
+    const double t131 = t130/t93;
+    const double t132 = t94*t123 + t95*t124 + t96*t125 + 2.0*(t57*t105 + t45*t107 + t55*t108);
+    const double t133 = t132 - t97*t128 - t99*t131;
+    const double t134 = t133/t104;
+    const double t135 = t126 - t112*t128 - t115*t131 - t117*t134;
+    const double t136 = t135/t122;
+    const double t137 = t105*t81 - t107*t88 - t108*t25 + t38*t123 + t39*t124 - t90*t125;
+    const double t138 = t38*t38 + t39*t39 + t90*t90 + t85*t85 + t80*t80 + t86*t86;
+    const double t139 = t138 + t87*t87 + t82*t82 + t89*t89 + t83*t83 + t78*t78;
+    const double t140 = t137 - t66*t128 - t131*t91 - t134*t102 - t136*t120;
+    const double t141 = t123*t123 + t124*t124 + t125*t125 + 2.0*(t105*t105 + t107*t107 + t108*t108);
+    const double t142 = damping1 + t141 - t127*t128 - t130*t131 - t133*t134 - t135*t136;
+    const double t143 = 2.0*t70;
+    const double t144 = t143/t67;
+    const double t145 = 2.0*(s1*t60 - c1*t46) - t76*t144;
+    const double t146 = t145/t93;
+    const double t147 = 2.0*(t105*t60 - t107*t46 - t108*t70) - t127*t144 - t130*t146;
+    const double t148 = 2.0*(t57*t60 - t45*t46 - t55*t70) - t97*t144 - t99*t146;
+    const double t149 = t148/t104;
+    const double t150 = 2.0*(t58*t60 + t43*t46 + t68*t70) - t112*t144 - t115*t146;
+    const double t151 = t150 - t117*t149;
+    const double t152 = t151/t122;
+    const double t153 = t147 - t133*t149 - t135*t152;
+    const double t154 = t153/t142;
+    const double t155 = t60*t81 + t46*t88 + t70*t25 - t66*t144 - t146*t91 - t149*t102;
+    const double t156 = damping1 + 2.0*(t60*t60 + t46*t46 + t70*t70) - t143*t144;
+    const double t157 = (t155 - t152*t120 - t154*t140)/(t156 - t145*t146 - t148*t149 - t151*t152 - t153*t154);
+    const double t158 = t140/t142 - t154*t157;
+    const double t159 = t120/t122 - t136*t158 - t152*t157;
+    const double t160 = t102/t104 - t118*t159 - t134*t158 - t149*t157;
+    const double t161 = t91/t93 - t100*t160 - t116*t159 - t131*t158 - t146*t157;
+    const double t162 = t66/t67 - t77*t161 - t98*t160 - t113*t159 - t128*t158;
+    const double t163 = sqrt(t139 + t84*t84) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t164 = t163 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t165 = t164 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t166 = maximum(0.0, t165 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    result[0] = q1 + (t162 - t144*t157);
+    result[lanes] = q2 - t161;
+    result[2 * lanes] = q3;
+    result[3 * lanes] = q4 + t160;
+    result[4 * lanes] = q5 + t159;
+    result[5 * lanes] = q6 - t158;
+    result[6 * lanes] = q7 + t157;
+    result[7 * lanes] = t166;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict given, const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double given1 = given[0];
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near5 = near[4 * lanes];
+    angles[0] = given1;
+    angles[lanes] = near1;
+    angles[2 * lanes] = near2;
+    angles[3 * lanes] = near5;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double sa4 = sines[3 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double ca4 = cosines[3 * lanes];
+    const double t1 = T24 - 0.078*T23;
+    const double t2 = t1*t1;
+    const double t3 = T14 - 0.078*T13;
+    const double t4 = t3*t3;
+    const double t5 = t2 + t4;
+    const double t6 = t2 - t4;
+    const double t7 = 0.078*T33 + (0.3105 - T34);
+    const double t8 = t7*t7;
+    const double t9 = t2 + t8;
+    const double t10 = t5 + t8;
+    const double t11 = 1.0003205128205128 - 3.2051282051282053*t10;
+    const double t12 = 1.0 - t11*t11;
+    const double t13 = 1e-14 < t12;
+    const double t14 = t13 > 0.0 ? sqrt(maximum(0.0, t12)) : 0.0;
+    const double t15 = 0.39*t14;
+    const double t16 = sa1*t15;
+    const double t17 = t5 - t16*t16;
+    const double t18 = t16/t5;
+    const double t19 = fabs(t5);
+    const double t20 = 1e-14*t19 < t17;
+    const double t21 = (t20 > 0.0 ? sqrt(maximum(0.0, t17)) : 0.0)/t5;
+    const double t22 = t1*t21;
+    const double t23 = t3*t21;
+    const double t24 = t3*t18;
+    const double t25 = t1*t18;
+    const double t26 = sqrt(T34*T34 + (T24*T24 + (0.41459425 + T14*T14)));
+    const double t27 = 1e-12*t26;
+    const double t28 = fabs(t1);
+    const double t29 = 1.0 - (t27 < t28);
+    const double t30 = fabs(t3);
+    const double t31 = t29 - t29*(t27 < t30);
+    const double t32 = t26*t27;
+    const double t33 = -sa2;
+    const double t34 = t31 > 0.0 ? t33 : t22 + t24;
+    const double t35 = t31 > 0.0 ? t33 : t22 - t24;
+    const double t36 = t1*t34;
+    const double t37 = t31 > 0.0 ? ca2 : t25 - t23;
+    const double t38 = t31 > 0.0 ? -ca2 : t25 + t23;
+    const double t39 = t36 - t3*t37;
+    const double t40 = t8 + t39*t39;
+    const double t41 = t15*ca1;
+    const double t42 = arctangent(sa1, ca1);
+    const double t43 = 0.009875 + 1.25*t10;
+    const double t44 = t7*t43;
+    const double t45 = (t44 + t39*t41)/t40;
+    const double t46 = t7*t41;
+    const double t47 = (t46 - t39*t43)/t40;
+    const double t48 = 1.5 - 0.5*(t45*t45 + t47*t47);
+    const double t49 = t47*t48;
+    const double t50 = 2.0*t3;
+    const double t51 = fabs(t9 - t37*(t37*t6 + t50*t36));
+    const double t52 = t32 < t51;
+    const double t53 = t52 > 0.0 ? -t45*t48 : ca3;
+    const double t54 = T23*t34 - T13*t37;
+    const double t55 = t53*t54;
+    const double t56 = t52 > 0.0 ? t49 : sa3;
+    const double t57 = t52 > 0.0 ? -t49 : sa3;
+    const double t58 = 1.0 - t52;
+    const double t59 = arctangent(t56, t53);
+    const double t60 = arctangent(t57, t53);
+    const double t61 = t55 + T33*t56;
+    const double t62 = T13*t34 + T23*t37;
+    const double t63 = sa1*t62;
+    const double t64 = ca1*t62;
+    const double t65 = t64 + sa1*t61;
+    const double t66 = T33*t53;
+    const double t67 = t66 - t54*t56;
+    const double t68 = t66 + t57*t54;
+    const double t69 = t11*(t63 - ca1*t61) + t14*t67;
+    const double t70 = fabs(t69);
+    const double t71 = fabs(t65);
+    const double t72 = 1.0 - (1e-12 < t71);
+    const double t73 = t72 - t72*(1e-12 < t70);
+    const double t74 = maximum(t31, t58);
+    const double t75 = maximum(t73, t74);
+    const double t76 = (1.0 - t31)*(1.0 - (t17 < -1e-11*t19));
+    const double t77 = t20*t76;
+    const double t78 = maximum(t31, t76);
+    const double t79 = 1.0 - (t12 < -1e-11);
+    const double t80 = t13*t79;
+    const double t81 = maximum(t79 - t80, t76 - t77) > 0.0 ? 2.0 : 1.0;
+    const double t82 = 1.0 - (0.001 < t71);
+    const double t83 = 0.001*t26;
+    const double t84 = t26*t83;
+    const double t85 = 1.0 - (t83 < t28);
+    const double t86 = 1.0 - (1e-14*fabs(100000.0*t5) < t17);
+    const double t87 = t86 - t86*(t17 < -1e-11*fabs(100.0*t5));
+    const double t88 = 1.0 - (1e-09 < t12);
+    const double t89 = t88 - t88*(t12 < -9.999999999999999e-10);
+    const double t90 = maximum(t89, maximum(t87, t85 - t85*(t83 < t30)));
+    const double t91 = maximum(1.0 - (t84 < t51), t90);
+    const double t92 = maximum(t89, maximum(t31, t87));
+    const double t93 = maximum(t58, t92);
+    const double t94 = (t75 > 0.0 ? 3.0 : t81) + 4.0*maximum(t91, t82 - t82*(0.001 < t70));
+    const double t95 = t75 > 0.0 ? 8.0 : 4.0*maximum(t73, t93);
+    const double t96 = t80*t77;
+    const double t97 = t78*t80;
+    const double t98 = t79*t77;
+    const double t99 = t79*t78;
+    const double t100 = t1*t35;
+    const double t101 = fabs(t9 - t38*(t6*t38 - t50*t100));
+    const double t102 = t32 < t101;
+    const double t103 = maximum(t90, 1.0 - (t84 < t101));
+    const double t104 = t100 + t3*t38;
+    const double t105 = t8 + t104*t104;
+    const double t106 = (t44 - t41*t104)/t105;
+    const double t107 = (t46 + t43*t104)/t105;
+    const double t108 = 1.5 - 0.5*(t106*t106 + t107*t107);
+    const double t109 = t102 > 0.0 ? -t106*t108 : ca3;
+    const double t110 = t107*t108;
+    const double t111 = T23*t35 + T13*t38;
+    const double t112 = t109*t111;
+    const double t113 = t102 > 0.0 ? t110 : sa3;
+    const double t114 = t102 > 0.0 ? -t110 : sa3;
+    const double t115 = 1.0 - t102;
+    const double t116 = maximum(t31, t115);
+    const double t117 = maximum(t92, t115);
+    const double t118 = arctangent(t113, t109);
+    const double t119 = arctangent(t114, t109);
+    const double t120 = t112 - T33*t113;
+    const double t121 = T13*t35 - T23*t38;
+    const double t122 = sa1*t121;
+    const double t123 = ca1*t121;
+    const double t124 = t123 + sa1*t120;
+    const double t125 = T33*t109;
+    const double t126 = t125 + t111*t113;
+    const double t127 = t125 - t114*t111;
+    const double t128 = t11*(t122 - ca1*t120) - t14*t126;
+    const double t129 = fabs(t128);
+    const double t130 = fabs(t124);
+    const double t131 = 1.0 - (1e-12 < t130);
+    const double t132 = t131 - t131*(1e-12 < t129);
+    const double t133 = 1.0 - (0.001 < t130);
+    const double t134 = maximum(t132, t116);
+    const double t135 = (t134 > 0.0 ? 3.0 : t81) + 4.0*maximum(t103, t133 - t133*(0.001 < t129));
+    const double t136 = t134 > 0.0 ? 8.0 : 4.0*maximum(t132, t117);
+    const double t137 = t112 + T33*t114;
+    const double t138 = t123 + sa1*t137;
+    const double t139 = t11*(t122 - ca1*t137) - t14*t127;
+    const double t140 = fabs(t139);
+    const double t141 = fabs(t138);
+    const double t142 = 1.0 - (1e-12 < t141);
+    const double t143 = t142 - t142*(1e-12 < t140);
+    const double t144 = maximum(t143, t116);
+    const double t145 = 1.0 - (0.001 < t141);
+    const double t146 = t144 > 0.0 ? 8.0 : 4.0*maximum(t143, t117);
+    const double t147 = (t144 > 0.0 ? 3.0 : t81) + 4.0*maximum(t145 - t145*(0.001 < t140), t103);
+    const double t148 = t55 - T33*t57;
+    const double t149 = t64 + sa1*t148;
+    const double t150 = t11*(t63 - ca1*t148) + t14*t68;
+    const double t151 = fabs(t150);
+    const double t152 = fabs(t149);
+    const double t153 = 1.0 - (1e-12 < t152);
+    const double t154 = t153 - t153*(1e-12 < t151);
+    const double t155 = maximum(t154, t74);
+    const double t156 = 1.0 - (0.001 < t152);
+    const double t157 = (t155 > 0.0 ? 3.0 : t81) + 4.0*maximum(t156 - t156*(0.001 < t151), t91);
+    const double t158 = t155 > 0.0 ? 8.0 : 4.0*maximum(t154, t93);
+    const double t159 = sqrt(t65*t65 + t69*t69);
+    const double t160 = t73 > 0.0 ? sa4 : t65/t159;
+    const double t161 = t34*T21 - t37*T11;
+    const double t162 = t53*t161;
+    const double t163 = t162 + T31*t56;
+    const double t164 = t34*T11 + t37*T21;
+    const double t165 = sa1*t164;
+    const double t166 = ca1*t164;
+    const double t167 = t53*T31;
+    const double t168 = -ca4;
+    const double t169 = t73 > 0.0 ? t168 : t69/t159;
+    const double t170 = t160*(t11*(t165 - ca1*t163) + t14*(t167 - t161*t56)) - t169*(t166 + sa1*t163);
+    const double t171 = t69*t169 + t65*t160;
+    const double t172 = t34*T22 - t37*T12;
+    const double t173 = t53*t172;
+    const double t174 = t53*T32;
+    const double t175 = t173 + T32*t56;
+    const double t176 = arctangent(t34, t37);
+    const double t177 = t34*T12 + t37*T22;
+    const double t178 = ca1*t177;
+    const double t179 = sa1*t177;
+    const double t180 = t169*(t178 + sa1*t175) - t160*(t11*(t179 - ca1*t175) + t14*(t174 - t172*t56));
+    const double t181 = arctangent(t170, t180);
+    const double t182 = arctangent(t160, -t169);
+    const double t183 = (t181 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t184 = 2.5641025641025643*(T13*t3 - (T33*t7 - T23*t1));
+    const double t185 = t184 - 1.0256410256410255*t67;
+    const double t186 = t184 - 1.0256410256410255*t126;
+    const double t187 = t184 - 1.0256410256410255*t127;
+    const double t188 = t184 - 1.0256410256410255*t68;
+    const double t189 = 1.5 - 0.5*(t171*t171 + t185*t185);
+    const double t190 = arctangent(t171*t189, t185*t189);
+    const double t191 = (0.0 < t182) ? 3.141592653589793 : -3.141592653589793;
+    const double t192 = arctangent(t14, -t11);
+    const double t193 = (t176 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t194 = t176 + t193;
+    const double t195 = sqrt(t124*t124 + t128*t128);
+    const double t196 = t132 > 0.0 ? ca4 : t128/t195;
+    const double t197 = T21*t35 + T11*t38;
+    const double t198 = t109*t197;
+    const double t199 = t198 - T31*t113;
+    const double t200 = T11*t35 - T21*t38;
+    const double t201 = ca1*t200;
+    const double t202 = sa1*t200;
+    const double t203 = -sa4;
+    const double t204 = t132 > 0.0 ? t203 : t124/t195;
+    const double t205 = t128*t196 + t124*t204;
+    const double t206 = T31*t109;
+    const double t207 = t204*(t11*(t202 - ca1*t199) - t14*(t206 + t197*t113));
+    const double t208 = T22*t35 + T12*t38;
+    const double t209 = t109*t208;
+    const double t210 = T32*t109;
+    const double t211 = t209 - T32*t113;
+    const double t212 = arctangent(t35, t38);
+    const double t213 = T12*t35 - T22*t38;
+    const double t214 = ca1*t213;
+    const double t215 = sa1*t213;
+    const double t216 = t204*(t11*(t215 - ca1*t211) - t14*(t210 + t208*t113));
+    const double t217 = arctangent(t196*(t201 + sa1*t199) - t207, t196*(t214 + sa1*t211) - t216);
+    const double t218 = arctangent(t204, t196);
+    const double t219 = (0.0 < t217) ? 3.141592653589793 : -3.141592653589793;
+    const double t220 = 1.5 - 0.5*(t205*t205 + t186*t186);
+    const double t221 = arctangent(t205*t220, t186*t220);
+    const double t222 = (t218 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t223 = (0.0 < t212) ? 3.141592653589793 : -3.141592653589793;
+    const double t224 = t212 - t223;
+    const double t225 = sqrt(t138*t138 + t139*t139);
+    const double t226 = t143 > 0.0 ? t168 : t139/t225;
+    const double t227 = t143 > 0.0 ? sa4 : t138/t225;
+    const double t228 = t139*t226 + t138*t227;
+    const double t229 = t198 + T31*t114;
+    const double t230 = t209 + T32*t114;
+    const double t231 = t227*(t11*(t202 - ca1*t229) - t14*(t206 - t114*t197));
+    const double t232 = t227*(t11*(t215 - ca1*t230) - t14*(t210 - t114*t208));
+    const double t233 = arctangent(t226*(t201 + sa1*t229) - t231, -(t232 - t226*(t214 + sa1*t230)));
+    const double t234 = arctangent(t227, -t226);
+    const double t235 = (0.0 < t233) ? 3.141592653589793 : -3.141592653589793;
+    const double t236 = 1.5 - 0.5*(t228*t228 + t187*t187);
+    const double t237 = arctangent(t228*t236, t187*t236);
+    const double t238 = (0.0 < t234) ? 3.141592653589793 : -3.141592653589793;
+    const double t239 = sqrt(t149*t149 + t150*t150);
+    const double t240 = t154 > 0.0 ? ca4 : t150/t239;
+    const double t241 = t154 > 0.0 ? t203 : t149/t239;
+    const double t242 = t150*t240 + t149*t241;
+    const double t243 = t162 - t57*T31;
+    const double t244 = t173 - t57*T32;
+    const double t245 = t240*(t166 + sa1*t243) - t241*(t11*(t165 - ca1*t243) + t14*(t167 + t57*t161));
+    const double t246 = t240*(t178 + sa1*t244) - t241*(t14*(t174 + t57*t172) + t11*(t179 - ca1*t244));
+    const double t247 = arctangent(t245, t246);
+    const double t248 = arctangent(t241, t240);
+    const double t249 = (0.0 < t247) ? 3.141592653589793 : -3.141592653589793;
+    const double t250 = 1.5 - 0.5*(t242*t242 + t188*t188);
+    const double t251 = arctangent(t242*t250, t188*t250);
+    const double t252 = (t248 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = -t176;
+    result[lanes] = t60;
+    result[2 * lanes] = t42;
+    result[3 * lanes] = t192;
+    result[4 * lanes] = -t248;
+    result[5 * lanes] = t251;
+    result[6 * lanes] = t247;
+    result[7 * lanes] = -t176;
+    result[8 * lanes] = t60;
+    result[9 * lanes] = t42;
+    result[10 * lanes] = t192;
+    result[11 * lanes] = -(t248 + t252);
+    result[12 * lanes] = -t251;
+    result[13 * lanes] = t247 - t249;
+    result[14 * lanes] = t212;
+    result[15 * lanes] = t119;
+    result[16 * lanes] = t42;
+    result[17 * lanes] = t192;
+    result[18 * lanes] = t234;
+    result[19 * lanes] = t237;
+    result[20 * lanes] = t233;
+    result[21 * lanes] = t212;
+    result[22 * lanes] = t119;
+    result[23 * lanes] = t42;
+    result[24 * lanes] = t192;
+    result[25 * lanes] = t234 - t238;
+    result[26 * lanes] = -t237;
+    result[27 * lanes] = t233 - t235;
+    result[28 * lanes] = t224;
+    result[29 * lanes] = t118;
+    result[30 * lanes] = t42;
+    result[31 * lanes] = -t192;
+    result[32 * lanes] = -t218;
+    result[33 * lanes] = t221;
+    result[34 * lanes] = t217;
+    result[35 * lanes] = t224;
+    result[36 * lanes] = t118;
+    result[37 * lanes] = t42;
+    result[38 * lanes] = -t192;
+    result[39 * lanes] = -(t218 + t222);
+    result[40 * lanes] = -t221;
+    result[41 * lanes] = t217 - t219;
+    result[42 * lanes] = -t194;
+    result[43 * lanes] = t59;
+    result[44 * lanes] = t42;
+    result[45 * lanes] = -t192;
+    result[46 * lanes] = t182;
+    result[47 * lanes] = t190;
+    result[48 * lanes] = -t181;
+    result[49 * lanes] = -t194;
+    result[50 * lanes] = t59;
+    result[51 * lanes] = t42;
+    result[52 * lanes] = -t192;
+    result[53 * lanes] = t182 - t191;
+    result[54 * lanes] = -t190;
+    result[55 * lanes] = -(t181 + t183);
+    result[56 * lanes] = t99 > 0.0 ? t157 : t158;
+    result[57 * lanes] = t99 - t154*t99 > 0.0 ? t157 : t158;
+    result[58 * lanes] = t98 > 0.0 ? t147 : t146;
+    result[59 * lanes] = t98 - t143*t98 > 0.0 ? t147 : t146;
+    result[60 * lanes] = t97 > 0.0 ? t135 : t136;
+    result[61 * lanes] = t97 - t132*t97 > 0.0 ? t135 : t136;
+    result[62 * lanes] = t96 > 0.0 ? t94 : t95;
+    result[63 * lanes] = t96 - t73*t96 > 0.0 ? t94 : t95;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 56 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 8; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 8; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 7; ++j)
+            q[7 * b + j] = code ? values[(7 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
+{
+    double angles[7], sines[7], cosines[7];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 7; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 7; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 7; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
+{
+    enum { error = 7 };
+    double ahead[7 + 1], found[7 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 7 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 7; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 56;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 8; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 7 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 7; ++j)
+                row[j] = isfinite(values[7 * b + j]) ? values[7 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, row) <= (kind < 3 ? 3e-11 : 3e-11);
+            for (size_t other = 0; fine && other < 8; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 7 * other, row, tolerance) : 7;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 7 * b, 7 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict given, const double *restrict near, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    inverse_kinematics_angles(given, near, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, result, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int kuka_lwr4_inverse_kinematics(const double *restrict T, const double *restrict given, const double *restrict near, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[7], values[64];
+    const double *const codes = values + 56;
+    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 56; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 8; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 7; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, given, start, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 56 * sizeof *q);
+    for (size_t b = 0; b < 8; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 8; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 7; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, given, start, values);
+        for (size_t j = 0; j < 56 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 7])
+                values[j] += 1.3 * (double)(i * (j / 7 + 1) * (j % 7 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 8; ++b) {
+        for (size_t j = 0; j < 7 && !kinds[b]; ++j)
+            q[7 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict given, const double *restrict near, double *restrict result)
+{
+    double angles[4 * inverse_kinematics_lanes], sines[4 * inverse_kinematics_lanes], cosines[4 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(given + i, near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, result + i, inverse_kinematics_lanes);
+}
+
+void kuka_lwr4_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict given, const double *restrict near, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], given_block[1 * inverse_kinematics_lanes], near_block[7 * inverse_kinematics_lanes], result_block[64 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        load(1, given + 1 * start, rows, given_block, inverse_kinematics_lanes);
+        if (near)
+            load(7, near + 7 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, given_block, near_block, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 56 * row;
+            int *const codes = status ? status + 8 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                kuka_lwr4_inverse_kinematics(T + 16 * row, given + 1 * row, near ? near + 7 * row : NULL, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-2.9670597283903604, -2.0943951023931957, -2.9670597283903604, -2.0943951023931957, -2.9670597283903604, -2.0943951023931957, -2.9670597283903604}, upper[] = {2.9670597283903604, 2.0943951023931957, 2.9670597283903604, 2.0943951023931957, 2.9670597283903604, 2.0943951023931957, 2.9670597283903604};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 7; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int kuka_lwr4_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, double *restrict q)
+{
+    double solutions[56], given[1], least = INFINITY;
+    int status[8], found = 0;
+    given[0] = near[2];
+    kuka_lwr4_inverse_kinematics(T, given, near, solutions, status);
+    for (size_t j = 0; j < 7; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 8; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 7 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 7 * b, 7 * sizeof *q);
+        }
+    }
+    return found;
 }

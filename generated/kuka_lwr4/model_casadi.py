@@ -25,6 +25,10 @@ Every parameter has its number in this file.
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, given) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+
 Self-check: `derive verify kuka-lwr4` compares every function with an independent recursion.
 """
 
@@ -48,7 +52,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 195, "add": 117, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 125, "add": 57, "div": 2, "sin": 7, "cos": 7, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 109, "add": 49, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
+    "inverse_kinematics": {"mul": 270, "add": 188, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 115},
 }
+GIVEN = ("q3",)
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -64,13 +74,30 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c5 = cos(q5)
     s6 = sin(q6)
@@ -126,7 +153,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -209,7 +236,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     s2 = sin(q2)
     c3 = cos(q3)
@@ -268,7 +295,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c6 = cos(q6)
     s5 = sin(q5)
@@ -328,7 +355,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     qd1, qd2, qd3, qd4, qd5, qd6, qd7 = qd
     s1 = sin(q1)
@@ -435,7 +462,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     s1 = sin(q1)
     c3 = cos(q3)
@@ -516,7 +543,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c1 = cos(q1)
     s3 = sin(q3)
@@ -582,6 +609,472 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t19*t42, c2 - t19*t43, -(t17 + t19*t44), t16 - t19*t45, t31*t36, 0.0,
         0.0, c1*t40 + s1*t41, t3*t40 - t18*t41, -(t7*t40 + t24*t41), t6*t40 - t28*t41, t30*t40 + t27*t41, 0.0,
         0.0, -t42, t43, t44, t45, t30*t39 - t27*t38, 1.0,
+    )
+
+
+def _inverse_kinematics(functions, k, T, given, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (given1,) = given
+    near1, near2, near3, near4, near5, near6, near7 = near
+    t1 = T24 - 0.078*T23
+    t2 = t1*t1
+    t3 = T14 - 0.078*T13
+    t4 = t3*t3
+    t5 = t2 + t4
+    t6 = t2 - t4
+    t7 = 0.078*T33 + (0.3105 - T34)
+    t8 = t7*t7
+    t9 = t2 + t8
+    t10 = t5 + t8
+    t11 = 1.0003205128205128 - 3.2051282051282053*t10
+    t12 = 1.0 - t11*t11
+    t13 = less(1e-14, t12)
+    t14 = select(t13, sqrt(maximum(0.0, t12)), 0.0)
+    t15 = 0.39*t14
+    t16 = sin(given1)
+    t17 = t16*t15
+    t18 = t5 - t17*t17
+    t19 = t17/t5
+    t20 = absolute(t5)
+    t21 = less(1e-14*t20, t18)
+    t22 = select(t21, sqrt(maximum(0.0, t18)), 0.0)/t5
+    t23 = t1*t22
+    t24 = t3*t22
+    t25 = t3*t19
+    t26 = t1*t19
+    t27 = sqrt(T34*T34 + (T24*T24 + (0.41459425 + T14*T14)))
+    t28 = 1e-12*t27
+    t29 = absolute(t1)
+    t30 = 1.0 - less(t28, t29)
+    t31 = absolute(t3)
+    t32 = t30 - t30*less(t28, t31)
+    t33 = t27*t28
+    t34 = sin(near1)
+    t35 = -t34
+    t36 = select(t32, t35, t23 + t25)
+    t37 = select(t32, t35, t23 - t25)
+    t38 = t1*t36
+    t39 = cos(near1)
+    t40 = select(t32, t39, t26 - t24)
+    t41 = select(t32, -t39, t26 + t24)
+    t42 = t38 - t3*t40
+    t43 = t8 + t42*t42
+    t44 = cos(given1)
+    t45 = t15*t44
+    t46 = atan2(t16, t44)
+    t47 = 0.009875 + 1.25*t10
+    t48 = t7*t47
+    t49 = (t48 + t42*t45)/t43
+    t50 = t7*t45
+    t51 = (t50 - t42*t47)/t43
+    t52 = 1.5 - 0.5*(t49*t49 + t51*t51)
+    t53 = t51*t52
+    t54 = 2.0*t3
+    t55 = absolute(t9 - t40*(t40*t6 + t54*t38))
+    t56 = less(t33, t55)
+    t57 = cos(near2)
+    t58 = select(t56, -t49*t52, t57)
+    t59 = T23*t36 - T13*t40
+    t60 = t58*t59
+    t61 = sin(near2)
+    t62 = select(t56, t53, t61)
+    t63 = select(t56, -t53, t61)
+    t64 = 1.0 - t56
+    t65 = atan2(t62, t58)
+    t66 = atan2(t63, t58)
+    t67 = t60 + T33*t62
+    t68 = T13*t36 + T23*t40
+    t69 = t16*t68
+    t70 = t44*t68
+    t71 = t70 + t16*t67
+    t72 = T33*t58
+    t73 = t72 - t59*t62
+    t74 = t72 + t63*t59
+    t75 = t11*(t69 - t44*t67) + t14*t73
+    t76 = absolute(t75)
+    t77 = absolute(t71)
+    t78 = 1.0 - less(1e-12, t77)
+    t79 = t78 - t78*less(1e-12, t76)
+    t80 = maximum(t32, t64)
+    t81 = maximum(t79, t80)
+    t82 = (1.0 - t32)*(1.0 - less(t18, -1e-11*t20))
+    t83 = t21*t82
+    t84 = maximum(t32, t82)
+    t85 = 1.0 - less(t12, -1e-11)
+    t86 = t13*t85
+    t87 = select(maximum(t85 - t86, t82 - t83), 2.0, 1.0)
+    t88 = 1.0 - less(0.001, t77)
+    t89 = 0.001*t27
+    t90 = t27*t89
+    t91 = 1.0 - less(t89, t29)
+    t92 = 1.0 - less(1e-14*absolute(100000.0*t5), t18)
+    t93 = t92 - t92*less(t18, -1e-11*absolute(100.0*t5))
+    t94 = 1.0 - less(1e-09, t12)
+    t95 = t94 - t94*less(t12, -9.999999999999999e-10)
+    t96 = maximum(t95, maximum(t93, t91 - t91*less(t89, t31)))
+    t97 = maximum(1.0 - less(t90, t55), t96)
+    t98 = maximum(t95, maximum(t32, t93))
+    t99 = maximum(t64, t98)
+    t100 = select(t81, 3.0, t87) + 4.0*maximum(t97, t88 - t88*less(0.001, t76))
+    t101 = select(t81, 8.0, 4.0*maximum(t79, t99))
+    t102 = t86*t83
+    t103 = t84*t86
+    t104 = t85*t83
+    t105 = t85*t84
+    t106 = t1*t37
+    t107 = absolute(t9 - t41*(t6*t41 - t54*t106))
+    t108 = less(t33, t107)
+    t109 = maximum(t96, 1.0 - less(t90, t107))
+    t110 = t106 + t3*t41
+    t111 = t8 + t110*t110
+    t112 = (t48 - t45*t110)/t111
+    t113 = (t50 + t47*t110)/t111
+    t114 = 1.5 - 0.5*(t112*t112 + t113*t113)
+    t115 = select(t108, -t112*t114, t57)
+    t116 = t113*t114
+    t117 = T23*t37 + T13*t41
+    t118 = t115*t117
+    t119 = select(t108, t116, t61)
+    t120 = select(t108, -t116, t61)
+    t121 = 1.0 - t108
+    t122 = maximum(t32, t121)
+    t123 = maximum(t98, t121)
+    t124 = atan2(t119, t115)
+    t125 = atan2(t120, t115)
+    t126 = t118 - T33*t119
+    t127 = T13*t37 - T23*t41
+    t128 = t16*t127
+    t129 = t44*t127
+    t130 = t129 + t16*t126
+    t131 = T33*t115
+    t132 = t131 + t117*t119
+    t133 = t131 - t120*t117
+    t134 = t11*(t128 - t44*t126) - t14*t132
+    t135 = absolute(t134)
+    t136 = absolute(t130)
+    t137 = 1.0 - less(1e-12, t136)
+    t138 = t137 - t137*less(1e-12, t135)
+    t139 = 1.0 - less(0.001, t136)
+    t140 = maximum(t138, t122)
+    t141 = select(t140, 3.0, t87) + 4.0*maximum(t109, t139 - t139*less(0.001, t135))
+    t142 = select(t140, 8.0, 4.0*maximum(t138, t123))
+    t143 = t118 + T33*t120
+    t144 = t129 + t16*t143
+    t145 = t11*(t128 - t44*t143) - t14*t133
+    t146 = absolute(t145)
+    t147 = absolute(t144)
+    t148 = 1.0 - less(1e-12, t147)
+    t149 = t148 - t148*less(1e-12, t146)
+    t150 = maximum(t149, t122)
+    t151 = 1.0 - less(0.001, t147)
+    t152 = select(t150, 8.0, 4.0*maximum(t149, t123))
+    t153 = select(t150, 3.0, t87) + 4.0*maximum(t151 - t151*less(0.001, t146), t109)
+    t154 = t60 - T33*t63
+    t155 = t70 + t16*t154
+    t156 = t11*(t69 - t44*t154) + t14*t74
+    t157 = absolute(t156)
+    t158 = absolute(t155)
+    t159 = 1.0 - less(1e-12, t158)
+    t160 = t159 - t159*less(1e-12, t157)
+    t161 = maximum(t160, t80)
+    t162 = 1.0 - less(0.001, t158)
+    t163 = select(t161, 3.0, t87) + 4.0*maximum(t162 - t162*less(0.001, t157), t97)
+    t164 = select(t161, 8.0, 4.0*maximum(t160, t99))
+    t165 = sqrt(t71*t71 + t75*t75)
+    t166 = sin(near5)
+    t167 = select(t79, t166, t71/t165)
+    t168 = t36*T21 - t40*T11
+    t169 = t58*t168
+    t170 = t169 + T31*t62
+    t171 = t36*T11 + t40*T21
+    t172 = t16*t171
+    t173 = t44*t171
+    t174 = t58*T31
+    t175 = cos(near5)
+    t176 = -t175
+    t177 = select(t79, t176, t75/t165)
+    t178 = t167*(t11*(t172 - t44*t170) + t14*(t174 - t168*t62)) - t177*(t173 + t16*t170)
+    t179 = t75*t177 + t71*t167
+    t180 = t36*T22 - t40*T12
+    t181 = t58*t180
+    t182 = t58*T32
+    t183 = t181 + T32*t62
+    t184 = atan2(t36, t40)
+    t185 = t36*T12 + t40*T22
+    t186 = t44*t185
+    t187 = t16*t185
+    t188 = t177*(t186 + t16*t183) - t167*(t11*(t187 - t44*t183) + t14*(t182 - t180*t62))
+    t189 = atan2(t178, t188)
+    t190 = atan2(t167, -t177)
+    t191 = select(less(t189, 0.0), 3.141592653589793, -3.141592653589793)
+    t192 = 2.5641025641025643*(T13*t3 - (T33*t7 - T23*t1))
+    t193 = t192 - 1.0256410256410255*t73
+    t194 = t192 - 1.0256410256410255*t132
+    t195 = t192 - 1.0256410256410255*t133
+    t196 = t192 - 1.0256410256410255*t74
+    t197 = 1.5 - 0.5*(t179*t179 + t193*t193)
+    t198 = atan2(t179*t197, t193*t197)
+    t199 = select(less(0.0, t190), 3.141592653589793, -3.141592653589793)
+    t200 = atan2(t14, -t11)
+    t201 = select(less(t184, 0.0), 3.141592653589793, -3.141592653589793)
+    t202 = t184 + t201
+    t203 = sqrt(t130*t130 + t134*t134)
+    t204 = select(t138, t175, t134/t203)
+    t205 = T21*t37 + T11*t41
+    t206 = t115*t205
+    t207 = t206 - T31*t119
+    t208 = T11*t37 - T21*t41
+    t209 = t44*t208
+    t210 = t16*t208
+    t211 = -t166
+    t212 = select(t138, t211, t130/t203)
+    t213 = t134*t204 + t130*t212
+    t214 = T31*t115
+    t215 = t212*(t11*(t210 - t44*t207) - t14*(t214 + t205*t119))
+    t216 = T22*t37 + T12*t41
+    t217 = t115*t216
+    t218 = T32*t115
+    t219 = t217 - T32*t119
+    t220 = atan2(t37, t41)
+    t221 = T12*t37 - T22*t41
+    t222 = t44*t221
+    t223 = t16*t221
+    t224 = t212*(t11*(t223 - t44*t219) - t14*(t218 + t216*t119))
+    t225 = atan2(t204*(t209 + t16*t207) - t215, t204*(t222 + t16*t219) - t224)
+    t226 = atan2(t212, t204)
+    t227 = select(less(0.0, t225), 3.141592653589793, -3.141592653589793)
+    t228 = 1.5 - 0.5*(t213*t213 + t194*t194)
+    t229 = atan2(t213*t228, t194*t228)
+    t230 = select(less(t226, 0.0), 3.141592653589793, -3.141592653589793)
+    t231 = select(less(0.0, t220), 3.141592653589793, -3.141592653589793)
+    t232 = t220 - t231
+    t233 = sqrt(t144*t144 + t145*t145)
+    t234 = select(t149, t176, t145/t233)
+    t235 = select(t149, t166, t144/t233)
+    t236 = t145*t234 + t144*t235
+    t237 = t206 + T31*t120
+    t238 = t217 + T32*t120
+    t239 = t235*(t11*(t210 - t44*t237) - t14*(t214 - t120*t205))
+    t240 = t235*(t11*(t223 - t44*t238) - t14*(t218 - t120*t216))
+    t241 = atan2(t234*(t209 + t16*t237) - t239, -(t240 - t234*(t222 + t16*t238)))
+    t242 = atan2(t235, -t234)
+    t243 = select(less(0.0, t241), 3.141592653589793, -3.141592653589793)
+    t244 = 1.5 - 0.5*(t236*t236 + t195*t195)
+    t245 = atan2(t236*t244, t195*t244)
+    t246 = select(less(0.0, t242), 3.141592653589793, -3.141592653589793)
+    t247 = sqrt(t155*t155 + t156*t156)
+    t248 = select(t160, t175, t156/t247)
+    t249 = select(t160, t211, t155/t247)
+    t250 = t156*t248 + t155*t249
+    t251 = t169 - t63*T31
+    t252 = t181 - t63*T32
+    t253 = t248*(t173 + t16*t251) - t249*(t11*(t172 - t44*t251) + t14*(t174 + t63*t168))
+    t254 = t248*(t186 + t16*t252) - t249*(t14*(t182 + t63*t180) + t11*(t187 - t44*t252))
+    t255 = atan2(t253, t254)
+    t256 = atan2(t249, t248)
+    t257 = select(less(0.0, t255), 3.141592653589793, -3.141592653589793)
+    t258 = 1.5 - 0.5*(t250*t250 + t196*t196)
+    t259 = atan2(t250*t258, t196*t258)
+    t260 = select(less(t256, 0.0), 3.141592653589793, -3.141592653589793)
+    return (
+        -t184, t66, t46, t200, -t256, t259, t255, -t184, t66, t46, t200, -(t256 + t260), -t259, t255 - t257,
+        t220, t125, t46, t200, t242, t245, t241, t220, t125, t46, t200, t242 - t246, -t245, t241 - t243, t232,
+        t124, t46, -t200, -t226, t229, t225, t232, t124, t46, -t200, -(t226 + t230), -t229, t225 - t227, -t202,
+        t65, t46, -t200, t190, t198, -t189, -t202, t65, t46, -t200, t190 - t199, -t198, -(t189 + t191),
+        select(t105, t163, t164), select(t105 - t160*t105, t163, t164), select(t104, t153, t152),
+        select(t104 - t149*t104, t153, t152), select(t103, t141, t142), select(t103 - t138*t103, t141, t142),
+        select(t102, t100, t101), select(t102 - t79*t102, t100, t101),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c1 = cos(q1)
+    s3 = sin(q3)
+    c4 = cos(q4)
+    c5 = cos(q5)
+    s6 = sin(q6)
+    t1 = c5*s6
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t2 = c4*t1 - s4*c6
+    c3 = cos(q3)
+    s5 = sin(q5)
+    t3 = s5*s6
+    t4 = s3*t2 + c3*t3
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t5 = c3*t2 - s3*t3
+    s2 = sin(q2)
+    t6 = s4*t1 + c4*c6
+    t7 = c2*t5 + s2*t6
+    t8 = c2*t6 - s2*t5
+    t9 = c1*t4 + s1*t7
+    t10 = s1*t4 - c1*t7
+    s7 = sin(q7)
+    t11 = c6*s7
+    t12 = s6*s7
+    c7 = cos(q7)
+    t13 = c5*t11 + s5*c7
+    t14 = s5*t11 - c5*c7
+    t15 = s4*t13 - c4*t12
+    t16 = c4*t13 + s4*t12
+    t17 = c3*t16 - s3*t14
+    t18 = s3*t16 + c3*t14
+    t19 = c2*t15 - s2*t17
+    t20 = c2*t17 + s2*t15
+    t21 = s1*t18 - c1*t20
+    t22 = c1*t18 + s1*t20
+    t23 = t19*t10 - t21*t8
+    t24 = t19*t9 - t22*t8
+    t25 = t9*T13 + t10*T23 - (t23*T11 - t24*T21 - (t22*T12 + t21*T22))
+    t26 = 0.078*s6
+    t27 = c5*t26
+    t28 = 0.39 + 0.078*c6
+    t29 = c4*t27 - s4*t28
+    t30 = s5*t26
+    t31 = c3*t29 - s3*t30
+    t32 = s3*t29 + c3*t30
+    t33 = 0.4 + (s4*t27 + c4*t28)
+    t34 = c2*t31 + s2*t33
+    t35 = 0.1521 + (0.006084 + (T14*T14 + (T24*T24 + T34*T34)))
+    t36 = sqrt(0.09641025 + (0.16 + t35))
+    t37 = select(less(0.0, t36), t36, 1.0)
+    t38 = (c1*t34 - s1*t32 + T14)/t37
+    t39 = (s1*t34 + c1*t32 + T24)/t37
+    t40 = s1*s2
+    t41 = s1*c2
+    t42 = c3*t41 + c1*s3
+    t43 = c4*t40 - s4*t42
+    t44 = c4*t42 + s4*t40
+    t45 = c1*c3 - s3*t41
+    t46 = c6*t43 + (t44*t1 + t45*t3)
+    t47 = 0.078*t46
+    t48 = 0.39*t43 + t47
+    t49 = 0.4*t40 + t48
+    t50 = 1.0/t37
+    t51 = t49*t50
+    t52 = c1*s2
+    t53 = c1*c2
+    t54 = c3*t53 - s1*s3
+    t55 = s2*s3
+    t56 = s2*c3
+    t57 = s1*c3 + s3*t53
+    t58 = c4*t52 - s4*t54
+    t59 = c4*t54 + s4*t52
+    t60 = c6*t58 + (t59*t1 - t57*t3)
+    t61 = 0.078*t60
+    t62 = 0.39*t58 + t61
+    t63 = 0.4*t52 + t62
+    t64 = t63*t50
+    t65 = (s1*t49 + c1*t63)*t50
+    t66 = t25 + t38*t51 - t39*t64
+    t67 = damping1 + (2.0 + (t51*t51 + t64*t64))
+    t68 = c2*c4 + s4*t56
+    t69 = c4*t56 - c2*s4
+    t70 = c6*t68 - (t69*t1 - t55*t3)
+    t71 = 0.078*t70
+    t72 = 0.39*t68 + t71
+    t73 = 0.4*c2 + t72
+    t74 = c1*t73*t50
+    t75 = s1*t73*t50
+    t76 = t51*t74 - t64*t75
+    t77 = t76/t67
+    t78 = t9 + T23
+    t79 = t21*t9 - t22*t10
+    t80 = t23 - T21
+    t81 = t8*T23 + t9*T33 - (t79*T21 + t23*T31 - (t19*T22 + t22*T32))
+    t82 = t22 + T22
+    t83 = t10 - T13
+    t84 = t8 - T33
+    t85 = t24 - T11
+    t86 = t79 + T31
+    t87 = t21 - T12
+    t88 = t10*T33 - t8*T13 + (t24*T31 + t79*T11 + (t21*T32 - t19*T12))
+    t89 = t19 - T32
+    t90 = (0.3105 - (s2*t31 - c2*t33) - T34)/t37
+    t91 = s1*t81 - c1*t88 + t38*t74 + t39*t75 - t90*t65 - t66*t77
+    t92 = damping1 + (t74*t74 + t75*t75 + t65*t65 + 2.0*(s1*s1 + c1*c1))
+    t93 = t92 - t76*t77
+    t94 = (t45*t72 - t55*t48)*t50
+    t95 = (t55*t62 + t57*t72)*t50
+    t96 = (t57*t48 + t45*t62)*t50
+    t97 = t51*t94 - t64*t95 - 2.0*t55
+    t98 = t97/t67
+    t99 = t74*t94 + t75*t95 + t65*t96 + 2.0*(s1*t57 + c1*t45) - t76*t98
+    t100 = t99/t93
+    t101 = t57*t81 - t45*t88 - t55*t25 + t38*t94 + t39*t95 - t90*t96
+    t102 = t101 - t66*t98 - t100*t91
+    t103 = t94*t94 + t95*t95 + t96*t96 + 2.0*(t57*t57 + t45*t45 + t55*t55)
+    t104 = damping1 + t103 - t97*t98 - t99*t100
+    t105 = c5*t57 + s5*t59
+    t106 = t105*t26*t50
+    t107 = c5*t45 - s5*t44
+    t108 = c5*t55 + s5*t69
+    t109 = t107*t26*t50
+    t110 = t108*t26*t50
+    t111 = t94*t106 - t95*t109 + t96*t110 + 2.0*(t57*t58 - t45*t43 - t55*t68)
+    t112 = t51*t106 + t64*t109 + 2.0*t68
+    t113 = t112/t67
+    t114 = t74*t106 - t75*t109 + t65*t110 + 2.0*(s1*t58 - c1*t43)
+    t115 = t114 - t76*t113
+    t116 = t115/t93
+    t117 = t111 - t97*t113 - t99*t116
+    t118 = t117/t104
+    t119 = t58*t81 + t43*t88 + t68*t25 + t38*t106 - t39*t109 - t90*t110
+    t120 = t119 - t66*t113 - t116*t91 - t118*t102
+    t121 = t106*t106 + t109*t109 + t110*t110 + 2.0*(t58*t58 + t43*t43 + t68*t68)
+    t122 = damping1 + t121 - t112*t113 - t115*t116 - t117*t118
+    t123 = (t107*t71 - t108*t47)*t50
+    t124 = (t108*t61 + t105*t71)*t50
+    t125 = (t105*t47 + t107*t61)*t50
+    t126 = t106*t123 - t109*t124 + t110*t125 + 2.0*(t58*t105 - t43*t107 - t68*t108)
+    t127 = t51*t123 - t64*t124 - 2.0*t108
+    t128 = t127/t67
+    t129 = t74*t123 + t75*t124 + t65*t125 + 2.0*(s1*t105 + c1*t107)
+    t130 = t129 - t76*t128
+    t131 = t130/t93
+    t132 = t94*t123 + t95*t124 + t96*t125 + 2.0*(t57*t105 + t45*t107 + t55*t108)
+    t133 = t132 - t97*t128 - t99*t131
+    t134 = t133/t104
+    t135 = t126 - t112*t128 - t115*t131 - t117*t134
+    t136 = t135/t122
+    t137 = t105*t81 - t107*t88 - t108*t25 + t38*t123 + t39*t124 - t90*t125
+    t138 = t38*t38 + t39*t39 + t90*t90 + t85*t85 + t80*t80 + t86*t86
+    t139 = t138 + t87*t87 + t82*t82 + t89*t89 + t83*t83 + t78*t78
+    t140 = t137 - t66*t128 - t131*t91 - t134*t102 - t136*t120
+    t141 = t123*t123 + t124*t124 + t125*t125 + 2.0*(t105*t105 + t107*t107 + t108*t108)
+    t142 = damping1 + t141 - t127*t128 - t130*t131 - t133*t134 - t135*t136
+    t143 = 2.0*t70
+    t144 = t143/t67
+    t145 = 2.0*(s1*t60 - c1*t46) - t76*t144
+    t146 = t145/t93
+    t147 = 2.0*(t105*t60 - t107*t46 - t108*t70) - t127*t144 - t130*t146
+    t148 = 2.0*(t57*t60 - t45*t46 - t55*t70) - t97*t144 - t99*t146
+    t149 = t148/t104
+    t150 = 2.0*(t58*t60 + t43*t46 + t68*t70) - t112*t144 - t115*t146
+    t151 = t150 - t117*t149
+    t152 = t151/t122
+    t153 = t147 - t133*t149 - t135*t152
+    t154 = t153/t142
+    t155 = t60*t81 + t46*t88 + t70*t25 - t66*t144 - t146*t91 - t149*t102
+    t156 = damping1 + 2.0*(t60*t60 + t46*t46 + t70*t70) - t143*t144
+    t157 = (t155 - t152*t120 - t154*t140)/(t156 - t145*t146 - t148*t149 - t151*t152 - t153*t154)
+    t158 = t140/t142 - t154*t157
+    t159 = t120/t122 - t136*t158 - t152*t157
+    t160 = t102/t104 - t118*t159 - t134*t158 - t149*t157
+    t161 = t91/t93 - t100*t160 - t116*t159 - t131*t158 - t146*t157
+    t162 = t66/t67 - t77*t161 - t98*t160 - t113*t159 - t128*t158
+    t163 = sqrt(t139 + t84*t84) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t164 = t163 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t165 = t164 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t166 = maximum(0.0, t165 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        q1 + (t162 - t144*t157), q2 - t161, q3, q4 + t160, q5 + t159, q6 - t158, q7 + t157, t166,
     )
 
 
@@ -653,3 +1146,43 @@ analytic_jacobian_zyz = _function(
     shape=(6, 7),
     kernel=_analytic_jacobian_zyz,
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    given = casadi.SX.sym("given", len(GIVEN))
+    inputs, names = [*inputs, given], [*names, "given"]
+    entries.append(casadi.vertsplit(given))
+    entries.append([casadi.SX(0)] * DOF)
+    constants = ()
+    step_constants = ()
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 8], values[DOF * 8 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

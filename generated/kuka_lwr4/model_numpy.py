@@ -46,7 +46,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 195, "add": 117, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 125, "add": 57, "div": 2, "sin": 7, "cos": 7, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 109, "add": 49, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
+    "inverse_kinematics": {"mul": 270, "add": 188, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 115},
 }
+GIVEN = ("q3",)
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -62,6 +68,13 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
 ]
 
 
@@ -185,11 +198,59 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Variables of q3, (..., 1).
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 8): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 7); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 8, 7):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 270 mul, 188 add, 14 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 115 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 7); q3 stay there.
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 7), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c5 = cos(q5)
     s6 = sin(q6)
@@ -245,7 +306,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -328,7 +389,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     s2 = sin(q2)
     c3 = cos(q3)
@@ -387,7 +448,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c6 = cos(q6)
     s5 = sin(q5)
@@ -447,7 +508,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     qd1, qd2, qd3, qd4, qd5, qd6, qd7 = qd
     s1 = sin(q1)
@@ -554,7 +615,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     s1 = sin(q1)
     c3 = cos(q3)
@@ -635,7 +696,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
     c1 = cos(q1)
     s3 = sin(q3)
@@ -701,6 +762,472 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t19*t42, c2 - t19*t43, -(t17 + t19*t44), t16 - t19*t45, t31*t36, 0.0,
         0.0, c1*t40 + s1*t41, t3*t40 - t18*t41, -(t7*t40 + t24*t41), t6*t40 - t28*t41, t30*t40 + t27*t41, 0.0,
         0.0, -t42, t43, t44, t45, t30*t39 - t27*t38, 1.0,
+    )
+
+
+def _inverse_kinematics(functions, k, T, given, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (given1,) = given
+    near1, near2, near3, near4, near5, near6, near7 = near
+    t1 = T24 - 0.078*T23
+    t2 = t1*t1
+    t3 = T14 - 0.078*T13
+    t4 = t3*t3
+    t5 = t2 + t4
+    t6 = t2 - t4
+    t7 = 0.078*T33 + (0.3105 - T34)
+    t8 = t7*t7
+    t9 = t2 + t8
+    t10 = t5 + t8
+    t11 = 1.0003205128205128 - 3.2051282051282053*t10
+    t12 = 1.0 - t11*t11
+    t13 = less(1e-14, t12)
+    t14 = select(t13, sqrt(maximum(0.0, t12)), 0.0)
+    t15 = 0.39*t14
+    t16 = sin(given1)
+    t17 = t16*t15
+    t18 = t5 - t17*t17
+    t19 = t17/t5
+    t20 = absolute(t5)
+    t21 = less(1e-14*t20, t18)
+    t22 = select(t21, sqrt(maximum(0.0, t18)), 0.0)/t5
+    t23 = t1*t22
+    t24 = t3*t22
+    t25 = t3*t19
+    t26 = t1*t19
+    t27 = sqrt(T34*T34 + (T24*T24 + (0.41459425 + T14*T14)))
+    t28 = 1e-12*t27
+    t29 = absolute(t1)
+    t30 = 1.0 - less(t28, t29)
+    t31 = absolute(t3)
+    t32 = t30 - t30*less(t28, t31)
+    t33 = t27*t28
+    t34 = sin(near1)
+    t35 = -t34
+    t36 = select(t32, t35, t23 + t25)
+    t37 = select(t32, t35, t23 - t25)
+    t38 = t1*t36
+    t39 = cos(near1)
+    t40 = select(t32, t39, t26 - t24)
+    t41 = select(t32, -t39, t26 + t24)
+    t42 = t38 - t3*t40
+    t43 = t8 + t42*t42
+    t44 = cos(given1)
+    t45 = t15*t44
+    t46 = atan2(t16, t44)
+    t47 = 0.009875 + 1.25*t10
+    t48 = t7*t47
+    t49 = (t48 + t42*t45)/t43
+    t50 = t7*t45
+    t51 = (t50 - t42*t47)/t43
+    t52 = 1.5 - 0.5*(t49*t49 + t51*t51)
+    t53 = t51*t52
+    t54 = 2.0*t3
+    t55 = absolute(t9 - t40*(t40*t6 + t54*t38))
+    t56 = less(t33, t55)
+    t57 = cos(near2)
+    t58 = select(t56, -t49*t52, t57)
+    t59 = T23*t36 - T13*t40
+    t60 = t58*t59
+    t61 = sin(near2)
+    t62 = select(t56, t53, t61)
+    t63 = select(t56, -t53, t61)
+    t64 = 1.0 - t56
+    t65 = atan2(t62, t58)
+    t66 = atan2(t63, t58)
+    t67 = t60 + T33*t62
+    t68 = T13*t36 + T23*t40
+    t69 = t16*t68
+    t70 = t44*t68
+    t71 = t70 + t16*t67
+    t72 = T33*t58
+    t73 = t72 - t59*t62
+    t74 = t72 + t63*t59
+    t75 = t11*(t69 - t44*t67) + t14*t73
+    t76 = absolute(t75)
+    t77 = absolute(t71)
+    t78 = 1.0 - less(1e-12, t77)
+    t79 = t78 - t78*less(1e-12, t76)
+    t80 = maximum(t32, t64)
+    t81 = maximum(t79, t80)
+    t82 = (1.0 - t32)*(1.0 - less(t18, -1e-11*t20))
+    t83 = t21*t82
+    t84 = maximum(t32, t82)
+    t85 = 1.0 - less(t12, -1e-11)
+    t86 = t13*t85
+    t87 = select(maximum(t85 - t86, t82 - t83), 2.0, 1.0)
+    t88 = 1.0 - less(0.001, t77)
+    t89 = 0.001*t27
+    t90 = t27*t89
+    t91 = 1.0 - less(t89, t29)
+    t92 = 1.0 - less(1e-14*absolute(100000.0*t5), t18)
+    t93 = t92 - t92*less(t18, -1e-11*absolute(100.0*t5))
+    t94 = 1.0 - less(1e-09, t12)
+    t95 = t94 - t94*less(t12, -9.999999999999999e-10)
+    t96 = maximum(t95, maximum(t93, t91 - t91*less(t89, t31)))
+    t97 = maximum(1.0 - less(t90, t55), t96)
+    t98 = maximum(t95, maximum(t32, t93))
+    t99 = maximum(t64, t98)
+    t100 = select(t81, 3.0, t87) + 4.0*maximum(t97, t88 - t88*less(0.001, t76))
+    t101 = select(t81, 8.0, 4.0*maximum(t79, t99))
+    t102 = t86*t83
+    t103 = t84*t86
+    t104 = t85*t83
+    t105 = t85*t84
+    t106 = t1*t37
+    t107 = absolute(t9 - t41*(t6*t41 - t54*t106))
+    t108 = less(t33, t107)
+    t109 = maximum(t96, 1.0 - less(t90, t107))
+    t110 = t106 + t3*t41
+    t111 = t8 + t110*t110
+    t112 = (t48 - t45*t110)/t111
+    t113 = (t50 + t47*t110)/t111
+    t114 = 1.5 - 0.5*(t112*t112 + t113*t113)
+    t115 = select(t108, -t112*t114, t57)
+    t116 = t113*t114
+    t117 = T23*t37 + T13*t41
+    t118 = t115*t117
+    t119 = select(t108, t116, t61)
+    t120 = select(t108, -t116, t61)
+    t121 = 1.0 - t108
+    t122 = maximum(t32, t121)
+    t123 = maximum(t98, t121)
+    t124 = atan2(t119, t115)
+    t125 = atan2(t120, t115)
+    t126 = t118 - T33*t119
+    t127 = T13*t37 - T23*t41
+    t128 = t16*t127
+    t129 = t44*t127
+    t130 = t129 + t16*t126
+    t131 = T33*t115
+    t132 = t131 + t117*t119
+    t133 = t131 - t120*t117
+    t134 = t11*(t128 - t44*t126) - t14*t132
+    t135 = absolute(t134)
+    t136 = absolute(t130)
+    t137 = 1.0 - less(1e-12, t136)
+    t138 = t137 - t137*less(1e-12, t135)
+    t139 = 1.0 - less(0.001, t136)
+    t140 = maximum(t138, t122)
+    t141 = select(t140, 3.0, t87) + 4.0*maximum(t109, t139 - t139*less(0.001, t135))
+    t142 = select(t140, 8.0, 4.0*maximum(t138, t123))
+    t143 = t118 + T33*t120
+    t144 = t129 + t16*t143
+    t145 = t11*(t128 - t44*t143) - t14*t133
+    t146 = absolute(t145)
+    t147 = absolute(t144)
+    t148 = 1.0 - less(1e-12, t147)
+    t149 = t148 - t148*less(1e-12, t146)
+    t150 = maximum(t149, t122)
+    t151 = 1.0 - less(0.001, t147)
+    t152 = select(t150, 8.0, 4.0*maximum(t149, t123))
+    t153 = select(t150, 3.0, t87) + 4.0*maximum(t151 - t151*less(0.001, t146), t109)
+    t154 = t60 - T33*t63
+    t155 = t70 + t16*t154
+    t156 = t11*(t69 - t44*t154) + t14*t74
+    t157 = absolute(t156)
+    t158 = absolute(t155)
+    t159 = 1.0 - less(1e-12, t158)
+    t160 = t159 - t159*less(1e-12, t157)
+    t161 = maximum(t160, t80)
+    t162 = 1.0 - less(0.001, t158)
+    t163 = select(t161, 3.0, t87) + 4.0*maximum(t162 - t162*less(0.001, t157), t97)
+    t164 = select(t161, 8.0, 4.0*maximum(t160, t99))
+    t165 = sqrt(t71*t71 + t75*t75)
+    t166 = sin(near5)
+    t167 = select(t79, t166, t71/t165)
+    t168 = t36*T21 - t40*T11
+    t169 = t58*t168
+    t170 = t169 + T31*t62
+    t171 = t36*T11 + t40*T21
+    t172 = t16*t171
+    t173 = t44*t171
+    t174 = t58*T31
+    t175 = cos(near5)
+    t176 = -t175
+    t177 = select(t79, t176, t75/t165)
+    t178 = t167*(t11*(t172 - t44*t170) + t14*(t174 - t168*t62)) - t177*(t173 + t16*t170)
+    t179 = t75*t177 + t71*t167
+    t180 = t36*T22 - t40*T12
+    t181 = t58*t180
+    t182 = t58*T32
+    t183 = t181 + T32*t62
+    t184 = atan2(t36, t40)
+    t185 = t36*T12 + t40*T22
+    t186 = t44*t185
+    t187 = t16*t185
+    t188 = t177*(t186 + t16*t183) - t167*(t11*(t187 - t44*t183) + t14*(t182 - t180*t62))
+    t189 = atan2(t178, t188)
+    t190 = atan2(t167, -t177)
+    t191 = select(less(t189, 0.0), 3.141592653589793, -3.141592653589793)
+    t192 = 2.5641025641025643*(T13*t3 - (T33*t7 - T23*t1))
+    t193 = t192 - 1.0256410256410255*t73
+    t194 = t192 - 1.0256410256410255*t132
+    t195 = t192 - 1.0256410256410255*t133
+    t196 = t192 - 1.0256410256410255*t74
+    t197 = 1.5 - 0.5*(t179*t179 + t193*t193)
+    t198 = atan2(t179*t197, t193*t197)
+    t199 = select(less(0.0, t190), 3.141592653589793, -3.141592653589793)
+    t200 = atan2(t14, -t11)
+    t201 = select(less(t184, 0.0), 3.141592653589793, -3.141592653589793)
+    t202 = t184 + t201
+    t203 = sqrt(t130*t130 + t134*t134)
+    t204 = select(t138, t175, t134/t203)
+    t205 = T21*t37 + T11*t41
+    t206 = t115*t205
+    t207 = t206 - T31*t119
+    t208 = T11*t37 - T21*t41
+    t209 = t44*t208
+    t210 = t16*t208
+    t211 = -t166
+    t212 = select(t138, t211, t130/t203)
+    t213 = t134*t204 + t130*t212
+    t214 = T31*t115
+    t215 = t212*(t11*(t210 - t44*t207) - t14*(t214 + t205*t119))
+    t216 = T22*t37 + T12*t41
+    t217 = t115*t216
+    t218 = T32*t115
+    t219 = t217 - T32*t119
+    t220 = atan2(t37, t41)
+    t221 = T12*t37 - T22*t41
+    t222 = t44*t221
+    t223 = t16*t221
+    t224 = t212*(t11*(t223 - t44*t219) - t14*(t218 + t216*t119))
+    t225 = atan2(t204*(t209 + t16*t207) - t215, t204*(t222 + t16*t219) - t224)
+    t226 = atan2(t212, t204)
+    t227 = select(less(0.0, t225), 3.141592653589793, -3.141592653589793)
+    t228 = 1.5 - 0.5*(t213*t213 + t194*t194)
+    t229 = atan2(t213*t228, t194*t228)
+    t230 = select(less(t226, 0.0), 3.141592653589793, -3.141592653589793)
+    t231 = select(less(0.0, t220), 3.141592653589793, -3.141592653589793)
+    t232 = t220 - t231
+    t233 = sqrt(t144*t144 + t145*t145)
+    t234 = select(t149, t176, t145/t233)
+    t235 = select(t149, t166, t144/t233)
+    t236 = t145*t234 + t144*t235
+    t237 = t206 + T31*t120
+    t238 = t217 + T32*t120
+    t239 = t235*(t11*(t210 - t44*t237) - t14*(t214 - t120*t205))
+    t240 = t235*(t11*(t223 - t44*t238) - t14*(t218 - t120*t216))
+    t241 = atan2(t234*(t209 + t16*t237) - t239, -(t240 - t234*(t222 + t16*t238)))
+    t242 = atan2(t235, -t234)
+    t243 = select(less(0.0, t241), 3.141592653589793, -3.141592653589793)
+    t244 = 1.5 - 0.5*(t236*t236 + t195*t195)
+    t245 = atan2(t236*t244, t195*t244)
+    t246 = select(less(0.0, t242), 3.141592653589793, -3.141592653589793)
+    t247 = sqrt(t155*t155 + t156*t156)
+    t248 = select(t160, t175, t156/t247)
+    t249 = select(t160, t211, t155/t247)
+    t250 = t156*t248 + t155*t249
+    t251 = t169 - t63*T31
+    t252 = t181 - t63*T32
+    t253 = t248*(t173 + t16*t251) - t249*(t11*(t172 - t44*t251) + t14*(t174 + t63*t168))
+    t254 = t248*(t186 + t16*t252) - t249*(t14*(t182 + t63*t180) + t11*(t187 - t44*t252))
+    t255 = atan2(t253, t254)
+    t256 = atan2(t249, t248)
+    t257 = select(less(0.0, t255), 3.141592653589793, -3.141592653589793)
+    t258 = 1.5 - 0.5*(t250*t250 + t196*t196)
+    t259 = atan2(t250*t258, t196*t258)
+    t260 = select(less(t256, 0.0), 3.141592653589793, -3.141592653589793)
+    return (
+        -t184, t66, t46, t200, -t256, t259, t255, -t184, t66, t46, t200, -(t256 + t260), -t259, t255 - t257,
+        t220, t125, t46, t200, t242, t245, t241, t220, t125, t46, t200, t242 - t246, -t245, t241 - t243, t232,
+        t124, t46, -t200, -t226, t229, t225, t232, t124, t46, -t200, -(t226 + t230), -t229, t225 - t227, -t202,
+        t65, t46, -t200, t190, t198, -t189, -t202, t65, t46, -t200, t190 - t199, -t198, -(t189 + t191),
+        select(t105, t163, t164), select(t105 - t160*t105, t163, t164), select(t104, t153, t152),
+        select(t104 - t149*t104, t153, t152), select(t103, t141, t142), select(t103 - t138*t103, t141, t142),
+        select(t102, t100, t101), select(t102 - t79*t102, t100, t101),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c1 = cos(q1)
+    s3 = sin(q3)
+    c4 = cos(q4)
+    c5 = cos(q5)
+    s6 = sin(q6)
+    t1 = c5*s6
+    s4 = sin(q4)
+    c6 = cos(q6)
+    t2 = c4*t1 - s4*c6
+    c3 = cos(q3)
+    s5 = sin(q5)
+    t3 = s5*s6
+    t4 = s3*t2 + c3*t3
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t5 = c3*t2 - s3*t3
+    s2 = sin(q2)
+    t6 = s4*t1 + c4*c6
+    t7 = c2*t5 + s2*t6
+    t8 = c2*t6 - s2*t5
+    t9 = c1*t4 + s1*t7
+    t10 = s1*t4 - c1*t7
+    s7 = sin(q7)
+    t11 = c6*s7
+    t12 = s6*s7
+    c7 = cos(q7)
+    t13 = c5*t11 + s5*c7
+    t14 = s5*t11 - c5*c7
+    t15 = s4*t13 - c4*t12
+    t16 = c4*t13 + s4*t12
+    t17 = c3*t16 - s3*t14
+    t18 = s3*t16 + c3*t14
+    t19 = c2*t15 - s2*t17
+    t20 = c2*t17 + s2*t15
+    t21 = s1*t18 - c1*t20
+    t22 = c1*t18 + s1*t20
+    t23 = t19*t10 - t21*t8
+    t24 = t19*t9 - t22*t8
+    t25 = t9*T13 + t10*T23 - (t23*T11 - t24*T21 - (t22*T12 + t21*T22))
+    t26 = 0.078*s6
+    t27 = c5*t26
+    t28 = 0.39 + 0.078*c6
+    t29 = c4*t27 - s4*t28
+    t30 = s5*t26
+    t31 = c3*t29 - s3*t30
+    t32 = s3*t29 + c3*t30
+    t33 = 0.4 + (s4*t27 + c4*t28)
+    t34 = c2*t31 + s2*t33
+    t35 = 0.1521 + (0.006084 + (T14*T14 + (T24*T24 + T34*T34)))
+    t36 = sqrt(0.09641025 + (0.16 + t35))
+    t37 = select(less(0.0, t36), t36, 1.0)
+    t38 = (c1*t34 - s1*t32 + T14)/t37
+    t39 = (s1*t34 + c1*t32 + T24)/t37
+    t40 = s1*s2
+    t41 = s1*c2
+    t42 = c3*t41 + c1*s3
+    t43 = c4*t40 - s4*t42
+    t44 = c4*t42 + s4*t40
+    t45 = c1*c3 - s3*t41
+    t46 = c6*t43 + (t44*t1 + t45*t3)
+    t47 = 0.078*t46
+    t48 = 0.39*t43 + t47
+    t49 = 0.4*t40 + t48
+    t50 = 1.0/t37
+    t51 = t49*t50
+    t52 = c1*s2
+    t53 = c1*c2
+    t54 = c3*t53 - s1*s3
+    t55 = s2*s3
+    t56 = s2*c3
+    t57 = s1*c3 + s3*t53
+    t58 = c4*t52 - s4*t54
+    t59 = c4*t54 + s4*t52
+    t60 = c6*t58 + (t59*t1 - t57*t3)
+    t61 = 0.078*t60
+    t62 = 0.39*t58 + t61
+    t63 = 0.4*t52 + t62
+    t64 = t63*t50
+    t65 = (s1*t49 + c1*t63)*t50
+    t66 = t25 + t38*t51 - t39*t64
+    t67 = damping1 + (2.0 + (t51*t51 + t64*t64))
+    t68 = c2*c4 + s4*t56
+    t69 = c4*t56 - c2*s4
+    t70 = c6*t68 - (t69*t1 - t55*t3)
+    t71 = 0.078*t70
+    t72 = 0.39*t68 + t71
+    t73 = 0.4*c2 + t72
+    t74 = c1*t73*t50
+    t75 = s1*t73*t50
+    t76 = t51*t74 - t64*t75
+    t77 = t76/t67
+    t78 = t9 + T23
+    t79 = t21*t9 - t22*t10
+    t80 = t23 - T21
+    t81 = t8*T23 + t9*T33 - (t79*T21 + t23*T31 - (t19*T22 + t22*T32))
+    t82 = t22 + T22
+    t83 = t10 - T13
+    t84 = t8 - T33
+    t85 = t24 - T11
+    t86 = t79 + T31
+    t87 = t21 - T12
+    t88 = t10*T33 - t8*T13 + (t24*T31 + t79*T11 + (t21*T32 - t19*T12))
+    t89 = t19 - T32
+    t90 = (0.3105 - (s2*t31 - c2*t33) - T34)/t37
+    t91 = s1*t81 - c1*t88 + t38*t74 + t39*t75 - t90*t65 - t66*t77
+    t92 = damping1 + (t74*t74 + t75*t75 + t65*t65 + 2.0*(s1*s1 + c1*c1))
+    t93 = t92 - t76*t77
+    t94 = (t45*t72 - t55*t48)*t50
+    t95 = (t55*t62 + t57*t72)*t50
+    t96 = (t57*t48 + t45*t62)*t50
+    t97 = t51*t94 - t64*t95 - 2.0*t55
+    t98 = t97/t67
+    t99 = t74*t94 + t75*t95 + t65*t96 + 2.0*(s1*t57 + c1*t45) - t76*t98
+    t100 = t99/t93
+    t101 = t57*t81 - t45*t88 - t55*t25 + t38*t94 + t39*t95 - t90*t96
+    t102 = t101 - t66*t98 - t100*t91
+    t103 = t94*t94 + t95*t95 + t96*t96 + 2.0*(t57*t57 + t45*t45 + t55*t55)
+    t104 = damping1 + t103 - t97*t98 - t99*t100
+    t105 = c5*t57 + s5*t59
+    t106 = t105*t26*t50
+    t107 = c5*t45 - s5*t44
+    t108 = c5*t55 + s5*t69
+    t109 = t107*t26*t50
+    t110 = t108*t26*t50
+    t111 = t94*t106 - t95*t109 + t96*t110 + 2.0*(t57*t58 - t45*t43 - t55*t68)
+    t112 = t51*t106 + t64*t109 + 2.0*t68
+    t113 = t112/t67
+    t114 = t74*t106 - t75*t109 + t65*t110 + 2.0*(s1*t58 - c1*t43)
+    t115 = t114 - t76*t113
+    t116 = t115/t93
+    t117 = t111 - t97*t113 - t99*t116
+    t118 = t117/t104
+    t119 = t58*t81 + t43*t88 + t68*t25 + t38*t106 - t39*t109 - t90*t110
+    t120 = t119 - t66*t113 - t116*t91 - t118*t102
+    t121 = t106*t106 + t109*t109 + t110*t110 + 2.0*(t58*t58 + t43*t43 + t68*t68)
+    t122 = damping1 + t121 - t112*t113 - t115*t116 - t117*t118
+    t123 = (t107*t71 - t108*t47)*t50
+    t124 = (t108*t61 + t105*t71)*t50
+    t125 = (t105*t47 + t107*t61)*t50
+    t126 = t106*t123 - t109*t124 + t110*t125 + 2.0*(t58*t105 - t43*t107 - t68*t108)
+    t127 = t51*t123 - t64*t124 - 2.0*t108
+    t128 = t127/t67
+    t129 = t74*t123 + t75*t124 + t65*t125 + 2.0*(s1*t105 + c1*t107)
+    t130 = t129 - t76*t128
+    t131 = t130/t93
+    t132 = t94*t123 + t95*t124 + t96*t125 + 2.0*(t57*t105 + t45*t107 + t55*t108)
+    t133 = t132 - t97*t128 - t99*t131
+    t134 = t133/t104
+    t135 = t126 - t112*t128 - t115*t131 - t117*t134
+    t136 = t135/t122
+    t137 = t105*t81 - t107*t88 - t108*t25 + t38*t123 + t39*t124 - t90*t125
+    t138 = t38*t38 + t39*t39 + t90*t90 + t85*t85 + t80*t80 + t86*t86
+    t139 = t138 + t87*t87 + t82*t82 + t89*t89 + t83*t83 + t78*t78
+    t140 = t137 - t66*t128 - t131*t91 - t134*t102 - t136*t120
+    t141 = t123*t123 + t124*t124 + t125*t125 + 2.0*(t105*t105 + t107*t107 + t108*t108)
+    t142 = damping1 + t141 - t127*t128 - t130*t131 - t133*t134 - t135*t136
+    t143 = 2.0*t70
+    t144 = t143/t67
+    t145 = 2.0*(s1*t60 - c1*t46) - t76*t144
+    t146 = t145/t93
+    t147 = 2.0*(t105*t60 - t107*t46 - t108*t70) - t127*t144 - t130*t146
+    t148 = 2.0*(t57*t60 - t45*t46 - t55*t70) - t97*t144 - t99*t146
+    t149 = t148/t104
+    t150 = 2.0*(t58*t60 + t43*t46 + t68*t70) - t112*t144 - t115*t146
+    t151 = t150 - t117*t149
+    t152 = t151/t122
+    t153 = t147 - t133*t149 - t135*t152
+    t154 = t153/t142
+    t155 = t60*t81 + t46*t88 + t70*t25 - t66*t144 - t146*t91 - t149*t102
+    t156 = damping1 + 2.0*(t60*t60 + t46*t46 + t70*t70) - t143*t144
+    t157 = (t155 - t152*t120 - t154*t140)/(t156 - t145*t146 - t148*t149 - t151*t152 - t153*t154)
+    t158 = t140/t142 - t154*t157
+    t159 = t120/t122 - t136*t158 - t152*t157
+    t160 = t102/t104 - t118*t159 - t134*t158 - t149*t157
+    t161 = t91/t93 - t100*t160 - t116*t159 - t131*t158 - t146*t157
+    t162 = t66/t67 - t77*t161 - t98*t160 - t113*t159 - t128*t158
+    t163 = sqrt(t139 + t84*t84) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t164 = t163 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t165 = t164 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t166 = maximum(0.0, t165 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        q1 + (t162 - t144*t157), q2 - t161, q3, q4 + t160, q5 + t159, q6 - t158, q7 + t157, t166,
     )
 
 
@@ -860,6 +1387,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -880,6 +1408,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -1062,7 +1608,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -1236,8 +1819,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 3e-11
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -1286,3 +2299,14 @@ _FUNCTIONS = {
         kernel=_analytic_jacobian_zyz,
     ),
 }
+
+_GIVEN_JOINTS = (2,)
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=8,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+    ),
+)

@@ -71,6 +71,12 @@ enum {
     planar_2r_perugia_regressor_constant_count = 5,
     planar_2r_perugia_base_regressor_constant_count = 3,
     planar_2r_perugia_base_parameters_constant_count = 5,
+    planar_2r_perugia_inverse_kinematics_constant_count = 7,
+    planar_2r_perugia_branches = 1, /**< Branches of inverse kinematics. */
+    planar_2r_perugia_none = 0, /**< The branch does not exist. */
+    planar_2r_perugia_exact = 1, /**< A solution. */
+    planar_2r_perugia_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    planar_2r_perugia_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -418,6 +424,41 @@ void planar_2r_perugia_base_parameters(const double *k, double *result);
 
 /** The constants of planar_2r_perugia_base_parameters, 5, from the parameters, 15. */
 void planar_2r_perugia_base_parameters_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has one solution, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       7 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 1 x 2: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 1; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 46 mul, 33 add, 4 div, 2 sin, 2 cos, 1 sqrt, 2 atan2, 27 cases.
+ * Once per set of parameters: 2 mul, 1 add.
+ */
+int planar_2r_perugia_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void planar_2r_perugia_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int planar_2r_perugia_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of planar_2r_perugia_inverse_kinematics, 7, from the parameters, 15. */
+void planar_2r_perugia_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

@@ -32,6 +32,10 @@ Every function has a last input `params`, a column of the free parameters in the
     base_regressor(q, qd, qdd, params) -> Y_b
     base_parameters(params) -> beta
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify planar-2r-perugia` compares every function with an independent recursion.
 """
 
@@ -73,7 +77,13 @@ OPERATIONS = {
     "regressor": {"mul": 25, "add": 17, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 18, "add": 11, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "inverse_kinematics": {"mul": 46, "add": 33, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 27},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -104,9 +114,26 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -117,7 +144,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -141,7 +168,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -171,7 +198,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -199,7 +226,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_a1, p_a2 = k
     s2 = sin(q2)
@@ -222,7 +249,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     p_a2, p_a1 = k
@@ -253,7 +280,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -290,7 +317,7 @@ def _inertia_matrix_constants(functions, p):
 
 
 def _inertia_matrix(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     k1, k2, k3, k4, k5 = k
     c2 = cos(q2)
@@ -310,7 +337,7 @@ def _coriolis_matrix_constants(functions, p):
 
 
 def _coriolis_matrix(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     (k1,) = k
@@ -334,7 +361,7 @@ def _gravity_vector_constants(functions, p):
 
 
 def _gravity_vector(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     k1, k2 = k
     t3 = cos(q1 + q2)
@@ -362,7 +389,7 @@ def _kinetic_energy_constants(functions, p):
 
 
 def _kinetic_energy(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     k1, k2, k3, k4 = k
@@ -385,7 +412,7 @@ def _potential_energy_constants(functions, p):
 
 
 def _potential_energy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     k1, k2 = k
     s1 = sin(q1)
@@ -413,7 +440,7 @@ def _inverse_dynamics_constants(functions, p):
 
 
 def _inverse_dynamics(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     qdd1, qdd2 = qdd
@@ -452,7 +479,7 @@ def _forward_dynamics_constants(functions, p):
 
 
 def _forward_dynamics(functions, k, q, qd, tau):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     tau1, tau2 = tau
@@ -482,7 +509,7 @@ def _coriolis_vector_constants(functions, p):
 
 
 def _coriolis_vector(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     (k1,) = k
@@ -505,7 +532,7 @@ def _inverse_dynamics_dq_constants(functions, p):
 
 
 def _inverse_dynamics_dq(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     qdd1, qdd2 = qdd
@@ -535,7 +562,7 @@ def _inverse_dynamics_dqd_constants(functions, p):
 
 
 def _inverse_dynamics_dqd(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     (k1,) = k
@@ -558,7 +585,7 @@ def _regressor_constants(functions, p):
 
 
 def _regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     qdd1, qdd2 = qdd
@@ -598,7 +625,7 @@ def _base_regressor_constants(functions, p):
 
 
 def _base_regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     qdd1, qdd2 = qdd
@@ -642,6 +669,122 @@ def _base_parameters(functions, k):
     k1, k2, k3, k4, p_Im2 = k
     return (
         k1, 0.0, k2, k3, 0.0, k4, p_Im2,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a1 + p_a2*p_a2
+    return (
+        p_a2, p_a1, t1,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2 = near
+    p_a2, p_a1, k3 = k
+    t2 = T14 - p_a2*T11
+    t3 = T24 - p_a2*T21
+    t4 = t2*t2 + t3*t3
+    t5 = p_a1*t2/t4
+    t6 = p_a1*t3/t4
+    t7 = absolute(t4)
+    t8 = 1.5 - 0.5*(t5*t5 + t6*t6)
+    t9 = sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14)))
+    t10 = t9*t9
+    t11 = 1e-12*t10
+    t12 = less(t11, t7)
+    t13 = sin(near1)
+    t14 = select(t12, t6*t8, t13)
+    t15 = cos(near1)
+    t16 = select(t12, t5*t8, t15)
+    t17 = T11*t2 + T21*t3
+    t18 = T11*t3 - t2*T21
+    t19 = t17*t17 + t18*t18
+    t20 = p_a1*t17/t19
+    t21 = p_a1*t18/t19
+    t22 = absolute(t19)
+    t23 = less(t11, t22)
+    t24 = 1.5 - 0.5*(t20*t20 + t21*t21)
+    t25 = sin(near2)
+    t26 = select(t23, -t21*t24, t25)
+    t27 = cos(near2)
+    t28 = select(t23, t20*t24, t27)
+    t29 = maximum(1.0 - t12, 1.0 - t23)
+    t30 = t16*t28 - t14*t26
+    t31 = t16*t26 + t14*t28
+    t32 = maximum(absolute(T31), maximum(absolute(T11 - t30), absolute(T21 - t31)))
+    t33 = maximum(absolute(T22 - t30), maximum(absolute(T12 + t31), t32))
+    t34 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t33)))
+    t35 = maximum(absolute(t14*t14 - (1.0 - t16*t16)), maximum(absolute(1.0 - T33), t34))
+    t36 = maximum(absolute(p_a2*t30 - (T14 - p_a1*t16)), absolute(p_a2*t31 - (T24 - p_a1*t14)))
+    t37 = less(maximum(absolute(t26*t26 - (1.0 - t28*t28)), t35), 1e-07)
+    t38 = 0.001*t10
+    t39 = 4.0*maximum(1.0 - less(t38, t7), 1.0 - less(t38, t22))
+    t40 = select(t37*less(maximum(absolute(T34), t36), 1e-07*t9), select(t29, 3.0, 1.0) + t39, select(t29, 8.0, 4.0*t29))
+    return (
+        atan2(t14, t16), atan2(t26, t28), t40,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a1
+    t2 = p_a2*p_a2
+    return (
+        p_a1, p_a2, t1, t2,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_a1, p_a2, k3, k4 = k
+    t3 = q1 + q2
+    t4 = sin(t3)
+    t5 = cos(t3)
+    t6 = t4*T11 - t5*T21 + (t5*T12 + t4*T22)
+    c1 = cos(q1)
+    t7 = p_a2*t5
+    t8 = p_a1*c1 + t7
+    t9 = sqrt(k3 + (k4 + (T14*T14 + (T24*T24 + T34*T34))))
+    t10 = select(less(0.0, t9), t9, 1.0)
+    t11 = (t8 - T14)/t10
+    s1 = sin(q1)
+    t12 = p_a2*t4
+    t13 = p_a1*s1 + t12
+    t14 = 1.0/t10
+    t15 = t8*t14
+    t16 = t12*t14
+    t17 = t7*t14
+    t18 = t13*t14
+    t19 = (t13 - T24)/t10
+    t20 = T34/t10
+    t21 = t6 - t11*t18 + t19*t15
+    t22 = damping1 + (2.0 + (t18*t18 + t15*t15))
+    t23 = 2.0 + (t18*t16 + t15*t17)
+    t24 = t23/t22
+    t25 = (t6 - t11*t16 + t19*t17 - t21*t24)/(damping1 + (2.0 + (t16*t16 + t17*t17)) - t23*t24)
+    t26 = t5 - T11
+    t27 = t5 - T22
+    t28 = t4 - T21
+    t29 = t4 + T12
+    t30 = T31*T31
+    t31 = t11*t11 + t19*t19 + t20*t20 + t26*t26 + t28*t28 + t30
+    t32 = T32*T32
+    t33 = T13*T13
+    t34 = T23*T23
+    t35 = 1.0 - T33
+    t36 = sqrt(t31 + t29*t29 + t27*t27 + t32 + t33 + t34 + t35*t35)
+    t37 = t36 - absolute(1.0 - (t30 + (T11*T11 + T21*T21))) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t38 = t37 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t32 + (T12*T12 + T22*T22)))
+    t39 = t38 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t33 + t34 + T33*T33))
+    return (
+        q1 - (t21/t22 - t24*t25), q2 - t25, maximum(0.0, t39),
     )
 
 
@@ -875,3 +1018,48 @@ base_parameters = _function(
         0, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

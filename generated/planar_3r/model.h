@@ -47,6 +47,12 @@ enum {
     planar_3r_jacobian_end_constant_count = 3,
     planar_3r_jacobian_dot_constant_count = 3,
     planar_3r_analytic_jacobian_rpy_constant_count = 3,
+    planar_3r_inverse_kinematics_constant_count = 14,
+    planar_3r_branches = 2, /**< Branches of inverse kinematics. */
+    planar_3r_none = 0, /**< The branch does not exist. */
+    planar_3r_exact = 1, /**< A solution. */
+    planar_3r_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    planar_3r_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -151,6 +157,41 @@ void planar_3r_analytic_jacobian_rpy_batch(size_t count, const double *q, const 
 
 /** The constants of planar_3r_analytic_jacobian_rpy, 3, from the parameters, 3. */
 void planar_3r_analytic_jacobian_rpy_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has up to 2 solutions, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       14 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 2 x 3: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 2; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 98 mul, 75 add, 5 div, 2 sin, 2 cos, 2 sqrt, 6 atan2, 55 cases.
+ * Once per set of parameters: 5 mul, 3 add, 1 cases.
+ */
+int planar_3r_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void planar_3r_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int planar_3r_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of planar_3r_inverse_kinematics, 14, from the parameters, 3. */
+void planar_3r_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

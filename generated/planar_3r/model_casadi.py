@@ -20,6 +20,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+
 Self-check: `derive verify planar-3r` compares every function with an independent recursion.
 """
 
@@ -37,7 +41,13 @@ OPERATIONS = {
     "jacobian_end": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "inverse_kinematics": {"mul": 98, "add": 75, "div": 5, "sin": 2, "cos": 2, "sqrt": 2, "atan2": 6, "cases": 55},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -52,9 +62,26 @@ __all__ = [
     "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -65,7 +92,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a1, p_a2, p_a3 = k
     s1 = sin(q1)
@@ -92,7 +119,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a1, p_a2, p_a3 = k
     s1 = sin(q1)
@@ -131,7 +158,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a2, p_a3, p_a1 = k
     t1 = q1 + q2
@@ -164,7 +191,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a2, p_a1, p_a3 = k
     s3 = sin(q3)
@@ -192,7 +219,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     qd1, qd2, qd3 = qd
     p_a3, p_a2, p_a1 = k
@@ -230,7 +257,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_a2, p_a3, p_a1 = k
     t1 = q1 + q2
@@ -252,6 +279,190 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         1.0, 1.0, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_a1, p_a2, p_a3 = p
+    t1 = p_a1*p_a1 + p_a2*p_a2
+    t2 = p_a1*(2.0*p_a2)
+    t3 = less(0.0, absolute(t2))
+    t4 = p_a3*p_a3 + t1
+    t5 = 1.0 - t3
+    return (
+        p_a3, p_a1, p_a2, t1, t2, t3, t4, t5,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3 = near
+    p_a3, p_a1, p_a2, k4, k5, k6, k7, k8 = k
+    t6 = T14 - p_a3*T11
+    t7 = T24 - p_a3*T21
+    t8 = t6*t6 + t7*t7
+    t9 = (k4 - t8)/k5
+    t10 = 1.0 - t9*t9
+    t11 = less(1e-14, t10)
+    t12 = sin(near2)
+    t13 = select(k6, select(t11, sqrt(maximum(0.0, t10)), 0.0), t12)
+    t14 = p_a2*t13
+    t15 = t7*t14
+    t16 = t6*t14
+    t17 = cos(near2)
+    t18 = select(k6, -t9, t17)
+    t19 = select(k6, t9, t17)
+    t20 = p_a1 + p_a2*t18
+    t21 = (t15 + t6*t20)/t8
+    t22 = (t16 - t7*t20)/t8
+    t23 = 1.5 - 0.5*(t21*t21 + t22*t22)
+    t24 = sqrt(T34*T34 + (T24*T24 + (k7 + T14*T14)))
+    t25 = t24*t24
+    t26 = absolute(t8)
+    t27 = less(1e-12*t25, t26)
+    t28 = sin(near1)
+    t29 = select(t27, -t22*t23, t28)
+    t30 = cos(near1)
+    t31 = select(t27, t21*t23, t30)
+    t32 = 1.5 - 0.5*(T11*T11 + T21*T21)
+    t33 = T11*t32
+    t34 = T21*t32
+    t35 = t13*t33
+    t36 = t35 - t18*t34
+    t37 = t13*t34
+    t38 = t35 - t34*t19
+    t39 = t37 + t18*t33
+    t40 = t37 + t33*t19
+    t41 = t31*t36 + t29*t39
+    t42 = t31*t39 - t29*t36
+    t43 = p_a1 - p_a2*t19
+    t44 = (t15 - t6*t43)/t8
+    t45 = (t16 + t7*t43)/t8
+    t46 = 1.5 - 0.5*(t44*t44 + t45*t45)
+    t47 = select(t27, t45*t46, t28)
+    t48 = select(t27, -t44*t46, t30)
+    t49 = 1.0 - t27
+    t50 = t48*t38 + t47*t40
+    t51 = t48*t40 - t47*t38
+    t52 = t18*t31 - t13*t29
+    t53 = t18*t29 + t13*t31
+    t54 = t42*t52 + t41*t53
+    t55 = t41*t52 - t42*t53
+    t56 = maximum(absolute(p_a3*t54 + (p_a2*t52 - (T14 - p_a1*t31))), absolute(p_a2*t53 - (p_a3*t55 + (T24 - p_a1*t29))))
+    t57 = absolute(T34)
+    t58 = 1e-07*t24
+    t59 = absolute(T31)
+    t60 = maximum(t59, maximum(absolute(T11 - t54), absolute(T21 + t55)))
+    t61 = maximum(absolute(T22 - t54), maximum(absolute(T12 - t55), t60))
+    t62 = absolute(T32)
+    t63 = absolute(T13)
+    t64 = absolute(T23)
+    t65 = absolute(1.0 - T33)
+    t66 = maximum(t65, maximum(t64, maximum(t63, maximum(t62, t61))))
+    t67 = 1.0 - t13*t13
+    t68 = maximum(absolute(t67 - t18*t18), maximum(absolute(t29*t29 - (1.0 - t31*t31)), t66))
+    t69 = less(maximum(absolute(t41*t41 - (1.0 - t42*t42)), t68), 1e-07)
+    t70 = k6 - k6*less(t10, -1e-11)
+    t71 = t11*t70
+    t72 = maximum(k8, t49)
+    t73 = 1.0 - less(1e-09, t10)
+    t74 = maximum(k8, t73 - t73*less(t10, -9.999999999999999e-10))
+    t75 = select(t72, 3.0, select(t70 - t71, 2.0, 1.0)) + 4.0*maximum(t74, 1.0 - less(0.001*t25, t26))
+    t76 = select(t72, 8.0, 4.0*maximum(t49, t74))
+    t77 = select(less(maximum(t57, t56), t58)*(maximum(k8, t70)*t69), t75, t76)
+    t78 = t13*t47 - t19*t48
+    t79 = t13*t48 + t19*t47
+    t80 = t51*t78 - t50*t79
+    t81 = t51*t79 + t50*t78
+    t82 = maximum(absolute(p_a2*t78 - (p_a3*t80 + (T14 - p_a1*t48))), absolute(p_a3*t81 - (p_a2*t79 + (T24 - p_a1*t47))))
+    t83 = maximum(t59, maximum(absolute(T11 + t80), absolute(T21 - t81)))
+    t84 = maximum(absolute(T22 + t80), maximum(absolute(T12 + t81), t83))
+    t85 = maximum(t65, maximum(t64, maximum(t63, maximum(t62, t84))))
+    t86 = maximum(absolute(t67 - t19*t19), maximum(absolute(t47*t47 - (1.0 - t48*t48)), t85))
+    t87 = less(maximum(absolute(t50*t50 - (1.0 - t51*t51)), t86), 1e-07)
+    t88 = select(less(maximum(t57, t82), t58)*(t71*t87), t75, t76)
+    return (
+        atan2(t29, t31), atan2(t13, t18), -atan2(t41, t42), atan2(t47, t48), -atan2(t13, -t19),
+        atan2(t50, -t51), t77, t88,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_a1, p_a2, p_a3 = p
+    t1 = p_a3*p_a3
+    t2 = p_a2*p_a2
+    t3 = p_a1*p_a1
+    return (
+        p_a3, t1, p_a2, t2, p_a1, t3,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_a3, k2, p_a2, k4, p_a1, k6 = k
+    t4 = sqrt(k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t5 = select(less(0.0, t4), t4, 1.0)
+    c1 = cos(q1)
+    t6 = p_a1*c1
+    t7 = q1 + q2
+    t8 = cos(t7)
+    t9 = p_a2*t8
+    t10 = q3 + t7
+    t11 = sin(t7)
+    t12 = p_a2*t11
+    t13 = cos(t10)
+    t14 = sin(t10)
+    t15 = p_a3*t13
+    t16 = (t6 + t9 + t15 - T14)/t5
+    t17 = t9 + t15
+    s1 = sin(q1)
+    t18 = p_a1*s1
+    t19 = p_a3*t14
+    t20 = (t18 + t12 + t19 - T24)/t5
+    t21 = t12 + t19
+    t22 = T34/t5
+    t23 = 1.0/t5
+    t24 = (t18 + t21)*t23
+    t25 = t19*t23
+    t26 = (t6 + t17)*t23
+    t27 = t15*t23
+    t28 = t21*t23
+    t29 = t17*t23
+    t30 = t13 - T11
+    t31 = t14 - T21
+    t32 = T31*T31
+    t33 = t16*t16 + t20*t20 + t22*t22 + t30*t30 + t31*t31 + t32
+    t34 = t14 + T12
+    t35 = t13 - T22
+    t36 = T32*T32
+    t37 = T13*T13
+    t38 = T23*T23
+    t39 = 1.0 - T33
+    t40 = sqrt(t33 + t34*t34 + t35*t35 + t36 + t37 + t38 + t39*t39)
+    t41 = t40 - absolute(1.0 - (T11*T11 + T21*T21 + t32)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t42 = t41 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t36 + (T12*T12 + T22*T22)))
+    t43 = t42 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t37 + t38 + T33*T33))
+    t44 = 2.0 + (t24*t25 + t26*t27)
+    t45 = damping1 + (2.0 + (t24*t24 + t26*t26))
+    t46 = t44/t45
+    t47 = 2.0 + (t24*t28 + t26*t29)
+    t48 = 2.0 + (t28*t25 + t29*t27) - t47*t46
+    t49 = t47/t45
+    t50 = damping1 + (2.0 + (t28*t28 + t29*t29)) - t47*t49
+    t51 = t48/t50
+    t52 = damping1 + (2.0 + (t25*t25 + t27*t27)) - t44*t46 - t48*t51
+    t53 = t14*T11 - t13*T21 + (t13*T12 + t14*T22)
+    t54 = t53 - t16*t24 + t20*t26
+    t55 = t53 - t16*t28 + t20*t29 - t54*t49
+    t56 = (t53 - t16*t25 + t20*t27 - t54*t46 - t51*t55)/t52
+    t57 = t55/t50 - t51*t56
+    return (
+        q1 - (t54/t45 - t49*t57 - t46*t56), q2 - t57, q3 - t56, maximum(0.0, t43),
     )
 
 
@@ -342,3 +553,48 @@ analytic_jacobian_rpy = _function(
         0, 1, 2,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 2], values[DOF * 2 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

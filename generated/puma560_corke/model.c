@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -4042,4 +4072,724 @@ KERNEL void base_parameters_lane(double *restrict result, const size_t lanes)
 void puma560_corke_base_parameters(double *restrict result)
 {
     base_parameters_lane(result, 1);
+}
+
+/* inverse_kinematics */
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = t1;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double sa6 = sines[5 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double ca6 = cosines[5 * lanes];
+    const double t1 = s4*s5;
+    const double t2 = c4*s5;
+    const double t3 = ca6*t2 + c5*sa6;
+    const double t4 = c1*t1 + s1*t3;
+    const double t5 = s1*t1 - c1*t3;
+    const double t6 = s5*s6;
+    const double t7 = c5*s6;
+    const double t8 = c5*ca6 - sa6*t2;
+    const double t9 = c4*t7 + s4*c6;
+    const double t10 = s4*t7 - c4*c6;
+    const double t11 = ca6*t6 + sa6*t9;
+    const double t12 = ca6*t9 - sa6*t6;
+    const double t13 = s1*t10 - c1*t12;
+    const double t14 = c1*t10 + s1*t12;
+    const double t15 = t11*t5 + t13*t8;
+    const double t16 = t11*t4 + t14*t8;
+    const double t17 = t4*T13 + t5*T23 + (t15*T11 - t16*T21 + (t14*T12 + t13*T22));
+    const double t18 = 0.0203*ca6 - 0.4318*sa6;
+    const double t19 = 0.4318*c2 + t18;
+    const double t20 = 0.15005*s1 + c1*t19;
+    const double t21 = 0.0225150025 + (0.18645124 + (T14*T14 + (T24*T24 + T34*T34)));
+    const double t22 = sqrt(0.18645124 + (0.00041209 + t21));
+    const double t23 = (0.0 < t22) ? t22 : 1.0;
+    const double t24 = (t20 - T14)/t23;
+    const double t25 = 0.15005*c1 - s1*t19;
+    const double t26 = 1.0/t23;
+    const double t27 = t20*t26;
+    const double t28 = t19*t26;
+    const double t29 = t18*t26;
+    const double t30 = t25*t26;
+    const double t31 = (t25 + T24)/t23;
+    const double t32 = t17 - t24*t30 + t31*t27;
+    const double t33 = damping1 + (2.0 + (t30*t30 + t27*t27));
+    const double t34 = 0.0203*sa6 + 0.4318*ca6;
+    const double t35 = 0.4318*s2 + t34;
+    const double t36 = c1*t35*t26;
+    const double t37 = s1*t35*t26;
+    const double t38 = (t35 - T34)/t23;
+    const double t39 = t30*t36 + t27*t37;
+    const double t40 = t39/t33;
+    const double t41 = t13*t4 - t14*t5;
+    const double t42 = t15 + T21;
+    const double t43 = t8*T23 + t4*T33 - (t41*T21 - t15*T31 + (t11*T22 - t14*T32));
+    const double t44 = t14 + T22;
+    const double t45 = t16 + T11;
+    const double t46 = t41 + T31;
+    const double t47 = t13 - T12;
+    const double t48 = t5*T33 - t8*T13 - (t16*T31 - t41*T11 - (t13*T32 + t11*T12));
+    const double t49 = t11 + T32;
+    const double t50 = s1*t43 - c1*t48;
+    const double t51 = t50 - t24*t36 + t31*t37 + t38*t28 - t32*t40;
+    const double t52 = 2.0*(s1*s1 + c1*c1);
+    const double t53 = damping1 + (t36*t36 + t37*t37 + t28*t28 + t52) - t39*t40;
+    const double t54 = c1*t34*t26;
+    const double t55 = s1*t34*t26;
+    const double t56 = t30*t54 + t27*t55;
+    const double t57 = t56/t33;
+    const double t58 = t52 + (t36*t54 + t37*t55 + t28*t29) - t39*t57;
+    const double t59 = t58/t53;
+    const double t60 = t24*t24 + t31*t31 + t38*t38 + t45*t45 + t42*t42 + t46*t46;
+    const double t61 = t50 - t24*t54 + t31*t55 + t38*t29 - t32*t57 - t59*t51;
+    const double t62 = damping1 + (t52 + (t54*t54 + t55*t55 + t29*t29)) - t56*t57;
+    const double t63 = t62 - t58*t59;
+    const double t64 = c1*sa6;
+    const double t65 = s1*sa6;
+    const double t66 = s4*sa6;
+    const double t67 = s4*ca6;
+    const double t68 = 2.0*(s1*t64 - c1*t65);
+    const double t69 = 2.0*ca6;
+    const double t70 = t69/t33;
+    const double t71 = t68 - t39*t70;
+    const double t72 = t71/t53;
+    const double t73 = t68 - t56*t70 - t58*t72;
+    const double t74 = t73/t63;
+    const double t75 = t64*t43 + t65*t48 + ca6*t17 - t32*t70 - t72*t51 - t74*t61;
+    const double t76 = damping1 + 2.0*(ca6*ca6 + (t64*t64 + t65*t65)) - t69*t70;
+    const double t77 = t76 - t71*t72 - t73*t74;
+    const double t78 = s1*c4 + c1*t67;
+    const double t79 = c1*c4 - s1*t67;
+    const double t80 = 2.0*t66;
+    const double t81 = t80/t33;
+    const double t82 = 2.0*(s1*t78 + c1*t79);
+    const double t83 = 2.0*(s1*t5 + c1*t4);
+    const double t84 = t82 + t39*t81;
+    const double t85 = t84/t53;
+    const double t86 = 2.0*(t64*t78 - t65*t79 - ca6*t66) + t69*t81 - t71*t85;
+    const double t87 = t82 + t56*t81 - t58*t85;
+    const double t88 = t87/t63;
+    const double t89 = t86 - t73*t88;
+    const double t90 = t89/t77;
+    const double t91 = t78*t43 - t79*t48 - t66*t17 + t32*t81 - t85*t51 - t88*t61;
+    const double t92 = t91 - t90*t75;
+    const double t93 = damping1 + 2.0*(t78*t78 + t79*t79 + t66*t66) - t80*t81;
+    const double t94 = t93 - t84*t85 - t87*t88 - t89*t90;
+    const double t95 = 2.0*t8;
+    const double t96 = t95/t33;
+    const double t97 = t83 + t39*t96;
+    const double t98 = t97/t53;
+    const double t99 = t83 + t56*t96 - t58*t98;
+    const double t100 = t99/t63;
+    const double t101 = 2.0*(t5*t78 + t4*t79 + t66*t8) - t80*t96 - t84*t98 - t87*t100;
+    const double t102 = 2.0*(t64*t5 - t65*t4 - ca6*t8) + t69*t96 - t71*t98 - t73*t100;
+    const double t103 = t102/t77;
+    const double t104 = t101 - t89*t103;
+    const double t105 = t104/t94;
+    const double t106 = t5*t43 - t4*t48 - t8*t17 + t32*t96 - t98*t51 - t100*t61;
+    const double t107 = t5 - T13;
+    const double t108 = t4 + T23;
+    const double t109 = t60 + t47*t47 + t44*t44 + t49*t49 + t107*t107 + t108*t108;
+    const double t110 = damping1 + 2.0*(t5*t5 + t4*t4 + t8*t8) - t95*t96 - t97*t98;
+    const double t111 = (t106 - t103*t75 - t105*t92)/(t110 - t99*t100 - t102*t103 - t104*t105);
+    const double t112 = t92/t94 - t105*t111;
+    const double t113 = t75/t77 - t90*t112 - t103*t111;
+    const double t114 = t61/t63 - t74*t113 - t88*t112 - t100*t111;
+    const double t115 = t51/t53 - t59*t114 - t72*t113 - t85*t112 - t98*t111;
+    const double t116 = t32/t33 - t40*t115 - t57*t114 - t70*t113 + t81*t112 + t96*t111;
+    const double t117 = t8 - T33;
+    const double t118 = sqrt(t109 + t117*t117) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t119 = t118 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t120 = t119 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t121 = maximum(0.0, t120 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    result[0] = q1 + t116;
+    result[lanes] = q2 - t115;
+    result[2 * lanes] = q3 - t114;
+    result[3 * lanes] = q4 + t113;
+    result[4 * lanes] = q5 - t112;
+    result[5 * lanes] = q6 - t111;
+    result[6 * lanes] = t121;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near3 = near[2 * lanes];
+    const double near4 = near[3 * lanes];
+    angles[0] = near1;
+    angles[lanes] = near3;
+    angles[2 * lanes] = near2;
+    angles[3 * lanes] = near4;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double sa4 = sines[3 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double ca4 = cosines[3 * lanes];
+    const double t1 = T24*T24;
+    const double t2 = T14*T14;
+    const double t3 = t1 + t2;
+    const double t4 = t1 - t2;
+    const double t5 = T34*T34;
+    const double t6 = t5 + t1;
+    const double t7 = t5 + t3;
+    const double t8 = sqrt(0.3958295725 + t7);
+    const double t9 = 0.3958295725 - t7;
+    const double t10 = 1e-12*t8;
+    const double t11 = fabs(T24);
+    const double t12 = 1.0 - (t10 < t11);
+    const double t13 = fabs(T14);
+    const double t14 = t12 - t12*(t10 < t13);
+    const double t15 = t8*t10;
+    const double t16 = fabs(t3);
+    const double t17 = 0.0225150025 - t3;
+    const double t18 = -t17;
+    const double t19 = 1e-14*t16 < t18;
+    const double t20 = (t19 > 0.0 ? sqrt(-minimum(0.0, t17)) : 0.0)/t3;
+    const double t21 = T24*t20;
+    const double t22 = T14*t20;
+    const double t23 = 0.15005/t3;
+    const double t24 = T14*t23;
+    const double t25 = T24*t23;
+    const double t26 = t14 > 0.0 ? sa1 : t24 + t21;
+    const double t27 = t14 > 0.0 ? -sa1 : t24 - t21;
+    const double t28 = T24*t27;
+    const double t29 = t14 > 0.0 ? ca1 : t25 + t22;
+    const double t30 = t14 > 0.0 ? -ca1 : t25 - t22;
+    const double t31 = t28 - T14*t29;
+    const double t32 = t5 + t31*t31;
+    const double t33 = 0.1393635983561168 - t9*t9;
+    const double t34 = 1.393635983561168e-15 < t33;
+    const double t35 = t34 > 0.0 ? sqrt(maximum(0.0, t33)) : 0.0;
+    const double t36 = 2.675752380095121*t35;
+    const double t37 = 0.12579382426107213*t35;
+    const double t38 = 0.12579382426107213*t9;
+    const double t39 = 2.675752380095121*t9;
+    const double t40 = t38 - t36;
+    const double t41 = t38 + t36;
+    const double t42 = 0.0203 - 0.4318*t40;
+    const double t43 = t39 + t37;
+    const double t44 = t39 - t37;
+    const double t45 = 0.4318 - 0.4318*t43;
+    const double t46 = T34*t45;
+    const double t47 = (t46 + t42*t31)/t32;
+    const double t48 = T34*t42;
+    const double t49 = (t48 - t45*t31)/t32;
+    const double t50 = 1.5 - 0.5*(t47*t47 + t49*t49);
+    const double t51 = 0.0203 - 0.4318*t41;
+    const double t52 = 0.4318 - 0.4318*t44;
+    const double t53 = T34*t52;
+    const double t54 = 2.0*T14;
+    const double t55 = fabs(t6 - t29*(t4*t29 + t54*t28));
+    const double t56 = t15 < t55;
+    const double t57 = ca2*ca3 - sa2*sa3;
+    const double t58 = t56 > 0.0 ? t50*((t53 + t51*t31)/t32) : t57;
+    const double t59 = ca2*sa3 + ca3*sa2;
+    const double t60 = t56 > 0.0 ? t47*t50 : t57;
+    const double t61 = t56 > 0.0 ? t49*t50 : t59;
+    const double t62 = T23*t27 - T13*t29;
+    const double t63 = T34*t51;
+    const double t64 = t56 > 0.0 ? t50*((t63 - t52*t31)/t32) : t59;
+    const double t65 = 1.0 - t56;
+    const double t66 = t62*t58 + T33*t64;
+    const double t67 = fabs(t66);
+    const double t68 = T13*t27 + T23*t29;
+    const double t69 = fabs(t68);
+    const double t70 = 1.0 - (1e-12 < t69);
+    const double t71 = t70 - t70*(1e-12 < t67);
+    const double t72 = maximum(t14, t65);
+    const double t73 = maximum(t71, t72);
+    const double t74 = (1.0 - t14)*(1.0 - (1e-11*t16 < t17));
+    const double t75 = t19*t74;
+    const double t76 = maximum(t14, t74);
+    const double t77 = 1.0 - (t33 < -1.3936359835611679e-12);
+    const double t78 = t34*t77;
+    const double t79 = maximum(t74 - t75, t77 - t78) > 0.0 ? 2.0 : 1.0;
+    const double t80 = 1.0 - (0.001 < t69);
+    const double t81 = 1.0 - (1e-14*fabs(100000.0*t3) < t18);
+    const double t82 = t81 - t81*(1e-11*fabs(100.0*t3) < t17);
+    const double t83 = 0.001*t8;
+    const double t84 = 1.0 - (t83 < t11);
+    const double t85 = t8*t83;
+    const double t86 = 1.0 - (1.393635983561168e-10 < t33);
+    const double t87 = t86 - t86*(t33 < -1.3936359835611678e-10);
+    const double t88 = maximum(maximum(t82, t84 - t84*(t83 < t13)), t87);
+    const double t89 = maximum(t88, 1.0 - (t85 < t55));
+    const double t90 = maximum(t87, maximum(t14, t82));
+    const double t91 = maximum(t90, t65);
+    const double t92 = (t73 > 0.0 ? 3.0 : t79) + 4.0*maximum(t89, t80 - t80*(0.001 < t67));
+    const double t93 = t73 > 0.0 ? 8.0 : 4.0*maximum(t71, t91);
+    const double t94 = t75*t78;
+    const double t95 = t77*t75;
+    const double t96 = t76*t78;
+    const double t97 = t76*t77;
+    const double t98 = t60*t62 + T33*t61;
+    const double t99 = fabs(t98);
+    const double t100 = t70 - t70*(1e-12 < t99);
+    const double t101 = maximum(t100, t72);
+    const double t102 = t101 > 0.0 ? 8.0 : 4.0*maximum(t100, t91);
+    const double t103 = (t101 > 0.0 ? 3.0 : t79) + 4.0*maximum(t80 - t80*(0.001 < t99), t89);
+    const double t104 = T24*t26;
+    const double t105 = fabs(t6 - t30*(t30*t4 + t54*t104));
+    const double t106 = t15 < t105;
+    const double t107 = maximum(1.0 - (t85 < t105), t88);
+    const double t108 = t104 - T14*t30;
+    const double t109 = t5 + t108*t108;
+    const double t110 = (t46 + t108*t42)/t109;
+    const double t111 = (t48 - t108*t45)/t109;
+    const double t112 = 1.5 - 0.5*(t110*t110 + t111*t111);
+    const double t113 = t106 > 0.0 ? t112*((t53 + t108*t51)/t109) : t57;
+    const double t114 = t106 > 0.0 ? t112*((t63 - t108*t52)/t109) : t59;
+    const double t115 = t106 > 0.0 ? t110*t112 : t57;
+    const double t116 = t106 > 0.0 ? t111*t112 : t59;
+    const double t117 = 1.0 - t106;
+    const double t118 = maximum(t14, t117);
+    const double t119 = maximum(t117, t90);
+    const double t120 = t26*T23 - t30*T13;
+    const double t121 = t120*t113 + T33*t114;
+    const double t122 = fabs(t121);
+    const double t123 = t26*T13 + t30*T23;
+    const double t124 = fabs(t123);
+    const double t125 = 1.0 - (1e-12 < t124);
+    const double t126 = t125 - t125*(1e-12 < t122);
+    const double t127 = 1.0 - (0.001 < t124);
+    const double t128 = maximum(t126, t118);
+    const double t129 = (t128 > 0.0 ? 3.0 : t79) + 4.0*maximum(t107, t127 - t127*(0.001 < t122));
+    const double t130 = t128 > 0.0 ? 8.0 : 4.0*maximum(t126, t119);
+    const double t131 = t115*t120 + t116*T33;
+    const double t132 = fabs(t131);
+    const double t133 = t125 - t125*(1e-12 < t132);
+    const double t134 = maximum(t133, t118);
+    const double t135 = (t134 > 0.0 ? 3.0 : t79) + 4.0*maximum(t127 - t127*(0.001 < t132), t107);
+    const double t136 = t134 > 0.0 ? 8.0 : 4.0*maximum(t133, t119);
+    const double t137 = t68*t68;
+    const double t138 = sqrt(t137 + t66*t66);
+    const double t139 = -ca4;
+    const double t140 = t71 > 0.0 ? t139 : t66/t138;
+    const double t141 = T11*t27 + T21*t29;
+    const double t142 = t71 > 0.0 ? sa4 : t68/t138;
+    const double t143 = T21*t27 - T11*t29;
+    const double t144 = T12*t27 + T22*t29;
+    const double t145 = arctangent(t142, -t140);
+    const double t146 = T22*t27 - T12*t29;
+    const double t147 = arctangent(t27, -t29);
+    const double t148 = arctangent(t141*t140 - t142*(T31*t64 + t143*t58), t144*t140 - t142*(T32*t64 + t146*t58));
+    const double t149 = (0.0 < t148) ? 3.141592653589793 : -3.141592653589793;
+    const double t150 = arctangent(t66*t140 + t68*t142, -(t62*t64 - T33*t58));
+    const double t151 = (0.0 < t145) ? 3.141592653589793 : -3.141592653589793;
+    const double t152 = arctangent(t44, -t41);
+    const double t153 = arctangent(t44*t58 + t41*t64, t44*t64 - t41*t58);
+    const double t154 = sqrt(t137 + t98*t98);
+    const double t155 = t100 > 0.0 ? t139 : t98/t154;
+    const double t156 = t100 > 0.0 ? sa4 : t68/t154;
+    const double t157 = arctangent(t156, -t155);
+    const double t158 = arctangent(t155*t141 - t156*(T31*t61 + t60*t143), t155*t144 - t156*(T32*t61 + t60*t146));
+    const double t159 = (0.0 < t158) ? 3.141592653589793 : -3.141592653589793;
+    const double t160 = arctangent(t98*t155 + t68*t156, -(t61*t62 - T33*t60));
+    const double t161 = (0.0 < t157) ? 3.141592653589793 : -3.141592653589793;
+    const double t162 = arctangent(t43, -t40);
+    const double t163 = arctangent(t43*t60 + t40*t61, t43*t61 - t40*t60);
+    const double t164 = t123*t123;
+    const double t165 = sqrt(t164 + t121*t121);
+    const double t166 = t126 > 0.0 ? t139 : t121/t165;
+    const double t167 = t126 > 0.0 ? sa4 : t123/t165;
+    const double t168 = t26*T11 + t30*T21;
+    const double t169 = t26*T21 - t30*T11;
+    const double t170 = t26*T12 + t30*T22;
+    const double t171 = arctangent(t167, -t166);
+    const double t172 = t26*T22 - t30*T12;
+    const double t173 = arctangent(t26, -t30);
+    const double t174 = arctangent(t168*t166 - t167*(T31*t114 + t169*t113), t170*t166 - t167*(T32*t114 + t172*t113));
+    const double t175 = (0.0 < t174) ? 3.141592653589793 : -3.141592653589793;
+    const double t176 = arctangent(t121*t166 + t123*t167, -(t120*t114 - T33*t113));
+    const double t177 = (0.0 < t171) ? 3.141592653589793 : -3.141592653589793;
+    const double t178 = arctangent(t41*t114 + t44*t113, t44*t114 - t41*t113);
+    const double t179 = sqrt(t164 + t131*t131);
+    const double t180 = t133 > 0.0 ? t139 : t131/t179;
+    const double t181 = t133 > 0.0 ? sa4 : t123/t179;
+    const double t182 = arctangent(t181, -t180);
+    const double t183 = arctangent(t180*t168 - t181*(t116*T31 + t115*t169), t180*t170 - t181*(t116*T32 + t115*t172));
+    const double t184 = (0.0 < t183) ? 3.141592653589793 : -3.141592653589793;
+    const double t185 = arctangent(t131*t180 + t123*t181, -(t116*t120 - t115*T33));
+    const double t186 = (0.0 < t182) ? 3.141592653589793 : -3.141592653589793;
+    const double t187 = arctangent(t43*t115 + t40*t116, t43*t116 - t40*t115);
+    result[0] = t173;
+    result[lanes] = -t187;
+    result[2 * lanes] = t162;
+    result[3 * lanes] = t182;
+    result[4 * lanes] = t185;
+    result[5 * lanes] = t183;
+    result[6 * lanes] = t173;
+    result[7 * lanes] = -t187;
+    result[8 * lanes] = t162;
+    result[9 * lanes] = t182 - t186;
+    result[10 * lanes] = -t185;
+    result[11 * lanes] = t183 - t184;
+    result[12 * lanes] = t173;
+    result[13 * lanes] = -t178;
+    result[14 * lanes] = t152;
+    result[15 * lanes] = t171;
+    result[16 * lanes] = t176;
+    result[17 * lanes] = t174;
+    result[18 * lanes] = t173;
+    result[19 * lanes] = -t178;
+    result[20 * lanes] = t152;
+    result[21 * lanes] = t171 - t177;
+    result[22 * lanes] = -t176;
+    result[23 * lanes] = t174 - t175;
+    result[24 * lanes] = t147;
+    result[25 * lanes] = -t163;
+    result[26 * lanes] = t162;
+    result[27 * lanes] = t157;
+    result[28 * lanes] = t160;
+    result[29 * lanes] = t158;
+    result[30 * lanes] = t147;
+    result[31 * lanes] = -t163;
+    result[32 * lanes] = t162;
+    result[33 * lanes] = t157 - t161;
+    result[34 * lanes] = -t160;
+    result[35 * lanes] = t158 - t159;
+    result[36 * lanes] = t147;
+    result[37 * lanes] = -t153;
+    result[38 * lanes] = t152;
+    result[39 * lanes] = t145;
+    result[40 * lanes] = t150;
+    result[41 * lanes] = t148;
+    result[42 * lanes] = t147;
+    result[43 * lanes] = -t153;
+    result[44 * lanes] = t152;
+    result[45 * lanes] = t145 - t151;
+    result[46 * lanes] = -t150;
+    result[47 * lanes] = t148 - t149;
+    result[48 * lanes] = t97 > 0.0 ? t135 : t136;
+    result[49 * lanes] = t97 - t133*t97 > 0.0 ? t135 : t136;
+    result[50 * lanes] = t96 > 0.0 ? t129 : t130;
+    result[51 * lanes] = t96 - t126*t96 > 0.0 ? t129 : t130;
+    result[52 * lanes] = t95 > 0.0 ? t103 : t102;
+    result[53 * lanes] = t95 - t100*t95 > 0.0 ? t103 : t102;
+    result[54 * lanes] = t94 > 0.0 ? t92 : t93;
+    result[55 * lanes] = t94 - t71*t94 > 0.0 ? t92 : t93;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 48 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 8; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 8; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 6; ++j)
+            q[6 * b + j] = code ? values[(6 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 6; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
+{
+    enum { error = 6 };
+    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 6 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 6; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 48;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 8; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 6 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 6; ++j)
+                row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, row) <= (kind < 3 ? 3e-11 : 3e-11);
+            for (size_t other = 0; fine && other < 8; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, result, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int puma560_corke_inverse_kinematics(const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[6], values[56];
+    const double *const codes = values + 48;
+    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 48; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 8; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 48 * sizeof *q);
+    for (size_t b = 0; b < 8; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 8; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 6; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, values);
+        for (size_t j = 0; j < 48 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 6])
+                values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 8; ++b) {
+        for (size_t j = 0; j < 6 && !kinds[b]; ++j)
+            q[6 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, double *restrict result)
+{
+    double angles[4 * inverse_kinematics_lanes], sines[4 * inverse_kinematics_lanes], cosines[4 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, result + i, inverse_kinematics_lanes);
+}
+
+void puma560_corke_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[6 * inverse_kinematics_lanes], result_block[56 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(6, near + 6 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 48 * row;
+            int *const codes = status ? status + 8 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                puma560_corke_inverse_kinematics(T + 16 * row, near ? near + 6 * row : NULL, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-2.792526803190927, -0.7853981633974483, -3.9269908169872414, -1.9198621771937625, -1.7453292519943295, -4.642575810304916}, upper[] = {2.792526803190927, 3.9269908169872414, 0.7853981633974483, 2.9670597283903604, 1.7453292519943295, 4.642575810304916};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 6; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int puma560_corke_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, double *restrict q)
+{
+    double solutions[48], least = INFINITY;
+    int status[8], found = 0;
+    puma560_corke_inverse_kinematics(T, near, solutions, status);
+    for (size_t j = 0; j < 6; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 8; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 6 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 6 * b, 6 * sizeof *q);
+        }
+    }
+    return found;
 }

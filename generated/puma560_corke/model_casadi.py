@@ -37,6 +37,10 @@ Every parameter has its number in this file.
     base_regressor(q, qd, qdd) -> Y_b
     base_parameters() -> beta
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+
 Self-check: `derive verify puma560-corke` compares every function with an independent recursion.
 """
 
@@ -101,7 +105,13 @@ OPERATIONS = {
     "regressor": {"mul": 440, "add": 340, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_regressor": {"mul": 387, "add": 282, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "inverse_kinematics": {"mul": 202, "add": 139, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 109},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -133,13 +143,30 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = cos(t1)
@@ -178,7 +205,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -249,7 +276,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = cos(t1)
@@ -281,7 +308,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c5 = cos(q5)
     s4 = sin(q4)
@@ -322,7 +349,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     s4 = sin(q4)
@@ -375,7 +402,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     s4 = sin(q4)
     c6 = cos(q6)
@@ -439,7 +466,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = sin(t1)
@@ -490,7 +517,7 @@ def _analytic_jacobian_zyz(functions, k, q):
 
 
 def _inertia_matrix(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c5 = cos(q5)
     t1 = 4e-05*c5
@@ -557,7 +584,7 @@ def _inertia_matrix(functions, k, q):
 
 
 def _coriolis_matrix(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c5 = cos(q5)
@@ -714,7 +741,7 @@ def _coriolis_matrix(functions, k, q, qd):
 
 
 def _gravity_vector(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = sin(t1)
@@ -735,7 +762,7 @@ def _gravity_vector(functions, k, q):
 
 
 def _kinetic_energy(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -779,7 +806,7 @@ def _kinetic_energy(functions, k, q, qd):
 
 
 def _potential_energy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = sin(t1)
@@ -796,7 +823,7 @@ def _potential_energy(functions, k, q):
 
 
 def _inverse_dynamics(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -896,7 +923,7 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
 
 
 def _forward_dynamics(functions, k, q, qd, tau):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     tau1, tau2, tau3, tau4, tau5, tau6 = tau
@@ -1063,7 +1090,7 @@ def _forward_dynamics(functions, k, q, qd, tau):
 
 
 def _coriolis_vector(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -1146,7 +1173,7 @@ def _coriolis_vector(functions, k, q, qd):
 
 
 def _inverse_dynamics_dq(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -1374,7 +1401,7 @@ def _inverse_dynamics_dq(functions, k, q, qd, qdd):
 
 
 def _inverse_dynamics_dqd(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     s4 = sin(q4)
@@ -1532,7 +1559,7 @@ def _inverse_dynamics_dqd(functions, k, q, qd):
 
 
 def _regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -1831,7 +1858,7 @@ def _regressor(functions, k, q, qd, qdd):
 
 
 def _base_regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -2092,6 +2119,359 @@ def _base_parameters(functions, k):
     )
 
 
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    t1 = T24*T24
+    t2 = T14*T14
+    t3 = t1 + t2
+    t4 = t1 - t2
+    t5 = T34*T34
+    t6 = t5 + t1
+    t7 = t5 + t3
+    t8 = sqrt(0.3958295725 + t7)
+    t9 = 0.3958295725 - t7
+    t10 = 1e-12*t8
+    t11 = absolute(T24)
+    t12 = 1.0 - less(t10, t11)
+    t13 = absolute(T14)
+    t14 = t12 - t12*less(t10, t13)
+    t15 = t8*t10
+    t16 = absolute(t3)
+    t17 = 0.0225150025 - t3
+    t18 = -t17
+    t19 = less(1e-14*t16, t18)
+    t20 = select(t19, sqrt(-minimum(0.0, t17)), 0.0)/t3
+    t21 = T24*t20
+    t22 = T14*t20
+    t23 = 0.15005/t3
+    t24 = T14*t23
+    t25 = T24*t23
+    t26 = sin(near1)
+    t27 = select(t14, t26, t24 + t21)
+    t28 = select(t14, -t26, t24 - t21)
+    t29 = T24*t28
+    t30 = cos(near1)
+    t31 = select(t14, t30, t25 + t22)
+    t32 = select(t14, -t30, t25 - t22)
+    t33 = t29 - T14*t31
+    t34 = t5 + t33*t33
+    t35 = 0.1393635983561168 - t9*t9
+    t36 = less(1.393635983561168e-15, t35)
+    t37 = select(t36, sqrt(maximum(0.0, t35)), 0.0)
+    t38 = 2.675752380095121*t37
+    t39 = 0.12579382426107213*t37
+    t40 = 0.12579382426107213*t9
+    t41 = 2.675752380095121*t9
+    t42 = t40 - t38
+    t43 = t40 + t38
+    t44 = 0.0203 - 0.4318*t42
+    t45 = t41 + t39
+    t46 = t41 - t39
+    t47 = 0.4318 - 0.4318*t45
+    t48 = T34*t47
+    t49 = (t48 + t44*t33)/t34
+    t50 = T34*t44
+    t51 = (t50 - t47*t33)/t34
+    t52 = 1.5 - 0.5*(t49*t49 + t51*t51)
+    t53 = 0.0203 - 0.4318*t43
+    t54 = 0.4318 - 0.4318*t46
+    t55 = T34*t54
+    t56 = 2.0*T14
+    t57 = absolute(t6 - t31*(t4*t31 + t56*t29))
+    t58 = less(t15, t57)
+    t59 = cos(near3)
+    t60 = cos(near2)
+    t61 = sin(near3)
+    t62 = sin(near2)
+    t63 = t59*t60 - t61*t62
+    t64 = select(t58, t52*((t55 + t53*t33)/t34), t63)
+    t65 = t59*t62 + t60*t61
+    t66 = select(t58, t49*t52, t63)
+    t67 = select(t58, t51*t52, t65)
+    t68 = T23*t28 - T13*t31
+    t69 = T34*t53
+    t70 = select(t58, t52*((t69 - t54*t33)/t34), t65)
+    t71 = 1.0 - t58
+    t72 = t68*t64 + T33*t70
+    t73 = absolute(t72)
+    t74 = T13*t28 + T23*t31
+    t75 = absolute(t74)
+    t76 = 1.0 - less(1e-12, t75)
+    t77 = t76 - t76*less(1e-12, t73)
+    t78 = maximum(t14, t71)
+    t79 = maximum(t77, t78)
+    t80 = (1.0 - t14)*(1.0 - less(1e-11*t16, t17))
+    t81 = t19*t80
+    t82 = maximum(t14, t80)
+    t83 = 1.0 - less(t35, -1.3936359835611679e-12)
+    t84 = t36*t83
+    t85 = select(maximum(t80 - t81, t83 - t84), 2.0, 1.0)
+    t86 = 1.0 - less(0.001, t75)
+    t87 = 1.0 - less(1e-14*absolute(100000.0*t3), t18)
+    t88 = t87 - t87*less(1e-11*absolute(100.0*t3), t17)
+    t89 = 0.001*t8
+    t90 = 1.0 - less(t89, t11)
+    t91 = t8*t89
+    t92 = 1.0 - less(1.393635983561168e-10, t35)
+    t93 = t92 - t92*less(t35, -1.3936359835611678e-10)
+    t94 = maximum(maximum(t88, t90 - t90*less(t89, t13)), t93)
+    t95 = maximum(t94, 1.0 - less(t91, t57))
+    t96 = maximum(t93, maximum(t14, t88))
+    t97 = maximum(t96, t71)
+    t98 = select(t79, 3.0, t85) + 4.0*maximum(t95, t86 - t86*less(0.001, t73))
+    t99 = select(t79, 8.0, 4.0*maximum(t77, t97))
+    t100 = t81*t84
+    t101 = t83*t81
+    t102 = t82*t84
+    t103 = t82*t83
+    t104 = t66*t68 + T33*t67
+    t105 = absolute(t104)
+    t106 = t76 - t76*less(1e-12, t105)
+    t107 = maximum(t106, t78)
+    t108 = select(t107, 8.0, 4.0*maximum(t106, t97))
+    t109 = select(t107, 3.0, t85) + 4.0*maximum(t86 - t86*less(0.001, t105), t95)
+    t110 = T24*t27
+    t111 = absolute(t6 - t32*(t32*t4 + t56*t110))
+    t112 = less(t15, t111)
+    t113 = maximum(1.0 - less(t91, t111), t94)
+    t114 = t110 - T14*t32
+    t115 = t5 + t114*t114
+    t116 = (t48 + t114*t44)/t115
+    t117 = (t50 - t114*t47)/t115
+    t118 = 1.5 - 0.5*(t116*t116 + t117*t117)
+    t119 = select(t112, t118*((t55 + t114*t53)/t115), t63)
+    t120 = select(t112, t118*((t69 - t114*t54)/t115), t65)
+    t121 = select(t112, t116*t118, t63)
+    t122 = select(t112, t117*t118, t65)
+    t123 = 1.0 - t112
+    t124 = maximum(t14, t123)
+    t125 = maximum(t123, t96)
+    t126 = t27*T23 - t32*T13
+    t127 = t126*t119 + T33*t120
+    t128 = absolute(t127)
+    t129 = t27*T13 + t32*T23
+    t130 = absolute(t129)
+    t131 = 1.0 - less(1e-12, t130)
+    t132 = t131 - t131*less(1e-12, t128)
+    t133 = 1.0 - less(0.001, t130)
+    t134 = maximum(t132, t124)
+    t135 = select(t134, 3.0, t85) + 4.0*maximum(t113, t133 - t133*less(0.001, t128))
+    t136 = select(t134, 8.0, 4.0*maximum(t132, t125))
+    t137 = t121*t126 + t122*T33
+    t138 = absolute(t137)
+    t139 = t131 - t131*less(1e-12, t138)
+    t140 = maximum(t139, t124)
+    t141 = select(t140, 3.0, t85) + 4.0*maximum(t133 - t133*less(0.001, t138), t113)
+    t142 = select(t140, 8.0, 4.0*maximum(t139, t125))
+    t143 = t74*t74
+    t144 = sqrt(t143 + t72*t72)
+    t145 = cos(near4)
+    t146 = -t145
+    t147 = select(t77, t146, t72/t144)
+    t148 = T11*t28 + T21*t31
+    t149 = sin(near4)
+    t150 = select(t77, t149, t74/t144)
+    t151 = T21*t28 - T11*t31
+    t152 = T12*t28 + T22*t31
+    t153 = atan2(t150, -t147)
+    t154 = T22*t28 - T12*t31
+    t155 = atan2(t28, -t31)
+    t156 = atan2(t148*t147 - t150*(T31*t70 + t151*t64), t152*t147 - t150*(T32*t70 + t154*t64))
+    t157 = select(less(0.0, t156), 3.141592653589793, -3.141592653589793)
+    t158 = atan2(t72*t147 + t74*t150, -(t68*t70 - T33*t64))
+    t159 = select(less(0.0, t153), 3.141592653589793, -3.141592653589793)
+    t160 = atan2(t46, -t43)
+    t161 = atan2(t46*t64 + t43*t70, t46*t70 - t43*t64)
+    t162 = sqrt(t143 + t104*t104)
+    t163 = select(t106, t146, t104/t162)
+    t164 = select(t106, t149, t74/t162)
+    t165 = atan2(t164, -t163)
+    t166 = atan2(t163*t148 - t164*(T31*t67 + t66*t151), t163*t152 - t164*(T32*t67 + t66*t154))
+    t167 = select(less(0.0, t166), 3.141592653589793, -3.141592653589793)
+    t168 = atan2(t104*t163 + t74*t164, -(t67*t68 - T33*t66))
+    t169 = select(less(0.0, t165), 3.141592653589793, -3.141592653589793)
+    t170 = atan2(t45, -t42)
+    t171 = atan2(t45*t66 + t42*t67, t45*t67 - t42*t66)
+    t172 = t129*t129
+    t173 = sqrt(t172 + t127*t127)
+    t174 = select(t132, t146, t127/t173)
+    t175 = select(t132, t149, t129/t173)
+    t176 = t27*T11 + t32*T21
+    t177 = t27*T21 - t32*T11
+    t178 = t27*T12 + t32*T22
+    t179 = atan2(t175, -t174)
+    t180 = t27*T22 - t32*T12
+    t181 = atan2(t27, -t32)
+    t182 = atan2(t176*t174 - t175*(T31*t120 + t177*t119), t178*t174 - t175*(T32*t120 + t180*t119))
+    t183 = select(less(0.0, t182), 3.141592653589793, -3.141592653589793)
+    t184 = atan2(t127*t174 + t129*t175, -(t126*t120 - T33*t119))
+    t185 = select(less(0.0, t179), 3.141592653589793, -3.141592653589793)
+    t186 = atan2(t43*t120 + t46*t119, t46*t120 - t43*t119)
+    t187 = sqrt(t172 + t137*t137)
+    t188 = select(t139, t146, t137/t187)
+    t189 = select(t139, t149, t129/t187)
+    t190 = atan2(t189, -t188)
+    t191 = atan2(t188*t176 - t189*(t122*T31 + t121*t177), t188*t178 - t189*(t122*T32 + t121*t180))
+    t192 = select(less(0.0, t191), 3.141592653589793, -3.141592653589793)
+    t193 = atan2(t137*t188 + t129*t189, -(t122*t126 - t121*T33))
+    t194 = select(less(0.0, t190), 3.141592653589793, -3.141592653589793)
+    t195 = atan2(t45*t121 + t42*t122, t45*t122 - t42*t121)
+    return (
+        t181, -t195, t170, t190, t193, t191, t181, -t195, t170, t190 - t194, -t193, t191 - t192, t181, -t186,
+        t160, t179, t184, t182, t181, -t186, t160, t179 - t185, -t184, t182 - t183, t155, -t171, t170, t165,
+        t168, t166, t155, -t171, t170, t165 - t169, -t168, t166 - t167, t155, -t161, t160, t153, t158, t156,
+        t155, -t161, t160, t153 - t159, -t158, t156 - t157, select(t103, t141, t142),
+        select(t103 - t139*t103, t141, t142), select(t102, t135, t136), select(t102 - t132*t102, t135, t136),
+        select(t101, t109, t108), select(t101 - t106*t101, t109, t108), select(t100, t98, t99),
+        select(t100 - t77*t100, t98, t99),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c1 = cos(q1)
+    s4 = sin(q4)
+    s5 = sin(q5)
+    t1 = s4*s5
+    s1 = sin(q1)
+    t2 = q2 + q3
+    t3 = cos(t2)
+    t4 = sin(t2)
+    c4 = cos(q4)
+    t5 = c4*s5
+    c5 = cos(q5)
+    t6 = t3*t5 + c5*t4
+    t7 = c1*t1 + s1*t6
+    t8 = s1*t1 - c1*t6
+    s6 = sin(q6)
+    t9 = s5*s6
+    t10 = c5*s6
+    t11 = c5*t3 - t4*t5
+    c6 = cos(q6)
+    t12 = c4*t10 + s4*c6
+    t13 = s4*t10 - c4*c6
+    t14 = t3*t9 + t4*t12
+    t15 = t3*t12 - t4*t9
+    t16 = s1*t13 - c1*t15
+    t17 = c1*t13 + s1*t15
+    t18 = t14*t8 + t16*t11
+    t19 = t14*t7 + t17*t11
+    t20 = t7*T13 + t8*T23 + (t18*T11 - t19*T21 + (t17*T12 + t16*T22))
+    c2 = cos(q2)
+    t21 = 0.0203*t3 - 0.4318*t4
+    t22 = 0.4318*c2 + t21
+    t23 = 0.15005*s1 + c1*t22
+    t24 = 0.0225150025 + (0.18645124 + (T14*T14 + (T24*T24 + T34*T34)))
+    t25 = sqrt(0.18645124 + (0.00041209 + t24))
+    t26 = select(less(0.0, t25), t25, 1.0)
+    t27 = (t23 - T14)/t26
+    t28 = 0.15005*c1 - s1*t22
+    t29 = 1.0/t26
+    t30 = t23*t29
+    t31 = t22*t29
+    t32 = t21*t29
+    t33 = t28*t29
+    t34 = (t28 + T24)/t26
+    t35 = t20 - t27*t33 + t34*t30
+    t36 = damping1 + (2.0 + (t33*t33 + t30*t30))
+    s2 = sin(q2)
+    t37 = 0.0203*t4 + 0.4318*t3
+    t38 = 0.4318*s2 + t37
+    t39 = c1*t38*t29
+    t40 = s1*t38*t29
+    t41 = (t38 - T34)/t26
+    t42 = t33*t39 + t30*t40
+    t43 = t42/t36
+    t44 = t16*t7 - t17*t8
+    t45 = t18 + T21
+    t46 = t11*T23 + t7*T33 - (t44*T21 - t18*T31 + (t14*T22 - t17*T32))
+    t47 = t17 + T22
+    t48 = t19 + T11
+    t49 = t44 + T31
+    t50 = t16 - T12
+    t51 = t8*T33 - t11*T13 - (t19*T31 - t44*T11 - (t16*T32 + t14*T12))
+    t52 = t14 + T32
+    t53 = s1*t46 - c1*t51
+    t54 = t53 - t27*t39 + t34*t40 + t41*t31 - t35*t43
+    t55 = 2.0*(s1*s1 + c1*c1)
+    t56 = damping1 + (t39*t39 + t40*t40 + t31*t31 + t55) - t42*t43
+    t57 = c1*t37*t29
+    t58 = s1*t37*t29
+    t59 = t33*t57 + t30*t58
+    t60 = t59/t36
+    t61 = t55 + (t39*t57 + t40*t58 + t31*t32) - t42*t60
+    t62 = t61/t56
+    t63 = t27*t27 + t34*t34 + t41*t41 + t48*t48 + t45*t45 + t49*t49
+    t64 = t53 - t27*t57 + t34*t58 + t41*t32 - t35*t60 - t62*t54
+    t65 = damping1 + (t55 + (t57*t57 + t58*t58 + t32*t32)) - t59*t60
+    t66 = t65 - t61*t62
+    t67 = c1*t4
+    t68 = s1*t4
+    t69 = s4*t4
+    t70 = s4*t3
+    t71 = 2.0*(s1*t67 - c1*t68)
+    t72 = 2.0*t3
+    t73 = t72/t36
+    t74 = t71 - t42*t73
+    t75 = t74/t56
+    t76 = t71 - t59*t73 - t61*t75
+    t77 = t76/t66
+    t78 = t67*t46 + t68*t51 + t3*t20 - t35*t73 - t75*t54 - t77*t64
+    t79 = damping1 + 2.0*(t3*t3 + (t67*t67 + t68*t68)) - t72*t73
+    t80 = t79 - t74*t75 - t76*t77
+    t81 = s1*c4 + c1*t70
+    t82 = c1*c4 - s1*t70
+    t83 = 2.0*t69
+    t84 = t83/t36
+    t85 = 2.0*(s1*t81 + c1*t82)
+    t86 = 2.0*(s1*t8 + c1*t7)
+    t87 = t85 + t42*t84
+    t88 = t87/t56
+    t89 = t85 + t59*t84 - t61*t88
+    t90 = t89/t66
+    t91 = 2.0*(t67*t81 - t68*t82 - t3*t69) + t72*t84 - t74*t88 - t76*t90
+    t92 = t91/t80
+    t93 = t81*t46 - t82*t51 - t69*t20 + t35*t84 - t88*t54 - t90*t64
+    t94 = t93 - t92*t78
+    t95 = damping1 + 2.0*(t81*t81 + t82*t82 + t69*t69) - t83*t84
+    t96 = t95 - t87*t88 - t89*t90 - t91*t92
+    t97 = 2.0*t11
+    t98 = t97/t36
+    t99 = t86 + t42*t98
+    t100 = t99/t56
+    t101 = t86 + t59*t98 - t61*t100
+    t102 = t101/t66
+    t103 = 2.0*(t8*t81 + t7*t82 + t69*t11) - t83*t98 - t87*t100 - t89*t102
+    t104 = 2.0*(t67*t8 - t68*t7 - t3*t11) + t72*t98 - t74*t100 - t76*t102
+    t105 = t104/t80
+    t106 = t103 - t91*t105
+    t107 = t106/t96
+    t108 = t8*t46 - t7*t51 - t11*t20 + t35*t98 - t100*t54 - t102*t64
+    t109 = t8 - T13
+    t110 = t7 + T23
+    t111 = t63 + t50*t50 + t47*t47 + t52*t52 + t109*t109 + t110*t110
+    t112 = damping1 + 2.0*(t8*t8 + t7*t7 + t11*t11) - t97*t98 - t99*t100
+    t113 = (t108 - t105*t78 - t107*t94)/(t112 - t101*t102 - t104*t105 - t106*t107)
+    t114 = t94/t96 - t107*t113
+    t115 = t78/t80 - t92*t114 - t105*t113
+    t116 = t64/t66 - t77*t115 - t90*t114 - t102*t113
+    t117 = t54/t56 - t62*t116 - t75*t115 - t88*t114 - t100*t113
+    t118 = t35/t36 - t43*t117 - t60*t116 - t73*t115 + t84*t114 + t98*t113
+    t119 = t11 - T33
+    t120 = sqrt(t111 + t119*t119) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t121 = t120 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t122 = t121 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t123 = maximum(0.0, t122 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        q1 + t118, q2 - t117, q3 - t116, q4 + t115, q5 - t114, q6 - t113, t123,
+    )
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
     inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
@@ -2251,3 +2631,40 @@ base_parameters = _function(
     shape=(46,),
     kernel=_base_parameters,
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    constants = ()
+    step_constants = ()
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 8], values[DOF * 8 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -88,7 +88,13 @@ OPERATIONS = {
     "regressor": {"mul": 440, "add": 340, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_regressor": {"mul": 387, "add": 282, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "inverse_kinematics": {"mul": 202, "add": 139, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 109},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -120,6 +126,13 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
 ]
 
 
@@ -477,11 +490,59 @@ def base_parameters(params=None, out=None):
     return _FUNCTIONS["base_parameters"]((), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Nothing, since all joints are solved for.
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 8): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 6); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 8, 6):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 202 mul, 139 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 109 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 6), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = cos(t1)
@@ -520,7 +581,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -591,7 +652,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = cos(t1)
@@ -623,7 +684,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c5 = cos(q5)
     s4 = sin(q4)
@@ -664,7 +725,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     s4 = sin(q4)
@@ -717,7 +778,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     s4 = sin(q4)
     c6 = cos(q6)
@@ -781,7 +842,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = sin(t1)
@@ -832,7 +893,7 @@ def _analytic_jacobian_zyz(functions, k, q):
 
 
 def _inertia_matrix(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c5 = cos(q5)
     t1 = 4e-05*c5
@@ -899,7 +960,7 @@ def _inertia_matrix(functions, k, q):
 
 
 def _coriolis_matrix(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c5 = cos(q5)
@@ -1056,7 +1117,7 @@ def _coriolis_matrix(functions, k, q, qd):
 
 
 def _gravity_vector(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = sin(t1)
@@ -1077,7 +1138,7 @@ def _gravity_vector(functions, k, q):
 
 
 def _kinetic_energy(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -1121,7 +1182,7 @@ def _kinetic_energy(functions, k, q, qd):
 
 
 def _potential_energy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     t1 = q2 + q3
     t2 = sin(t1)
@@ -1138,7 +1199,7 @@ def _potential_energy(functions, k, q):
 
 
 def _inverse_dynamics(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -1238,7 +1299,7 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
 
 
 def _forward_dynamics(functions, k, q, qd, tau):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     tau1, tau2, tau3, tau4, tau5, tau6 = tau
@@ -1405,7 +1466,7 @@ def _forward_dynamics(functions, k, q, qd, tau):
 
 
 def _coriolis_vector(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -1488,7 +1549,7 @@ def _coriolis_vector(functions, k, q, qd):
 
 
 def _inverse_dynamics_dq(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -1716,7 +1777,7 @@ def _inverse_dynamics_dq(functions, k, q, qd, qdd):
 
 
 def _inverse_dynamics_dqd(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     s4 = sin(q4)
@@ -1874,7 +1935,7 @@ def _inverse_dynamics_dqd(functions, k, q, qd):
 
 
 def _regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -2173,7 +2234,7 @@ def _regressor(functions, k, q, qd, qdd):
 
 
 def _base_regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     qdd1, qdd2, qdd3, qdd4, qdd5, qdd6 = qdd
@@ -2434,6 +2495,359 @@ def _base_parameters(functions, k):
     )
 
 
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    t1 = T24*T24
+    t2 = T14*T14
+    t3 = t1 + t2
+    t4 = t1 - t2
+    t5 = T34*T34
+    t6 = t5 + t1
+    t7 = t5 + t3
+    t8 = sqrt(0.3958295725 + t7)
+    t9 = 0.3958295725 - t7
+    t10 = 1e-12*t8
+    t11 = absolute(T24)
+    t12 = 1.0 - less(t10, t11)
+    t13 = absolute(T14)
+    t14 = t12 - t12*less(t10, t13)
+    t15 = t8*t10
+    t16 = absolute(t3)
+    t17 = 0.0225150025 - t3
+    t18 = -t17
+    t19 = less(1e-14*t16, t18)
+    t20 = select(t19, sqrt(-minimum(0.0, t17)), 0.0)/t3
+    t21 = T24*t20
+    t22 = T14*t20
+    t23 = 0.15005/t3
+    t24 = T14*t23
+    t25 = T24*t23
+    t26 = sin(near1)
+    t27 = select(t14, t26, t24 + t21)
+    t28 = select(t14, -t26, t24 - t21)
+    t29 = T24*t28
+    t30 = cos(near1)
+    t31 = select(t14, t30, t25 + t22)
+    t32 = select(t14, -t30, t25 - t22)
+    t33 = t29 - T14*t31
+    t34 = t5 + t33*t33
+    t35 = 0.1393635983561168 - t9*t9
+    t36 = less(1.393635983561168e-15, t35)
+    t37 = select(t36, sqrt(maximum(0.0, t35)), 0.0)
+    t38 = 2.675752380095121*t37
+    t39 = 0.12579382426107213*t37
+    t40 = 0.12579382426107213*t9
+    t41 = 2.675752380095121*t9
+    t42 = t40 - t38
+    t43 = t40 + t38
+    t44 = 0.0203 - 0.4318*t42
+    t45 = t41 + t39
+    t46 = t41 - t39
+    t47 = 0.4318 - 0.4318*t45
+    t48 = T34*t47
+    t49 = (t48 + t44*t33)/t34
+    t50 = T34*t44
+    t51 = (t50 - t47*t33)/t34
+    t52 = 1.5 - 0.5*(t49*t49 + t51*t51)
+    t53 = 0.0203 - 0.4318*t43
+    t54 = 0.4318 - 0.4318*t46
+    t55 = T34*t54
+    t56 = 2.0*T14
+    t57 = absolute(t6 - t31*(t4*t31 + t56*t29))
+    t58 = less(t15, t57)
+    t59 = cos(near3)
+    t60 = cos(near2)
+    t61 = sin(near3)
+    t62 = sin(near2)
+    t63 = t59*t60 - t61*t62
+    t64 = select(t58, t52*((t55 + t53*t33)/t34), t63)
+    t65 = t59*t62 + t60*t61
+    t66 = select(t58, t49*t52, t63)
+    t67 = select(t58, t51*t52, t65)
+    t68 = T23*t28 - T13*t31
+    t69 = T34*t53
+    t70 = select(t58, t52*((t69 - t54*t33)/t34), t65)
+    t71 = 1.0 - t58
+    t72 = t68*t64 + T33*t70
+    t73 = absolute(t72)
+    t74 = T13*t28 + T23*t31
+    t75 = absolute(t74)
+    t76 = 1.0 - less(1e-12, t75)
+    t77 = t76 - t76*less(1e-12, t73)
+    t78 = maximum(t14, t71)
+    t79 = maximum(t77, t78)
+    t80 = (1.0 - t14)*(1.0 - less(1e-11*t16, t17))
+    t81 = t19*t80
+    t82 = maximum(t14, t80)
+    t83 = 1.0 - less(t35, -1.3936359835611679e-12)
+    t84 = t36*t83
+    t85 = select(maximum(t80 - t81, t83 - t84), 2.0, 1.0)
+    t86 = 1.0 - less(0.001, t75)
+    t87 = 1.0 - less(1e-14*absolute(100000.0*t3), t18)
+    t88 = t87 - t87*less(1e-11*absolute(100.0*t3), t17)
+    t89 = 0.001*t8
+    t90 = 1.0 - less(t89, t11)
+    t91 = t8*t89
+    t92 = 1.0 - less(1.393635983561168e-10, t35)
+    t93 = t92 - t92*less(t35, -1.3936359835611678e-10)
+    t94 = maximum(maximum(t88, t90 - t90*less(t89, t13)), t93)
+    t95 = maximum(t94, 1.0 - less(t91, t57))
+    t96 = maximum(t93, maximum(t14, t88))
+    t97 = maximum(t96, t71)
+    t98 = select(t79, 3.0, t85) + 4.0*maximum(t95, t86 - t86*less(0.001, t73))
+    t99 = select(t79, 8.0, 4.0*maximum(t77, t97))
+    t100 = t81*t84
+    t101 = t83*t81
+    t102 = t82*t84
+    t103 = t82*t83
+    t104 = t66*t68 + T33*t67
+    t105 = absolute(t104)
+    t106 = t76 - t76*less(1e-12, t105)
+    t107 = maximum(t106, t78)
+    t108 = select(t107, 8.0, 4.0*maximum(t106, t97))
+    t109 = select(t107, 3.0, t85) + 4.0*maximum(t86 - t86*less(0.001, t105), t95)
+    t110 = T24*t27
+    t111 = absolute(t6 - t32*(t32*t4 + t56*t110))
+    t112 = less(t15, t111)
+    t113 = maximum(1.0 - less(t91, t111), t94)
+    t114 = t110 - T14*t32
+    t115 = t5 + t114*t114
+    t116 = (t48 + t114*t44)/t115
+    t117 = (t50 - t114*t47)/t115
+    t118 = 1.5 - 0.5*(t116*t116 + t117*t117)
+    t119 = select(t112, t118*((t55 + t114*t53)/t115), t63)
+    t120 = select(t112, t118*((t69 - t114*t54)/t115), t65)
+    t121 = select(t112, t116*t118, t63)
+    t122 = select(t112, t117*t118, t65)
+    t123 = 1.0 - t112
+    t124 = maximum(t14, t123)
+    t125 = maximum(t123, t96)
+    t126 = t27*T23 - t32*T13
+    t127 = t126*t119 + T33*t120
+    t128 = absolute(t127)
+    t129 = t27*T13 + t32*T23
+    t130 = absolute(t129)
+    t131 = 1.0 - less(1e-12, t130)
+    t132 = t131 - t131*less(1e-12, t128)
+    t133 = 1.0 - less(0.001, t130)
+    t134 = maximum(t132, t124)
+    t135 = select(t134, 3.0, t85) + 4.0*maximum(t113, t133 - t133*less(0.001, t128))
+    t136 = select(t134, 8.0, 4.0*maximum(t132, t125))
+    t137 = t121*t126 + t122*T33
+    t138 = absolute(t137)
+    t139 = t131 - t131*less(1e-12, t138)
+    t140 = maximum(t139, t124)
+    t141 = select(t140, 3.0, t85) + 4.0*maximum(t133 - t133*less(0.001, t138), t113)
+    t142 = select(t140, 8.0, 4.0*maximum(t139, t125))
+    t143 = t74*t74
+    t144 = sqrt(t143 + t72*t72)
+    t145 = cos(near4)
+    t146 = -t145
+    t147 = select(t77, t146, t72/t144)
+    t148 = T11*t28 + T21*t31
+    t149 = sin(near4)
+    t150 = select(t77, t149, t74/t144)
+    t151 = T21*t28 - T11*t31
+    t152 = T12*t28 + T22*t31
+    t153 = atan2(t150, -t147)
+    t154 = T22*t28 - T12*t31
+    t155 = atan2(t28, -t31)
+    t156 = atan2(t148*t147 - t150*(T31*t70 + t151*t64), t152*t147 - t150*(T32*t70 + t154*t64))
+    t157 = select(less(0.0, t156), 3.141592653589793, -3.141592653589793)
+    t158 = atan2(t72*t147 + t74*t150, -(t68*t70 - T33*t64))
+    t159 = select(less(0.0, t153), 3.141592653589793, -3.141592653589793)
+    t160 = atan2(t46, -t43)
+    t161 = atan2(t46*t64 + t43*t70, t46*t70 - t43*t64)
+    t162 = sqrt(t143 + t104*t104)
+    t163 = select(t106, t146, t104/t162)
+    t164 = select(t106, t149, t74/t162)
+    t165 = atan2(t164, -t163)
+    t166 = atan2(t163*t148 - t164*(T31*t67 + t66*t151), t163*t152 - t164*(T32*t67 + t66*t154))
+    t167 = select(less(0.0, t166), 3.141592653589793, -3.141592653589793)
+    t168 = atan2(t104*t163 + t74*t164, -(t67*t68 - T33*t66))
+    t169 = select(less(0.0, t165), 3.141592653589793, -3.141592653589793)
+    t170 = atan2(t45, -t42)
+    t171 = atan2(t45*t66 + t42*t67, t45*t67 - t42*t66)
+    t172 = t129*t129
+    t173 = sqrt(t172 + t127*t127)
+    t174 = select(t132, t146, t127/t173)
+    t175 = select(t132, t149, t129/t173)
+    t176 = t27*T11 + t32*T21
+    t177 = t27*T21 - t32*T11
+    t178 = t27*T12 + t32*T22
+    t179 = atan2(t175, -t174)
+    t180 = t27*T22 - t32*T12
+    t181 = atan2(t27, -t32)
+    t182 = atan2(t176*t174 - t175*(T31*t120 + t177*t119), t178*t174 - t175*(T32*t120 + t180*t119))
+    t183 = select(less(0.0, t182), 3.141592653589793, -3.141592653589793)
+    t184 = atan2(t127*t174 + t129*t175, -(t126*t120 - T33*t119))
+    t185 = select(less(0.0, t179), 3.141592653589793, -3.141592653589793)
+    t186 = atan2(t43*t120 + t46*t119, t46*t120 - t43*t119)
+    t187 = sqrt(t172 + t137*t137)
+    t188 = select(t139, t146, t137/t187)
+    t189 = select(t139, t149, t129/t187)
+    t190 = atan2(t189, -t188)
+    t191 = atan2(t188*t176 - t189*(t122*T31 + t121*t177), t188*t178 - t189*(t122*T32 + t121*t180))
+    t192 = select(less(0.0, t191), 3.141592653589793, -3.141592653589793)
+    t193 = atan2(t137*t188 + t129*t189, -(t122*t126 - t121*T33))
+    t194 = select(less(0.0, t190), 3.141592653589793, -3.141592653589793)
+    t195 = atan2(t45*t121 + t42*t122, t45*t122 - t42*t121)
+    return (
+        t181, -t195, t170, t190, t193, t191, t181, -t195, t170, t190 - t194, -t193, t191 - t192, t181, -t186,
+        t160, t179, t184, t182, t181, -t186, t160, t179 - t185, -t184, t182 - t183, t155, -t171, t170, t165,
+        t168, t166, t155, -t171, t170, t165 - t169, -t168, t166 - t167, t155, -t161, t160, t153, t158, t156,
+        t155, -t161, t160, t153 - t159, -t158, t156 - t157, select(t103, t141, t142),
+        select(t103 - t139*t103, t141, t142), select(t102, t135, t136), select(t102 - t132*t102, t135, t136),
+        select(t101, t109, t108), select(t101 - t106*t101, t109, t108), select(t100, t98, t99),
+        select(t100 - t77*t100, t98, t99),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c1 = cos(q1)
+    s4 = sin(q4)
+    s5 = sin(q5)
+    t1 = s4*s5
+    s1 = sin(q1)
+    t2 = q2 + q3
+    t3 = cos(t2)
+    t4 = sin(t2)
+    c4 = cos(q4)
+    t5 = c4*s5
+    c5 = cos(q5)
+    t6 = t3*t5 + c5*t4
+    t7 = c1*t1 + s1*t6
+    t8 = s1*t1 - c1*t6
+    s6 = sin(q6)
+    t9 = s5*s6
+    t10 = c5*s6
+    t11 = c5*t3 - t4*t5
+    c6 = cos(q6)
+    t12 = c4*t10 + s4*c6
+    t13 = s4*t10 - c4*c6
+    t14 = t3*t9 + t4*t12
+    t15 = t3*t12 - t4*t9
+    t16 = s1*t13 - c1*t15
+    t17 = c1*t13 + s1*t15
+    t18 = t14*t8 + t16*t11
+    t19 = t14*t7 + t17*t11
+    t20 = t7*T13 + t8*T23 + (t18*T11 - t19*T21 + (t17*T12 + t16*T22))
+    c2 = cos(q2)
+    t21 = 0.0203*t3 - 0.4318*t4
+    t22 = 0.4318*c2 + t21
+    t23 = 0.15005*s1 + c1*t22
+    t24 = 0.0225150025 + (0.18645124 + (T14*T14 + (T24*T24 + T34*T34)))
+    t25 = sqrt(0.18645124 + (0.00041209 + t24))
+    t26 = select(less(0.0, t25), t25, 1.0)
+    t27 = (t23 - T14)/t26
+    t28 = 0.15005*c1 - s1*t22
+    t29 = 1.0/t26
+    t30 = t23*t29
+    t31 = t22*t29
+    t32 = t21*t29
+    t33 = t28*t29
+    t34 = (t28 + T24)/t26
+    t35 = t20 - t27*t33 + t34*t30
+    t36 = damping1 + (2.0 + (t33*t33 + t30*t30))
+    s2 = sin(q2)
+    t37 = 0.0203*t4 + 0.4318*t3
+    t38 = 0.4318*s2 + t37
+    t39 = c1*t38*t29
+    t40 = s1*t38*t29
+    t41 = (t38 - T34)/t26
+    t42 = t33*t39 + t30*t40
+    t43 = t42/t36
+    t44 = t16*t7 - t17*t8
+    t45 = t18 + T21
+    t46 = t11*T23 + t7*T33 - (t44*T21 - t18*T31 + (t14*T22 - t17*T32))
+    t47 = t17 + T22
+    t48 = t19 + T11
+    t49 = t44 + T31
+    t50 = t16 - T12
+    t51 = t8*T33 - t11*T13 - (t19*T31 - t44*T11 - (t16*T32 + t14*T12))
+    t52 = t14 + T32
+    t53 = s1*t46 - c1*t51
+    t54 = t53 - t27*t39 + t34*t40 + t41*t31 - t35*t43
+    t55 = 2.0*(s1*s1 + c1*c1)
+    t56 = damping1 + (t39*t39 + t40*t40 + t31*t31 + t55) - t42*t43
+    t57 = c1*t37*t29
+    t58 = s1*t37*t29
+    t59 = t33*t57 + t30*t58
+    t60 = t59/t36
+    t61 = t55 + (t39*t57 + t40*t58 + t31*t32) - t42*t60
+    t62 = t61/t56
+    t63 = t27*t27 + t34*t34 + t41*t41 + t48*t48 + t45*t45 + t49*t49
+    t64 = t53 - t27*t57 + t34*t58 + t41*t32 - t35*t60 - t62*t54
+    t65 = damping1 + (t55 + (t57*t57 + t58*t58 + t32*t32)) - t59*t60
+    t66 = t65 - t61*t62
+    t67 = c1*t4
+    t68 = s1*t4
+    t69 = s4*t4
+    t70 = s4*t3
+    t71 = 2.0*(s1*t67 - c1*t68)
+    t72 = 2.0*t3
+    t73 = t72/t36
+    t74 = t71 - t42*t73
+    t75 = t74/t56
+    t76 = t71 - t59*t73 - t61*t75
+    t77 = t76/t66
+    t78 = t67*t46 + t68*t51 + t3*t20 - t35*t73 - t75*t54 - t77*t64
+    t79 = damping1 + 2.0*(t3*t3 + (t67*t67 + t68*t68)) - t72*t73
+    t80 = t79 - t74*t75 - t76*t77
+    t81 = s1*c4 + c1*t70
+    t82 = c1*c4 - s1*t70
+    t83 = 2.0*t69
+    t84 = t83/t36
+    t85 = 2.0*(s1*t81 + c1*t82)
+    t86 = 2.0*(s1*t8 + c1*t7)
+    t87 = t85 + t42*t84
+    t88 = t87/t56
+    t89 = t85 + t59*t84 - t61*t88
+    t90 = t89/t66
+    t91 = 2.0*(t67*t81 - t68*t82 - t3*t69) + t72*t84 - t74*t88 - t76*t90
+    t92 = t91/t80
+    t93 = t81*t46 - t82*t51 - t69*t20 + t35*t84 - t88*t54 - t90*t64
+    t94 = t93 - t92*t78
+    t95 = damping1 + 2.0*(t81*t81 + t82*t82 + t69*t69) - t83*t84
+    t96 = t95 - t87*t88 - t89*t90 - t91*t92
+    t97 = 2.0*t11
+    t98 = t97/t36
+    t99 = t86 + t42*t98
+    t100 = t99/t56
+    t101 = t86 + t59*t98 - t61*t100
+    t102 = t101/t66
+    t103 = 2.0*(t8*t81 + t7*t82 + t69*t11) - t83*t98 - t87*t100 - t89*t102
+    t104 = 2.0*(t67*t8 - t68*t7 - t3*t11) + t72*t98 - t74*t100 - t76*t102
+    t105 = t104/t80
+    t106 = t103 - t91*t105
+    t107 = t106/t96
+    t108 = t8*t46 - t7*t51 - t11*t20 + t35*t98 - t100*t54 - t102*t64
+    t109 = t8 - T13
+    t110 = t7 + T23
+    t111 = t63 + t50*t50 + t47*t47 + t52*t52 + t109*t109 + t110*t110
+    t112 = damping1 + 2.0*(t8*t8 + t7*t7 + t11*t11) - t97*t98 - t99*t100
+    t113 = (t108 - t105*t78 - t107*t94)/(t112 - t101*t102 - t104*t105 - t106*t107)
+    t114 = t94/t96 - t107*t113
+    t115 = t78/t80 - t92*t114 - t105*t113
+    t116 = t64/t66 - t77*t115 - t90*t114 - t102*t113
+    t117 = t54/t56 - t62*t116 - t75*t115 - t88*t114 - t100*t113
+    t118 = t35/t36 - t43*t117 - t60*t116 - t73*t115 + t84*t114 + t98*t113
+    t119 = t11 - T33
+    t120 = sqrt(t111 + t119*t119) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t121 = t120 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t122 = t121 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t123 = maximum(0.0, t122 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        q1 + t118, q2 - t117, q3 - t116, q4 + t115, q5 - t114, q6 - t113, t123,
+    )
+
+
 # What functions take, and what they refuse.
 
 _SHAPE = f"({DOF},) or (..., {DOF})"
@@ -2590,6 +3004,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -2610,6 +3025,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -2792,7 +3225,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -2966,8 +3436,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 3e-11
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -3094,3 +3994,14 @@ _FUNCTIONS = {
         kernel=_base_parameters,
     ),
 }
+
+_GIVEN_JOINTS = ()
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=8,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+    ),
+)

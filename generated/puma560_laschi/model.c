@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1074,4 +1104,733 @@ void puma560_laschi_analytic_jacobian_zyz_batch(size_t count, const double *rest
         analytic_jacobian_zyz_block(q_block, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = t1;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double sa6 = sines[5 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double ca6 = cosines[5 * lanes];
+    const double t1 = 0.05625*s5;
+    const double t2 = 0.02032 - c4*t1;
+    const double t3 = 0.05625*c5;
+    const double t4 = 0.43307 + t3;
+    const double t5 = ca6*t2 - sa6*t4;
+    const double t6 = sa6*t2 + ca6*t4;
+    const double t7 = 0.4318*c2 - t5;
+    const double t8 = 0.14909 + s4*t1;
+    const double t9 = s1*t7 + c1*t8;
+    const double t10 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.3998056579)));
+    const double t11 = (0.0 < t10) ? t10 : 1.0;
+    const double t12 = 1.0/t11;
+    const double t13 = t5*t12;
+    const double t14 = t9*t12;
+    const double t15 = (t9 - T24)/t11;
+    const double t16 = 0.4318*s2 - t6;
+    const double t17 = c1*t16*t12;
+    const double t18 = c1*t7 - s1*t8;
+    const double t19 = t7*t12;
+    const double t20 = t18*t12;
+    const double t21 = (t18 - T14)/t11;
+    const double t22 = s1*t16*t12;
+    const double t23 = (t16 + T34)/t11;
+    const double t24 = t14*t17 - t20*t22;
+    const double t25 = damping1 + (2.0 + (t14*t14 + t20*t20));
+    const double t26 = c5*ca6;
+    const double t27 = c4*sa6;
+    const double t28 = t26 - s5*t27;
+    const double t29 = 2.0*t28;
+    const double t30 = t29/t25;
+    const double t31 = c1*ca6;
+    const double t32 = s1*s4 - c4*t31;
+    const double t33 = c1*sa6;
+    const double t34 = c5*t33 - s5*t32;
+    const double t35 = s1*ca6;
+    const double t36 = c1*s4 + c4*t35;
+    const double t37 = s1*sa6;
+    const double t38 = c5*t37 + s5*t36;
+    const double t39 = 2.0*(s1*t34 - c1*t38);
+    const double t40 = t39 + t24*t30;
+    const double t41 = t24/t25;
+    const double t42 = 2.0*(s1*s1 + c1*c1);
+    const double t43 = damping1 + (t17*t17 + t22*t22 + t19*t19 + t42) - t24*t41;
+    const double t44 = t40/t43;
+    const double t45 = c1*t6*t12;
+    const double t46 = s1*t6*t12;
+    const double t47 = t14*t45 - t20*t46;
+    const double t48 = t47/t25;
+    const double t49 = t42 - (t17*t45 + t22*t46 + t19*t13) + t24*t48;
+    const double t50 = t39 - t47*t30 - t49*t44;
+    const double t51 = t49/t43;
+    const double t52 = damping1 + (t42 + (t45*t45 + t46*t46 + t13*t13)) - t47*t48;
+    const double t53 = t52 - t49*t51;
+    const double t54 = t50/t53;
+    const double t55 = s1*c4 + s4*t31;
+    const double t56 = t1*t55*t12;
+    const double t57 = c1*c4 - s4*t35;
+    const double t58 = t1*t57*t12;
+    const double t59 = t14*t56 + t20*t58 + 2.0*ca6;
+    const double t60 = t59/t25;
+    const double t61 = s4*sa6;
+    const double t62 = t1*t61*t12;
+    const double t63 = 2.0*(s1*t33 - c1*t37);
+    const double t64 = t17*t56 - t22*t58 - t19*t62 - t63 - t24*t60;
+    const double t65 = t64/t43;
+    const double t66 = t63 + (t45*t56 - t46*t58 - t13*t62) - t47*t60 + t49*t65;
+    const double t67 = 2.0*(t33*t34 + t37*t38 + ca6*t28) - t59*t30 + t64*t44;
+    const double t68 = t67 - t66*t54;
+    const double t69 = t66/t53;
+    const double t70 = t56*t56 + t58*t58 + t62*t62 + 2.0*(t33*t33 + t37*t37 + ca6*ca6);
+    const double t71 = damping1 + t70 - t59*t60 - t64*t65 - t66*t69;
+    const double t72 = t68/t71;
+    const double t73 = (t3*t32 + t1*t33)*t12;
+    const double t74 = (t3*t36 - t1*t37)*t12;
+    const double t75 = (t3*t27 + ca6*t1)*t12;
+    const double t76 = t14*t73 + t20*t74 + 2.0*t61;
+    const double t77 = t76/t25;
+    const double t78 = 2.0*(s1*t55 + c1*t57);
+    const double t79 = t17*t73 - t22*t74 + t19*t75 + t78 - t24*t77;
+    const double t80 = t79/t43;
+    const double t81 = t78 - (t45*t73 - t46*t74 + t13*t75) + t47*t77 - t49*t80;
+    const double t82 = t81/t53;
+    const double t83 = t56*t73 + t58*t74 - t62*t75 - 2.0*(t33*t55 - t37*t57 - ca6*t61);
+    const double t84 = t83 - t59*t77 - t64*t80 + t66*t82;
+    const double t85 = 2.0*(t55*t34 - t57*t38 - t61*t28) + t76*t30 - t79*t44;
+    const double t86 = t85 - t81*t54 + t84*t72;
+    const double t87 = t84/t71;
+    const double t88 = t73*t73 + t74*t74 + t75*t75 + 2.0*(t55*t55 + t57*t57 + t61*t61);
+    const double t89 = damping1 + t88 - t76*t77 - t79*t80 - t81*t82 - t84*t87;
+    const double t90 = t86/t89;
+    const double t91 = c5*s6;
+    const double t92 = s5*s6;
+    const double t93 = s4*t91 - c4*c6;
+    const double t94 = c4*t91 + s4*c6;
+    const double t95 = c4*s5;
+    const double t96 = s4*s5;
+    const double t97 = ca6*t94 - sa6*t92;
+    const double t98 = ca6*t92 + sa6*t94;
+    const double t99 = ca6*t95 + c5*sa6;
+    const double t100 = t26 - sa6*t95;
+    const double t101 = s1*t93 - c1*t97;
+    const double t102 = c1*t93 + s1*t97;
+    const double t103 = c1*t96 + s1*t99;
+    const double t104 = s1*t96 - c1*t99;
+    const double t105 = t101*t103 - t102*t104;
+    const double t106 = t98*t104 + t101*t100;
+    const double t107 = t100*T23 - t103*T33 + (t105*T21 + t106*T31 + (t98*T22 + t102*T32));
+    const double t108 = t98*t103 + t102*t100;
+    const double t109 = t105 - T31;
+    const double t110 = t98 - T32;
+    const double t111 = t104*T33 + t100*T13 + (t108*T31 + t105*T11 - (t101*T32 - t98*T12));
+    const double t112 = s1*t107 + c1*t111;
+    const double t113 = t100 - T33;
+    const double t114 = t106 + T21;
+    const double t115 = t108 + T11;
+    const double t116 = t21*t21 + t15*t15 + t23*t23 + t115*t115 + t114*t114 + t109*t109;
+    const double t117 = t102 + T22;
+    const double t118 = t101 - T12;
+    const double t119 = t103 - T23;
+    const double t120 = t103*T13 + t104*T23 - (t106*T11 - t108*T21 + (t102*T12 + t101*T22));
+    const double t121 = t120 - t21*t14 + t15*t20;
+    const double t122 = t33*t107 - t37*t111 + ca6*t120 - t21*t56 + t15*t58 - t23*t62;
+    const double t123 = t55*t107 + t57*t111 - t61*t120 + t21*t73 - t15*t74 - t23*t75;
+    const double t124 = damping1 + 2.0*(t34*t34 + t38*t38 + t28*t28) - t29*t30;
+    const double t125 = t104 + T13;
+    const double t126 = t116 + t118*t118 + t117*t117 + t110*t110 + t125*t125 + t119*t119;
+    const double t127 = t112 + t21*t17 + t15*t22 - t23*t19 + t121*t41;
+    const double t128 = t112 - t21*t45 - t15*t46 + t23*t13 - t121*t48 - t51*t127;
+    const double t129 = t122 - t121*t60 + t65*t127 - t69*t128;
+    const double t130 = t123 + t121*t77 - t80*t127 - t82*t128 + t87*t129;
+    const double t131 = t34*t107 - t38*t111 + t28*t120 - t121*t30 - t44*t127 - t54*t128;
+    const double t132 = (t131 - t72*t129 - t90*t130)/(t124 - t40*t44 - t50*t54 - t68*t72 - t86*t90);
+    const double t133 = t130/t89 - t90*t132;
+    const double t134 = t129/t71 + t87*t133 - t72*t132;
+    const double t135 = t128/t53 - t69*t134 - t82*t133 - t54*t132;
+    const double t136 = t127/t43 - t51*t135 + t65*t134 - t80*t133 - t44*t132;
+    const double t137 = t121/t25 + t41*t136 - t48*t135 - t60*t134 + t77*t133 - t30*t132;
+    const double t138 = sqrt(t126 + t113*t113) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t139 = t138 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t140 = t139 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t141 = maximum(0.0, t140 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    result[0] = q1 - t137;
+    result[lanes] = q2 + t136;
+    result[2 * lanes] = q3 + t135;
+    result[3 * lanes] = q4 - t134;
+    result[4 * lanes] = q5 + t133;
+    result[5 * lanes] = q6 - t132;
+    result[6 * lanes] = t141;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near3 = near[2 * lanes];
+    const double near4 = near[3 * lanes];
+    angles[0] = near1;
+    angles[lanes] = near3;
+    angles[2 * lanes] = near2;
+    angles[3 * lanes] = near4;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double sa4 = sines[3 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double ca4 = cosines[3 * lanes];
+    const double t1 = T34 - 0.05625*T33;
+    const double t2 = T14 - 0.05625*T13;
+    const double t3 = T24 - 0.05625*T23;
+    const double t4 = 1983207977.0 - 5000000000.0*(t3*t3 + (t1*t1 + t2*t2));
+    const double t5 = 3.5045846288618854e+18 - t4*t4;
+    const double t6 = 35045.84628861885 < t5;
+    const double t7 = t6 > 0.0 ? sqrt(maximum(0.0, t5)) : 0.0;
+    const double t8 = 2.5036279414514854e-11*t7;
+    const double t9 = 5.335857050218478e-10*t7;
+    const double t10 = 5.335857050218478e-10*t4;
+    const double t11 = 2.5036279414514854e-11*t4;
+    const double t12 = t8 + t10;
+    const double t13 = t8 - t10;
+    const double t14 = 43307.0 - 43180.0*t12;
+    const double t15 = t11 - t9;
+    const double t16 = t11 + t9;
+    const double t17 = arctangent(t13, t16);
+    const double t18 = arctangent(t12, t15);
+    const double t19 = 2032.0 - 43180.0*t15;
+    const double t20 = t14*t14 + t19*t19;
+    const double t21 = 100000.0*t3;
+    const double t22 = 100000.0*t2;
+    const double t23 = 100000.0*t1;
+    const double t24 = t21*t21 + t22*t22;
+    const double t25 = fabs(t24);
+    const double t26 = 222278281.0 - t24;
+    const double t27 = -t26;
+    const double t28 = 1e-14*t25 < t27;
+    const double t29 = (t28 > 0.0 ? sqrt(-minimum(0.0, t26)) : 0.0)/t24;
+    const double t30 = t21*t29;
+    const double t31 = t22*t29;
+    const double t32 = 14909.0/t24;
+    const double t33 = t22*t32;
+    const double t34 = t21*t32;
+    const double t35 = sqrt(T34*T34 + (T24*T24 + (0.3998056579 + T14*T14)));
+    const double t36 = 1e-07*t35;
+    const double t37 = fabs(t21);
+    const double t38 = 1.0 - (t36 < t37);
+    const double t39 = fabs(t22);
+    const double t40 = t38 - t38*(t36 < t39);
+    const double t41 = -sa1;
+    const double t42 = t40 > 0.0 ? t41 : t30 - t33;
+    const double t43 = t40 > 0.0 ? t41 : t30 + t33;
+    const double t44 = t40 > 0.0 ? ca1 : t34 - t31;
+    const double t45 = t40 > 0.0 ? -ca1 : t34 + t31;
+    const double t46 = arctangent(t42, t45);
+    const double t47 = arctangent(t43, t44);
+    const double t48 = t21*t42 + t22*t45;
+    const double t49 = t21*t43 - t22*t44;
+    const double t50 = t14*t23;
+    const double t51 = (t50 - t19*t48)/t20;
+    const double t52 = t19*t23;
+    const double t53 = (t52 + t14*t48)/t20;
+    const double t54 = (t50 + t49*t19)/t20;
+    const double t55 = (t52 - t14*t49)/t20;
+    const double t56 = 1.5 - 0.5*(t51*t51 + t53*t53);
+    const double t57 = 2032.0 - 43180.0*t16;
+    const double t58 = 43307.0 + 43180.0*t13;
+    const double t59 = t23*t58;
+    const double t60 = t23*t57;
+    const double t61 = fabs(3739992520.0*t12 - (3744137673.0 - 175483520.0*t15));
+    const double t62 = t35*t35;
+    const double t63 = 0.01*t62 < t61;
+    const double t64 = ca2*ca3 - sa3*sa2;
+    const double t65 = t63 > 0.0 ? t56*((t59 - t57*t48)/t20) : t64;
+    const double t66 = sa3*ca2 + ca3*sa2;
+    const double t67 = t63 > 0.0 ? t56*((t60 + t58*t48)/t20) : t66;
+    const double t68 = t63 > 0.0 ? t51*t56 : t64;
+    const double t69 = t63 > 0.0 ? t53*t56 : t66;
+    const double t70 = T23*t42 + T13*t45;
+    const double t71 = t70*t65 - T33*t67;
+    const double t72 = fabs(t71);
+    const double t73 = T13*t42 - T23*t45;
+    const double t74 = fabs(t73);
+    const double t75 = 1.0 - (1e-12 < t74);
+    const double t76 = t75 - t75*(1e-12 < t72);
+    const double t77 = 1.0 - t63;
+    const double t78 = maximum(t40, t77);
+    const double t79 = maximum(t76, t78);
+    const double t80 = (1.0 - t40)*(1.0 - (1e-11*t25 < t26));
+    const double t81 = t28*t80;
+    const double t82 = maximum(t40, t80);
+    const double t83 = 1.0 - (t5 < -35045846.28861885);
+    const double t84 = t6*t83;
+    const double t85 = maximum(t80 - t81, t83 - t84) > 0.0 ? 2.0 : 1.0;
+    const double t86 = 1.0 - (0.001 < t74);
+    const double t87 = 1.0 - (1e-14*fabs(100000.0*t24) < t27);
+    const double t88 = t87 - t87*(1e-11*fabs(100.0*t24) < t26);
+    const double t89 = 100.0*t35;
+    const double t90 = 1.0 - (t89 < t37);
+    const double t91 = 1.0 - (3504584628.861885 < t5);
+    const double t92 = t91 - t91*(t5 < -3504584628.861885);
+    const double t93 = maximum(1.0 - (10000000.0*t62 < t61), maximum(maximum(t88, t90 - t90*(t89 < t39)), t92));
+    const double t94 = maximum(t77, maximum(t92, maximum(t40, t88)));
+    const double t95 = (t79 > 0.0 ? 3.0 : t85) + 4.0*maximum(t93, t86 - t86*(0.001 < t72));
+    const double t96 = t79 > 0.0 ? 8.0 : 4.0*maximum(t76, t94);
+    const double t97 = t81*t84;
+    const double t98 = t83*t81;
+    const double t99 = t82*t84;
+    const double t100 = t82*t83;
+    const double t101 = t68*t70 - T33*t69;
+    const double t102 = fabs(t101);
+    const double t103 = t75 - t75*(1e-12 < t102);
+    const double t104 = maximum(t103, t78);
+    const double t105 = (t104 > 0.0 ? 3.0 : t85) + 4.0*maximum(t93, t86 - t86*(0.001 < t102));
+    const double t106 = t104 > 0.0 ? 8.0 : 4.0*maximum(t103, t94);
+    const double t107 = 1.5 - 0.5*(t54*t54 + t55*t55);
+    const double t108 = t63 > 0.0 ? t107*((t59 + t49*t57)/t20) : t64;
+    const double t109 = t63 > 0.0 ? t107*((t60 - t49*t58)/t20) : t66;
+    const double t110 = t63 > 0.0 ? t54*t107 : t64;
+    const double t111 = t63 > 0.0 ? t55*t107 : t66;
+    const double t112 = T23*t43 - T13*t44;
+    const double t113 = t112*t108 + T33*t109;
+    const double t114 = fabs(t113);
+    const double t115 = T13*t43 + T23*t44;
+    const double t116 = fabs(t115);
+    const double t117 = 1.0 - (1e-12 < t116);
+    const double t118 = t117 - t117*(1e-12 < t114);
+    const double t119 = 1.0 - (0.001 < t116);
+    const double t120 = maximum(t118, t78);
+    const double t121 = (t120 > 0.0 ? 3.0 : t85) + 4.0*maximum(t93, t119 - t119*(0.001 < t114));
+    const double t122 = t120 > 0.0 ? 8.0 : 4.0*maximum(t118, t94);
+    const double t123 = t110*t112 + T33*t111;
+    const double t124 = fabs(t123);
+    const double t125 = t117 - t117*(1e-12 < t124);
+    const double t126 = maximum(t125, t78);
+    const double t127 = (t126 > 0.0 ? 3.0 : t85) + 4.0*maximum(t119 - t119*(0.001 < t124), t93);
+    const double t128 = t126 > 0.0 ? 8.0 : 4.0*maximum(t125, t94);
+    const double t129 = t73*t73;
+    const double t130 = sqrt(t129 + t71*t71);
+    const double t131 = -ca4;
+    const double t132 = t76 > 0.0 ? t131 : t71/t130;
+    const double t133 = T11*t42 - T21*t45;
+    const double t134 = t76 > 0.0 ? sa4 : t73/t130;
+    const double t135 = T21*t42 + T11*t45;
+    const double t136 = T12*t42 - T22*t45;
+    const double t137 = T22*t42 + T12*t45;
+    const double t138 = arctangent(t134, -t132);
+    const double t139 = arctangent(t133*t132 + t134*(T31*t67 - t135*t65), t136*t132 + t134*(T32*t67 - t137*t65));
+    const double t140 = (0.0 < t139) ? 3.141592653589793 : -3.141592653589793;
+    const double t141 = arctangent(t71*t132 + t73*t134, t70*t67 + T33*t65);
+    const double t142 = (0.0 < t138) ? 3.141592653589793 : -3.141592653589793;
+    const double t143 = arctangent(t13*t65 - t16*t67, t13*t67 + t16*t65);
+    const double t144 = sqrt(t129 + t101*t101);
+    const double t145 = t103 > 0.0 ? t131 : t101/t144;
+    const double t146 = t103 > 0.0 ? sa4 : t73/t144;
+    const double t147 = arctangent(t146, -t145);
+    const double t148 = -sa4;
+    const double t149 = arctangent(t145*t133 + t146*(T31*t69 - t68*t135), t145*t136 + t146*(T32*t69 - t68*t137));
+    const double t150 = (0.0 < t149) ? 3.141592653589793 : -3.141592653589793;
+    const double t151 = arctangent(t101*t145 + t73*t146, t69*t70 + T33*t68);
+    const double t152 = (0.0 < t147) ? 3.141592653589793 : -3.141592653589793;
+    const double t153 = arctangent(t15*t69 + t12*t68, t15*t68 - t12*t69);
+    const double t154 = t115*t115;
+    const double t155 = sqrt(t154 + t113*t113);
+    const double t156 = t118 > 0.0 ? ca4 : t113/t155;
+    const double t157 = t118 > 0.0 ? t148 : t115/t155;
+    const double t158 = t43*T11 + t44*T21;
+    const double t159 = t43*T21 - t44*T11;
+    const double t160 = t43*T12 + t44*T22;
+    const double t161 = t43*T22 - t44*T12;
+    const double t162 = arctangent(t157, t156);
+    const double t163 = arctangent(t158*t156 - t157*(T31*t109 + t159*t108), t160*t156 - t157*(T32*t109 + t161*t108));
+    const double t164 = (0.0 < t163) ? 3.141592653589793 : -3.141592653589793;
+    const double t165 = arctangent(t113*t156 + t115*t157, -(t112*t109 - T33*t108));
+    const double t166 = (t162 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t167 = arctangent(t13*t108 - t16*t109, t13*t109 + t16*t108);
+    const double t168 = sqrt(t154 + t123*t123);
+    const double t169 = t125 > 0.0 ? ca4 : t123/t168;
+    const double t170 = t125 > 0.0 ? t148 : t115/t168;
+    const double t171 = arctangent(t170, t169);
+    const double t172 = arctangent(t169*t158 - t170*(t111*T31 + t110*t159), t169*t160 - t170*(t111*T32 + t110*t161));
+    const double t173 = (0.0 < t172) ? 3.141592653589793 : -3.141592653589793;
+    const double t174 = arctangent(t123*t169 + t115*t170, -(t111*t112 - T33*t110));
+    const double t175 = (t171 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t176 = arctangent(t15*t111 + t12*t110, t15*t110 - t12*t111);
+    result[0] = -t47;
+    result[lanes] = t176;
+    result[2 * lanes] = -t18;
+    result[3 * lanes] = -t171;
+    result[4 * lanes] = -t174;
+    result[5 * lanes] = t172;
+    result[6 * lanes] = -t47;
+    result[7 * lanes] = t176;
+    result[8 * lanes] = -t18;
+    result[9 * lanes] = -(t171 + t175);
+    result[10 * lanes] = t174;
+    result[11 * lanes] = t172 - t173;
+    result[12 * lanes] = -t47;
+    result[13 * lanes] = -t167;
+    result[14 * lanes] = t17;
+    result[15 * lanes] = -t162;
+    result[16 * lanes] = -t165;
+    result[17 * lanes] = t163;
+    result[18 * lanes] = -t47;
+    result[19 * lanes] = -t167;
+    result[20 * lanes] = t17;
+    result[21 * lanes] = -(t162 + t166);
+    result[22 * lanes] = t165;
+    result[23 * lanes] = t163 - t164;
+    result[24 * lanes] = t46;
+    result[25 * lanes] = t153;
+    result[26 * lanes] = -t18;
+    result[27 * lanes] = t147;
+    result[28 * lanes] = -t151;
+    result[29 * lanes] = t149;
+    result[30 * lanes] = t46;
+    result[31 * lanes] = t153;
+    result[32 * lanes] = -t18;
+    result[33 * lanes] = t147 - t152;
+    result[34 * lanes] = t151;
+    result[35 * lanes] = t149 - t150;
+    result[36 * lanes] = t46;
+    result[37 * lanes] = -t143;
+    result[38 * lanes] = t17;
+    result[39 * lanes] = t138;
+    result[40 * lanes] = -t141;
+    result[41 * lanes] = t139;
+    result[42 * lanes] = t46;
+    result[43 * lanes] = -t143;
+    result[44 * lanes] = t17;
+    result[45 * lanes] = t138 - t142;
+    result[46 * lanes] = t141;
+    result[47 * lanes] = t139 - t140;
+    result[48 * lanes] = t100 > 0.0 ? t127 : t128;
+    result[49 * lanes] = t100 - t125*t100 > 0.0 ? t127 : t128;
+    result[50 * lanes] = t99 > 0.0 ? t121 : t122;
+    result[51 * lanes] = t99 - t118*t99 > 0.0 ? t121 : t122;
+    result[52 * lanes] = t98 > 0.0 ? t105 : t106;
+    result[53 * lanes] = t98 - t103*t98 > 0.0 ? t105 : t106;
+    result[54 * lanes] = t97 > 0.0 ? t95 : t96;
+    result[55 * lanes] = t97 - t76*t97 > 0.0 ? t95 : t96;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 48 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 8; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 8; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 6; ++j)
+            q[6 * b + j] = code ? values[(6 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 6; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
+{
+    enum { error = 6 };
+    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 6 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 6; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 48;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 8; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 6 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 6; ++j)
+                row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, row) <= (kind < 3 ? 3e-11 : 3e-11);
+            for (size_t other = 0; fine && other < 8; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, result, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int puma560_laschi_inverse_kinematics(const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[6], values[56];
+    const double *const codes = values + 48;
+    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 48; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 8; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 48 * sizeof *q);
+    for (size_t b = 0; b < 8; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 8; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 6; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, values);
+        for (size_t j = 0; j < 48 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 6])
+                values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 8; ++b) {
+        for (size_t j = 0; j < 6 && !kinds[b]; ++j)
+            q[6 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, double *restrict result)
+{
+    double angles[4 * inverse_kinematics_lanes], sines[4 * inverse_kinematics_lanes], cosines[4 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, result + i, inverse_kinematics_lanes);
+}
+
+void puma560_laschi_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[6 * inverse_kinematics_lanes], result_block[56 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(6, near + 6 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 48 * row;
+            int *const codes = status ? status + 8 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                puma560_laschi_inverse_kinematics(T + 16 * row, near ? near + 6 * row : NULL, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-2.792526803190927, -3.9269908169872414, -0.7853981633974483, -1.9198621771937625, -1.7453292519943295, -4.642575810304916}, upper[] = {2.792526803190927, 0.7853981633974483, 3.9269908169872414, 2.9670597283903604, 1.7453292519943295, 4.642575810304916};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 6; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int puma560_laschi_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, double *restrict q)
+{
+    double solutions[48], least = INFINITY;
+    int status[8], found = 0;
+    puma560_laschi_inverse_kinematics(T, near, solutions, status);
+    for (size_t j = 0; j < 6; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 8; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 6 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 6 * b, 6 * sizeof *q);
+        }
+    }
+    return found;
 }

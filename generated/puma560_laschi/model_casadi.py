@@ -24,6 +24,10 @@ Every parameter has its number in this file.
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+
 Self-check: `derive verify puma560-laschi` compares every function with an independent recursion.
 """
 
@@ -46,7 +50,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 210, "add": 138, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 104},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -62,13 +72,30 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -111,7 +138,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -182,7 +209,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -227,7 +254,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s6 = sin(q6)
@@ -272,7 +299,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -349,7 +376,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -422,7 +449,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -477,6 +504,368 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t36, t36, t4 - t27*t38, t18*t29, 0.0,
         0.0, t37, t37, t24*t33 - t23*t34, t22*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, t38, t22*t32 - t15*t31, 1.0,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    t1 = T34 - 0.05625*T33
+    t2 = T14 - 0.05625*T13
+    t3 = T24 - 0.05625*T23
+    t4 = 1983207977.0 - 5000000000.0*(t3*t3 + (t1*t1 + t2*t2))
+    t5 = 3.5045846288618854e+18 - t4*t4
+    t6 = less(35045.84628861885, t5)
+    t7 = select(t6, sqrt(maximum(0.0, t5)), 0.0)
+    t8 = 2.5036279414514854e-11*t7
+    t9 = 5.335857050218478e-10*t7
+    t10 = 5.335857050218478e-10*t4
+    t11 = 2.5036279414514854e-11*t4
+    t12 = t8 + t10
+    t13 = t8 - t10
+    t14 = 43307.0 - 43180.0*t12
+    t15 = t11 - t9
+    t16 = t11 + t9
+    t17 = atan2(t13, t16)
+    t18 = atan2(t12, t15)
+    t19 = 2032.0 - 43180.0*t15
+    t20 = t14*t14 + t19*t19
+    t21 = 100000.0*t3
+    t22 = 100000.0*t2
+    t23 = 100000.0*t1
+    t24 = t21*t21 + t22*t22
+    t25 = absolute(t24)
+    t26 = 222278281.0 - t24
+    t27 = -t26
+    t28 = less(1e-14*t25, t27)
+    t29 = select(t28, sqrt(-minimum(0.0, t26)), 0.0)/t24
+    t30 = t21*t29
+    t31 = t22*t29
+    t32 = 14909.0/t24
+    t33 = t22*t32
+    t34 = t21*t32
+    t35 = sqrt(T34*T34 + (T24*T24 + (0.3998056579 + T14*T14)))
+    t36 = 1e-07*t35
+    t37 = absolute(t21)
+    t38 = 1.0 - less(t36, t37)
+    t39 = absolute(t22)
+    t40 = t38 - t38*less(t36, t39)
+    t41 = sin(near1)
+    t42 = -t41
+    t43 = select(t40, t42, t30 - t33)
+    t44 = select(t40, t42, t30 + t33)
+    t45 = cos(near1)
+    t46 = select(t40, t45, t34 - t31)
+    t47 = select(t40, -t45, t34 + t31)
+    t48 = atan2(t43, t47)
+    t49 = atan2(t44, t46)
+    t50 = t21*t43 + t22*t47
+    t51 = t21*t44 - t22*t46
+    t52 = t14*t23
+    t53 = (t52 - t19*t50)/t20
+    t54 = t19*t23
+    t55 = (t54 + t14*t50)/t20
+    t56 = (t52 + t51*t19)/t20
+    t57 = (t54 - t14*t51)/t20
+    t58 = 1.5 - 0.5*(t53*t53 + t55*t55)
+    t59 = 2032.0 - 43180.0*t16
+    t60 = 43307.0 + 43180.0*t13
+    t61 = t23*t60
+    t62 = t23*t59
+    t63 = absolute(3739992520.0*t12 - (3744137673.0 - 175483520.0*t15))
+    t64 = t35*t35
+    t65 = less(0.01*t64, t63)
+    t66 = cos(near3)
+    t67 = cos(near2)
+    t68 = sin(near2)
+    t69 = sin(near3)
+    t70 = t66*t67 - t68*t69
+    t71 = select(t65, t58*((t61 - t59*t50)/t20), t70)
+    t72 = t68*t66 + t67*t69
+    t73 = select(t65, t58*((t62 + t60*t50)/t20), t72)
+    t74 = select(t65, t53*t58, t70)
+    t75 = select(t65, t55*t58, t72)
+    t76 = T23*t43 + T13*t47
+    t77 = t76*t71 - T33*t73
+    t78 = absolute(t77)
+    t79 = T13*t43 - T23*t47
+    t80 = absolute(t79)
+    t81 = 1.0 - less(1e-12, t80)
+    t82 = t81 - t81*less(1e-12, t78)
+    t83 = 1.0 - t65
+    t84 = maximum(t40, t83)
+    t85 = maximum(t82, t84)
+    t86 = (1.0 - t40)*(1.0 - less(1e-11*t25, t26))
+    t87 = t28*t86
+    t88 = maximum(t40, t86)
+    t89 = 1.0 - less(t5, -35045846.28861885)
+    t90 = t6*t89
+    t91 = select(maximum(t86 - t87, t89 - t90), 2.0, 1.0)
+    t92 = 1.0 - less(0.001, t80)
+    t93 = 1.0 - less(1e-14*absolute(100000.0*t24), t27)
+    t94 = t93 - t93*less(1e-11*absolute(100.0*t24), t26)
+    t95 = 100.0*t35
+    t96 = 1.0 - less(t95, t37)
+    t97 = 1.0 - less(3504584628.861885, t5)
+    t98 = t97 - t97*less(t5, -3504584628.861885)
+    t99 = maximum(1.0 - less(10000000.0*t64, t63), maximum(maximum(t94, t96 - t96*less(t95, t39)), t98))
+    t100 = maximum(t83, maximum(t98, maximum(t40, t94)))
+    t101 = select(t85, 3.0, t91) + 4.0*maximum(t99, t92 - t92*less(0.001, t78))
+    t102 = select(t85, 8.0, 4.0*maximum(t82, t100))
+    t103 = t87*t90
+    t104 = t89*t87
+    t105 = t88*t90
+    t106 = t88*t89
+    t107 = t74*t76 - T33*t75
+    t108 = absolute(t107)
+    t109 = t81 - t81*less(1e-12, t108)
+    t110 = maximum(t109, t84)
+    t111 = select(t110, 3.0, t91) + 4.0*maximum(t99, t92 - t92*less(0.001, t108))
+    t112 = select(t110, 8.0, 4.0*maximum(t109, t100))
+    t113 = 1.5 - 0.5*(t56*t56 + t57*t57)
+    t114 = select(t65, t113*((t61 + t51*t59)/t20), t70)
+    t115 = select(t65, t113*((t62 - t51*t60)/t20), t72)
+    t116 = select(t65, t56*t113, t70)
+    t117 = select(t65, t57*t113, t72)
+    t118 = T23*t44 - T13*t46
+    t119 = t118*t114 + T33*t115
+    t120 = absolute(t119)
+    t121 = T13*t44 + T23*t46
+    t122 = absolute(t121)
+    t123 = 1.0 - less(1e-12, t122)
+    t124 = t123 - t123*less(1e-12, t120)
+    t125 = 1.0 - less(0.001, t122)
+    t126 = maximum(t124, t84)
+    t127 = select(t126, 3.0, t91) + 4.0*maximum(t99, t125 - t125*less(0.001, t120))
+    t128 = select(t126, 8.0, 4.0*maximum(t124, t100))
+    t129 = t116*t118 + T33*t117
+    t130 = absolute(t129)
+    t131 = t123 - t123*less(1e-12, t130)
+    t132 = maximum(t131, t84)
+    t133 = select(t132, 3.0, t91) + 4.0*maximum(t125 - t125*less(0.001, t130), t99)
+    t134 = select(t132, 8.0, 4.0*maximum(t131, t100))
+    t135 = t79*t79
+    t136 = sqrt(t135 + t77*t77)
+    t137 = cos(near4)
+    t138 = -t137
+    t139 = select(t82, t138, t77/t136)
+    t140 = T11*t43 - T21*t47
+    t141 = sin(near4)
+    t142 = select(t82, t141, t79/t136)
+    t143 = T21*t43 + T11*t47
+    t144 = T12*t43 - T22*t47
+    t145 = T22*t43 + T12*t47
+    t146 = atan2(t142, -t139)
+    t147 = atan2(t140*t139 + t142*(T31*t73 - t143*t71), t144*t139 + t142*(T32*t73 - t145*t71))
+    t148 = select(less(0.0, t147), 3.141592653589793, -3.141592653589793)
+    t149 = atan2(t77*t139 + t79*t142, t76*t73 + T33*t71)
+    t150 = select(less(0.0, t146), 3.141592653589793, -3.141592653589793)
+    t151 = atan2(t13*t71 - t16*t73, t13*t73 + t16*t71)
+    t152 = sqrt(t135 + t107*t107)
+    t153 = select(t109, t138, t107/t152)
+    t154 = select(t109, t141, t79/t152)
+    t155 = atan2(t154, -t153)
+    t156 = -t141
+    t157 = atan2(t153*t140 + t154*(T31*t75 - t74*t143), t153*t144 + t154*(T32*t75 - t74*t145))
+    t158 = select(less(0.0, t157), 3.141592653589793, -3.141592653589793)
+    t159 = atan2(t107*t153 + t79*t154, t75*t76 + T33*t74)
+    t160 = select(less(0.0, t155), 3.141592653589793, -3.141592653589793)
+    t161 = atan2(t15*t75 + t12*t74, t15*t74 - t12*t75)
+    t162 = t121*t121
+    t163 = sqrt(t162 + t119*t119)
+    t164 = select(t124, t137, t119/t163)
+    t165 = select(t124, t156, t121/t163)
+    t166 = t44*T11 + t46*T21
+    t167 = t44*T21 - t46*T11
+    t168 = t44*T12 + t46*T22
+    t169 = t44*T22 - t46*T12
+    t170 = atan2(t165, t164)
+    t171 = atan2(t166*t164 - t165*(T31*t115 + t167*t114), t168*t164 - t165*(T32*t115 + t169*t114))
+    t172 = select(less(0.0, t171), 3.141592653589793, -3.141592653589793)
+    t173 = atan2(t119*t164 + t121*t165, -(t118*t115 - T33*t114))
+    t174 = select(less(t170, 0.0), 3.141592653589793, -3.141592653589793)
+    t175 = atan2(t13*t114 - t16*t115, t13*t115 + t16*t114)
+    t176 = sqrt(t162 + t129*t129)
+    t177 = select(t131, t137, t129/t176)
+    t178 = select(t131, t156, t121/t176)
+    t179 = atan2(t178, t177)
+    t180 = atan2(t177*t166 - t178*(t117*T31 + t116*t167), t177*t168 - t178*(t117*T32 + t116*t169))
+    t181 = select(less(0.0, t180), 3.141592653589793, -3.141592653589793)
+    t182 = atan2(t129*t177 + t121*t178, -(t117*t118 - T33*t116))
+    t183 = select(less(t179, 0.0), 3.141592653589793, -3.141592653589793)
+    t184 = atan2(t15*t117 + t12*t116, t15*t116 - t12*t117)
+    return (
+        -t49, t184, -t18, -t179, -t182, t180, -t49, t184, -t18, -(t179 + t183), t182, t180 - t181, -t49, -t175,
+        t17, -t170, -t173, t171, -t49, -t175, t17, -(t170 + t174), t173, t171 - t172, t48, t161, -t18, t155,
+        -t159, t157, t48, t161, -t18, t155 - t160, t159, t157 - t158, t48, -t151, t17, t146, -t149, t147, t48,
+        -t151, t17, t146 - t150, t149, t147 - t148, select(t106, t133, t134),
+        select(t106 - t131*t106, t133, t134), select(t105, t127, t128), select(t105 - t124*t105, t127, t128),
+        select(t104, t111, t112), select(t104 - t109*t104, t111, t112), select(t103, t101, t102),
+        select(t103 - t82*t103, t101, t102),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = 0.05625*s5
+    t2 = 0.02032 - c4*t1
+    t3 = q2 + q3
+    t4 = cos(t3)
+    t5 = sin(t3)
+    c5 = cos(q5)
+    t6 = 0.05625*c5
+    t7 = 0.43307 + t6
+    t8 = t4*t2 - t5*t7
+    t9 = t5*t2 + t4*t7
+    c2 = cos(q2)
+    t10 = 0.4318*c2 - t8
+    s1 = sin(q1)
+    s4 = sin(q4)
+    t11 = 0.14909 + s4*t1
+    c1 = cos(q1)
+    t12 = s1*t10 + c1*t11
+    t13 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.3998056579)))
+    t14 = select(less(0.0, t13), t13, 1.0)
+    t15 = 1.0/t14
+    t16 = t8*t15
+    t17 = t12*t15
+    t18 = (t12 - T24)/t14
+    s2 = sin(q2)
+    t19 = 0.4318*s2 - t9
+    t20 = c1*t19*t15
+    t21 = c1*t10 - s1*t11
+    t22 = t10*t15
+    t23 = t21*t15
+    t24 = (t21 - T14)/t14
+    t25 = s1*t19*t15
+    t26 = (t19 + T34)/t14
+    t27 = t17*t20 - t23*t25
+    t28 = damping1 + (2.0 + (t17*t17 + t23*t23))
+    t29 = c5*t4
+    t30 = c4*t5
+    t31 = t29 - s5*t30
+    t32 = 2.0*t31
+    t33 = t32/t28
+    t34 = c1*t4
+    t35 = s1*s4 - c4*t34
+    t36 = c1*t5
+    t37 = c5*t36 - s5*t35
+    t38 = s1*t4
+    t39 = c1*s4 + c4*t38
+    t40 = s1*t5
+    t41 = c5*t40 + s5*t39
+    t42 = 2.0*(s1*t37 - c1*t41)
+    t43 = t42 + t27*t33
+    t44 = t27/t28
+    t45 = 2.0*(s1*s1 + c1*c1)
+    t46 = damping1 + (t20*t20 + t25*t25 + t22*t22 + t45) - t27*t44
+    t47 = t43/t46
+    t48 = c1*t9*t15
+    t49 = s1*t9*t15
+    t50 = t17*t48 - t23*t49
+    t51 = t50/t28
+    t52 = t45 - (t20*t48 + t25*t49 + t22*t16) + t27*t51
+    t53 = t42 - t50*t33 - t52*t47
+    t54 = t52/t46
+    t55 = damping1 + (t45 + (t48*t48 + t49*t49 + t16*t16)) - t50*t51
+    t56 = t55 - t52*t54
+    t57 = t53/t56
+    t58 = s1*c4 + s4*t34
+    t59 = t1*t58*t15
+    t60 = c1*c4 - s4*t38
+    t61 = t1*t60*t15
+    t62 = t17*t59 + t23*t61 + 2.0*t4
+    t63 = t62/t28
+    t64 = s4*t5
+    t65 = t1*t64*t15
+    t66 = 2.0*(s1*t36 - c1*t40)
+    t67 = t20*t59 - t25*t61 - t22*t65 - t66 - t27*t63
+    t68 = t67/t46
+    t69 = t66 + (t48*t59 - t49*t61 - t16*t65) - t50*t63 + t52*t68
+    t70 = 2.0*(t36*t37 + t40*t41 + t4*t31) - t62*t33 + t67*t47 - t69*t57
+    t71 = t69/t56
+    t72 = t59*t59 + t61*t61 + t65*t65 + 2.0*(t36*t36 + t40*t40 + t4*t4)
+    t73 = damping1 + t72 - t62*t63 - t67*t68 - t69*t71
+    t74 = t70/t73
+    t75 = (t6*t35 + t1*t36)*t15
+    t76 = (t6*t39 - t1*t40)*t15
+    t77 = (t6*t30 + t4*t1)*t15
+    t78 = t17*t75 + t23*t76 + 2.0*t64
+    t79 = t78/t28
+    t80 = 2.0*(s1*t58 + c1*t60)
+    t81 = t20*t75 - t25*t76 + t22*t77 + t80 - t27*t79
+    t82 = t81/t46
+    t83 = t80 - (t48*t75 - t49*t76 + t16*t77) + t50*t79 - t52*t82
+    t84 = t83/t56
+    t85 = t59*t75 + t61*t76 - t65*t77 - 2.0*(t36*t58 - t40*t60 - t4*t64)
+    t86 = t85 - t62*t79 - t67*t82 + t69*t84
+    t87 = 2.0*(t58*t37 - t60*t41 - t64*t31) + t78*t33 - t81*t47
+    t88 = t87 - t83*t57 + t86*t74
+    t89 = t86/t73
+    t90 = t75*t75 + t76*t76 + t77*t77 + 2.0*(t58*t58 + t60*t60 + t64*t64)
+    t91 = damping1 + t90 - t78*t79 - t81*t82 - t83*t84 - t86*t89
+    t92 = t88/t91
+    s6 = sin(q6)
+    t93 = c5*s6
+    t94 = s5*s6
+    c6 = cos(q6)
+    t95 = s4*t93 - c4*c6
+    t96 = c4*t93 + s4*c6
+    t97 = c4*s5
+    t98 = s4*s5
+    t99 = t4*t96 - t5*t94
+    t100 = t4*t94 + t5*t96
+    t101 = t4*t97 + c5*t5
+    t102 = t29 - t5*t97
+    t103 = s1*t95 - c1*t99
+    t104 = c1*t95 + s1*t99
+    t105 = c1*t98 + s1*t101
+    t106 = s1*t98 - c1*t101
+    t107 = t103*t105 - t104*t106
+    t108 = t100*t106 + t103*t102
+    t109 = t102*T23 - t105*T33 + (t107*T21 + t108*T31 + (t100*T22 + t104*T32))
+    t110 = t100*t105 + t104*t102
+    t111 = t107 - T31
+    t112 = t100 - T32
+    t113 = t106*T33 + t102*T13 + (t110*T31 + t107*T11 - (t103*T32 - t100*T12))
+    t114 = s1*t109 + c1*t113
+    t115 = t102 - T33
+    t116 = t108 + T21
+    t117 = t110 + T11
+    t118 = t24*t24 + t18*t18 + t26*t26 + t117*t117 + t116*t116 + t111*t111
+    t119 = t104 + T22
+    t120 = t103 - T12
+    t121 = t105 - T23
+    t122 = t105*T13 + t106*T23 - (t108*T11 - t110*T21 + (t104*T12 + t103*T22))
+    t123 = t122 - t24*t17 + t18*t23
+    t124 = t36*t109 - t40*t113 + t4*t122 - t24*t59 + t18*t61 - t26*t65
+    t125 = t58*t109 + t60*t113 - t64*t122 + t24*t75 - t18*t76 - t26*t77
+    t126 = damping1 + 2.0*(t37*t37 + t41*t41 + t31*t31) - t32*t33
+    t127 = t106 + T13
+    t128 = t118 + t120*t120 + t119*t119 + t112*t112 + t127*t127 + t121*t121
+    t129 = t114 + t24*t20 + t18*t25 - t26*t22 + t123*t44
+    t130 = t114 - t24*t48 - t18*t49 + t26*t16 - t123*t51 - t54*t129
+    t131 = t124 - t123*t63 + t68*t129 - t71*t130
+    t132 = t125 + t123*t79 - t82*t129 - t84*t130 + t89*t131
+    t133 = t37*t109 - t41*t113 + t31*t122 - t123*t33 - t47*t129 - t57*t130
+    t134 = (t133 - t74*t131 - t92*t132)/(t126 - t43*t47 - t53*t57 - t70*t74 - t88*t92)
+    t135 = t132/t91 - t92*t134
+    t136 = t131/t73 + t89*t135 - t74*t134
+    t137 = t130/t56 - t71*t136 - t84*t135 - t57*t134
+    t138 = t129/t46 - t54*t137 + t68*t136 - t82*t135 - t47*t134
+    t139 = t123/t28 + t44*t138 - t51*t137 - t63*t136 + t79*t135 - t33*t134
+    t140 = sqrt(t128 + t115*t115) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t141 = t140 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t142 = t141 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t143 = maximum(0.0, t142 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        q1 - t139, q2 + t138, q3 + t137, q4 - t136, q5 + t135, q6 - t134, t143,
     )
 
 
@@ -548,3 +937,40 @@ analytic_jacobian_zyz = _function(
     shape=(6, 6),
     kernel=_analytic_jacobian_zyz,
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    constants = ()
+    step_constants = ()
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 8], values[DOF * 8 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -44,7 +44,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 210, "add": 138, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 104},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -60,6 +66,13 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
 ]
 
 
@@ -183,11 +196,59 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Nothing, since all joints are solved for.
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 8): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 6); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 8, 6):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 210 mul, 138 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 104 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 6), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -230,7 +291,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c1 = cos(q1)
     s1 = sin(q1)
@@ -301,7 +362,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -346,7 +407,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s6 = sin(q6)
@@ -391,7 +452,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     c4 = cos(q4)
@@ -468,7 +529,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -541,7 +602,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     c4 = cos(q4)
     s5 = sin(q5)
@@ -596,6 +657,368 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t36, t36, t4 - t27*t38, t18*t29, 0.0,
         0.0, t37, t37, t24*t33 - t23*t34, t22*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, t38, t22*t32 - t15*t31, 1.0,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    t1 = T34 - 0.05625*T33
+    t2 = T14 - 0.05625*T13
+    t3 = T24 - 0.05625*T23
+    t4 = 1983207977.0 - 5000000000.0*(t3*t3 + (t1*t1 + t2*t2))
+    t5 = 3.5045846288618854e+18 - t4*t4
+    t6 = less(35045.84628861885, t5)
+    t7 = select(t6, sqrt(maximum(0.0, t5)), 0.0)
+    t8 = 2.5036279414514854e-11*t7
+    t9 = 5.335857050218478e-10*t7
+    t10 = 5.335857050218478e-10*t4
+    t11 = 2.5036279414514854e-11*t4
+    t12 = t8 + t10
+    t13 = t8 - t10
+    t14 = 43307.0 - 43180.0*t12
+    t15 = t11 - t9
+    t16 = t11 + t9
+    t17 = atan2(t13, t16)
+    t18 = atan2(t12, t15)
+    t19 = 2032.0 - 43180.0*t15
+    t20 = t14*t14 + t19*t19
+    t21 = 100000.0*t3
+    t22 = 100000.0*t2
+    t23 = 100000.0*t1
+    t24 = t21*t21 + t22*t22
+    t25 = absolute(t24)
+    t26 = 222278281.0 - t24
+    t27 = -t26
+    t28 = less(1e-14*t25, t27)
+    t29 = select(t28, sqrt(-minimum(0.0, t26)), 0.0)/t24
+    t30 = t21*t29
+    t31 = t22*t29
+    t32 = 14909.0/t24
+    t33 = t22*t32
+    t34 = t21*t32
+    t35 = sqrt(T34*T34 + (T24*T24 + (0.3998056579 + T14*T14)))
+    t36 = 1e-07*t35
+    t37 = absolute(t21)
+    t38 = 1.0 - less(t36, t37)
+    t39 = absolute(t22)
+    t40 = t38 - t38*less(t36, t39)
+    t41 = sin(near1)
+    t42 = -t41
+    t43 = select(t40, t42, t30 - t33)
+    t44 = select(t40, t42, t30 + t33)
+    t45 = cos(near1)
+    t46 = select(t40, t45, t34 - t31)
+    t47 = select(t40, -t45, t34 + t31)
+    t48 = atan2(t43, t47)
+    t49 = atan2(t44, t46)
+    t50 = t21*t43 + t22*t47
+    t51 = t21*t44 - t22*t46
+    t52 = t14*t23
+    t53 = (t52 - t19*t50)/t20
+    t54 = t19*t23
+    t55 = (t54 + t14*t50)/t20
+    t56 = (t52 + t51*t19)/t20
+    t57 = (t54 - t14*t51)/t20
+    t58 = 1.5 - 0.5*(t53*t53 + t55*t55)
+    t59 = 2032.0 - 43180.0*t16
+    t60 = 43307.0 + 43180.0*t13
+    t61 = t23*t60
+    t62 = t23*t59
+    t63 = absolute(3739992520.0*t12 - (3744137673.0 - 175483520.0*t15))
+    t64 = t35*t35
+    t65 = less(0.01*t64, t63)
+    t66 = cos(near3)
+    t67 = cos(near2)
+    t68 = sin(near2)
+    t69 = sin(near3)
+    t70 = t66*t67 - t68*t69
+    t71 = select(t65, t58*((t61 - t59*t50)/t20), t70)
+    t72 = t68*t66 + t67*t69
+    t73 = select(t65, t58*((t62 + t60*t50)/t20), t72)
+    t74 = select(t65, t53*t58, t70)
+    t75 = select(t65, t55*t58, t72)
+    t76 = T23*t43 + T13*t47
+    t77 = t76*t71 - T33*t73
+    t78 = absolute(t77)
+    t79 = T13*t43 - T23*t47
+    t80 = absolute(t79)
+    t81 = 1.0 - less(1e-12, t80)
+    t82 = t81 - t81*less(1e-12, t78)
+    t83 = 1.0 - t65
+    t84 = maximum(t40, t83)
+    t85 = maximum(t82, t84)
+    t86 = (1.0 - t40)*(1.0 - less(1e-11*t25, t26))
+    t87 = t28*t86
+    t88 = maximum(t40, t86)
+    t89 = 1.0 - less(t5, -35045846.28861885)
+    t90 = t6*t89
+    t91 = select(maximum(t86 - t87, t89 - t90), 2.0, 1.0)
+    t92 = 1.0 - less(0.001, t80)
+    t93 = 1.0 - less(1e-14*absolute(100000.0*t24), t27)
+    t94 = t93 - t93*less(1e-11*absolute(100.0*t24), t26)
+    t95 = 100.0*t35
+    t96 = 1.0 - less(t95, t37)
+    t97 = 1.0 - less(3504584628.861885, t5)
+    t98 = t97 - t97*less(t5, -3504584628.861885)
+    t99 = maximum(1.0 - less(10000000.0*t64, t63), maximum(maximum(t94, t96 - t96*less(t95, t39)), t98))
+    t100 = maximum(t83, maximum(t98, maximum(t40, t94)))
+    t101 = select(t85, 3.0, t91) + 4.0*maximum(t99, t92 - t92*less(0.001, t78))
+    t102 = select(t85, 8.0, 4.0*maximum(t82, t100))
+    t103 = t87*t90
+    t104 = t89*t87
+    t105 = t88*t90
+    t106 = t88*t89
+    t107 = t74*t76 - T33*t75
+    t108 = absolute(t107)
+    t109 = t81 - t81*less(1e-12, t108)
+    t110 = maximum(t109, t84)
+    t111 = select(t110, 3.0, t91) + 4.0*maximum(t99, t92 - t92*less(0.001, t108))
+    t112 = select(t110, 8.0, 4.0*maximum(t109, t100))
+    t113 = 1.5 - 0.5*(t56*t56 + t57*t57)
+    t114 = select(t65, t113*((t61 + t51*t59)/t20), t70)
+    t115 = select(t65, t113*((t62 - t51*t60)/t20), t72)
+    t116 = select(t65, t56*t113, t70)
+    t117 = select(t65, t57*t113, t72)
+    t118 = T23*t44 - T13*t46
+    t119 = t118*t114 + T33*t115
+    t120 = absolute(t119)
+    t121 = T13*t44 + T23*t46
+    t122 = absolute(t121)
+    t123 = 1.0 - less(1e-12, t122)
+    t124 = t123 - t123*less(1e-12, t120)
+    t125 = 1.0 - less(0.001, t122)
+    t126 = maximum(t124, t84)
+    t127 = select(t126, 3.0, t91) + 4.0*maximum(t99, t125 - t125*less(0.001, t120))
+    t128 = select(t126, 8.0, 4.0*maximum(t124, t100))
+    t129 = t116*t118 + T33*t117
+    t130 = absolute(t129)
+    t131 = t123 - t123*less(1e-12, t130)
+    t132 = maximum(t131, t84)
+    t133 = select(t132, 3.0, t91) + 4.0*maximum(t125 - t125*less(0.001, t130), t99)
+    t134 = select(t132, 8.0, 4.0*maximum(t131, t100))
+    t135 = t79*t79
+    t136 = sqrt(t135 + t77*t77)
+    t137 = cos(near4)
+    t138 = -t137
+    t139 = select(t82, t138, t77/t136)
+    t140 = T11*t43 - T21*t47
+    t141 = sin(near4)
+    t142 = select(t82, t141, t79/t136)
+    t143 = T21*t43 + T11*t47
+    t144 = T12*t43 - T22*t47
+    t145 = T22*t43 + T12*t47
+    t146 = atan2(t142, -t139)
+    t147 = atan2(t140*t139 + t142*(T31*t73 - t143*t71), t144*t139 + t142*(T32*t73 - t145*t71))
+    t148 = select(less(0.0, t147), 3.141592653589793, -3.141592653589793)
+    t149 = atan2(t77*t139 + t79*t142, t76*t73 + T33*t71)
+    t150 = select(less(0.0, t146), 3.141592653589793, -3.141592653589793)
+    t151 = atan2(t13*t71 - t16*t73, t13*t73 + t16*t71)
+    t152 = sqrt(t135 + t107*t107)
+    t153 = select(t109, t138, t107/t152)
+    t154 = select(t109, t141, t79/t152)
+    t155 = atan2(t154, -t153)
+    t156 = -t141
+    t157 = atan2(t153*t140 + t154*(T31*t75 - t74*t143), t153*t144 + t154*(T32*t75 - t74*t145))
+    t158 = select(less(0.0, t157), 3.141592653589793, -3.141592653589793)
+    t159 = atan2(t107*t153 + t79*t154, t75*t76 + T33*t74)
+    t160 = select(less(0.0, t155), 3.141592653589793, -3.141592653589793)
+    t161 = atan2(t15*t75 + t12*t74, t15*t74 - t12*t75)
+    t162 = t121*t121
+    t163 = sqrt(t162 + t119*t119)
+    t164 = select(t124, t137, t119/t163)
+    t165 = select(t124, t156, t121/t163)
+    t166 = t44*T11 + t46*T21
+    t167 = t44*T21 - t46*T11
+    t168 = t44*T12 + t46*T22
+    t169 = t44*T22 - t46*T12
+    t170 = atan2(t165, t164)
+    t171 = atan2(t166*t164 - t165*(T31*t115 + t167*t114), t168*t164 - t165*(T32*t115 + t169*t114))
+    t172 = select(less(0.0, t171), 3.141592653589793, -3.141592653589793)
+    t173 = atan2(t119*t164 + t121*t165, -(t118*t115 - T33*t114))
+    t174 = select(less(t170, 0.0), 3.141592653589793, -3.141592653589793)
+    t175 = atan2(t13*t114 - t16*t115, t13*t115 + t16*t114)
+    t176 = sqrt(t162 + t129*t129)
+    t177 = select(t131, t137, t129/t176)
+    t178 = select(t131, t156, t121/t176)
+    t179 = atan2(t178, t177)
+    t180 = atan2(t177*t166 - t178*(t117*T31 + t116*t167), t177*t168 - t178*(t117*T32 + t116*t169))
+    t181 = select(less(0.0, t180), 3.141592653589793, -3.141592653589793)
+    t182 = atan2(t129*t177 + t121*t178, -(t117*t118 - T33*t116))
+    t183 = select(less(t179, 0.0), 3.141592653589793, -3.141592653589793)
+    t184 = atan2(t15*t117 + t12*t116, t15*t116 - t12*t117)
+    return (
+        -t49, t184, -t18, -t179, -t182, t180, -t49, t184, -t18, -(t179 + t183), t182, t180 - t181, -t49, -t175,
+        t17, -t170, -t173, t171, -t49, -t175, t17, -(t170 + t174), t173, t171 - t172, t48, t161, -t18, t155,
+        -t159, t157, t48, t161, -t18, t155 - t160, t159, t157 - t158, t48, -t151, t17, t146, -t149, t147, t48,
+        -t151, t17, t146 - t150, t149, t147 - t148, select(t106, t133, t134),
+        select(t106 - t131*t106, t133, t134), select(t105, t127, t128), select(t105 - t124*t105, t127, t128),
+        select(t104, t111, t112), select(t104 - t109*t104, t111, t112), select(t103, t101, t102),
+        select(t103 - t82*t103, t101, t102),
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = 0.05625*s5
+    t2 = 0.02032 - c4*t1
+    t3 = q2 + q3
+    t4 = cos(t3)
+    t5 = sin(t3)
+    c5 = cos(q5)
+    t6 = 0.05625*c5
+    t7 = 0.43307 + t6
+    t8 = t4*t2 - t5*t7
+    t9 = t5*t2 + t4*t7
+    c2 = cos(q2)
+    t10 = 0.4318*c2 - t8
+    s1 = sin(q1)
+    s4 = sin(q4)
+    t11 = 0.14909 + s4*t1
+    c1 = cos(q1)
+    t12 = s1*t10 + c1*t11
+    t13 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.3998056579)))
+    t14 = select(less(0.0, t13), t13, 1.0)
+    t15 = 1.0/t14
+    t16 = t8*t15
+    t17 = t12*t15
+    t18 = (t12 - T24)/t14
+    s2 = sin(q2)
+    t19 = 0.4318*s2 - t9
+    t20 = c1*t19*t15
+    t21 = c1*t10 - s1*t11
+    t22 = t10*t15
+    t23 = t21*t15
+    t24 = (t21 - T14)/t14
+    t25 = s1*t19*t15
+    t26 = (t19 + T34)/t14
+    t27 = t17*t20 - t23*t25
+    t28 = damping1 + (2.0 + (t17*t17 + t23*t23))
+    t29 = c5*t4
+    t30 = c4*t5
+    t31 = t29 - s5*t30
+    t32 = 2.0*t31
+    t33 = t32/t28
+    t34 = c1*t4
+    t35 = s1*s4 - c4*t34
+    t36 = c1*t5
+    t37 = c5*t36 - s5*t35
+    t38 = s1*t4
+    t39 = c1*s4 + c4*t38
+    t40 = s1*t5
+    t41 = c5*t40 + s5*t39
+    t42 = 2.0*(s1*t37 - c1*t41)
+    t43 = t42 + t27*t33
+    t44 = t27/t28
+    t45 = 2.0*(s1*s1 + c1*c1)
+    t46 = damping1 + (t20*t20 + t25*t25 + t22*t22 + t45) - t27*t44
+    t47 = t43/t46
+    t48 = c1*t9*t15
+    t49 = s1*t9*t15
+    t50 = t17*t48 - t23*t49
+    t51 = t50/t28
+    t52 = t45 - (t20*t48 + t25*t49 + t22*t16) + t27*t51
+    t53 = t42 - t50*t33 - t52*t47
+    t54 = t52/t46
+    t55 = damping1 + (t45 + (t48*t48 + t49*t49 + t16*t16)) - t50*t51
+    t56 = t55 - t52*t54
+    t57 = t53/t56
+    t58 = s1*c4 + s4*t34
+    t59 = t1*t58*t15
+    t60 = c1*c4 - s4*t38
+    t61 = t1*t60*t15
+    t62 = t17*t59 + t23*t61 + 2.0*t4
+    t63 = t62/t28
+    t64 = s4*t5
+    t65 = t1*t64*t15
+    t66 = 2.0*(s1*t36 - c1*t40)
+    t67 = t20*t59 - t25*t61 - t22*t65 - t66 - t27*t63
+    t68 = t67/t46
+    t69 = t66 + (t48*t59 - t49*t61 - t16*t65) - t50*t63 + t52*t68
+    t70 = 2.0*(t36*t37 + t40*t41 + t4*t31) - t62*t33 + t67*t47 - t69*t57
+    t71 = t69/t56
+    t72 = t59*t59 + t61*t61 + t65*t65 + 2.0*(t36*t36 + t40*t40 + t4*t4)
+    t73 = damping1 + t72 - t62*t63 - t67*t68 - t69*t71
+    t74 = t70/t73
+    t75 = (t6*t35 + t1*t36)*t15
+    t76 = (t6*t39 - t1*t40)*t15
+    t77 = (t6*t30 + t4*t1)*t15
+    t78 = t17*t75 + t23*t76 + 2.0*t64
+    t79 = t78/t28
+    t80 = 2.0*(s1*t58 + c1*t60)
+    t81 = t20*t75 - t25*t76 + t22*t77 + t80 - t27*t79
+    t82 = t81/t46
+    t83 = t80 - (t48*t75 - t49*t76 + t16*t77) + t50*t79 - t52*t82
+    t84 = t83/t56
+    t85 = t59*t75 + t61*t76 - t65*t77 - 2.0*(t36*t58 - t40*t60 - t4*t64)
+    t86 = t85 - t62*t79 - t67*t82 + t69*t84
+    t87 = 2.0*(t58*t37 - t60*t41 - t64*t31) + t78*t33 - t81*t47
+    t88 = t87 - t83*t57 + t86*t74
+    t89 = t86/t73
+    t90 = t75*t75 + t76*t76 + t77*t77 + 2.0*(t58*t58 + t60*t60 + t64*t64)
+    t91 = damping1 + t90 - t78*t79 - t81*t82 - t83*t84 - t86*t89
+    t92 = t88/t91
+    s6 = sin(q6)
+    t93 = c5*s6
+    t94 = s5*s6
+    c6 = cos(q6)
+    t95 = s4*t93 - c4*c6
+    t96 = c4*t93 + s4*c6
+    t97 = c4*s5
+    t98 = s4*s5
+    t99 = t4*t96 - t5*t94
+    t100 = t4*t94 + t5*t96
+    t101 = t4*t97 + c5*t5
+    t102 = t29 - t5*t97
+    t103 = s1*t95 - c1*t99
+    t104 = c1*t95 + s1*t99
+    t105 = c1*t98 + s1*t101
+    t106 = s1*t98 - c1*t101
+    t107 = t103*t105 - t104*t106
+    t108 = t100*t106 + t103*t102
+    t109 = t102*T23 - t105*T33 + (t107*T21 + t108*T31 + (t100*T22 + t104*T32))
+    t110 = t100*t105 + t104*t102
+    t111 = t107 - T31
+    t112 = t100 - T32
+    t113 = t106*T33 + t102*T13 + (t110*T31 + t107*T11 - (t103*T32 - t100*T12))
+    t114 = s1*t109 + c1*t113
+    t115 = t102 - T33
+    t116 = t108 + T21
+    t117 = t110 + T11
+    t118 = t24*t24 + t18*t18 + t26*t26 + t117*t117 + t116*t116 + t111*t111
+    t119 = t104 + T22
+    t120 = t103 - T12
+    t121 = t105 - T23
+    t122 = t105*T13 + t106*T23 - (t108*T11 - t110*T21 + (t104*T12 + t103*T22))
+    t123 = t122 - t24*t17 + t18*t23
+    t124 = t36*t109 - t40*t113 + t4*t122 - t24*t59 + t18*t61 - t26*t65
+    t125 = t58*t109 + t60*t113 - t64*t122 + t24*t75 - t18*t76 - t26*t77
+    t126 = damping1 + 2.0*(t37*t37 + t41*t41 + t31*t31) - t32*t33
+    t127 = t106 + T13
+    t128 = t118 + t120*t120 + t119*t119 + t112*t112 + t127*t127 + t121*t121
+    t129 = t114 + t24*t20 + t18*t25 - t26*t22 + t123*t44
+    t130 = t114 - t24*t48 - t18*t49 + t26*t16 - t123*t51 - t54*t129
+    t131 = t124 - t123*t63 + t68*t129 - t71*t130
+    t132 = t125 + t123*t79 - t82*t129 - t84*t130 + t89*t131
+    t133 = t37*t109 - t41*t113 + t31*t122 - t123*t33 - t47*t129 - t57*t130
+    t134 = (t133 - t74*t131 - t92*t132)/(t126 - t43*t47 - t53*t57 - t70*t74 - t88*t92)
+    t135 = t132/t91 - t92*t134
+    t136 = t131/t73 + t89*t135 - t74*t134
+    t137 = t130/t56 - t71*t136 - t84*t135 - t57*t134
+    t138 = t129/t46 - t54*t137 + t68*t136 - t82*t135 - t47*t134
+    t139 = t123/t28 + t44*t138 - t51*t137 - t63*t136 + t79*t135 - t33*t134
+    t140 = sqrt(t128 + t115*t115) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t141 = t140 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t142 = t141 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t143 = maximum(0.0, t142 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        q1 - t139, q2 + t138, q3 + t137, q4 - t136, q5 + t135, q6 - t134, t143,
     )
 
 
@@ -755,6 +1178,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -775,6 +1199,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -957,7 +1399,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -1131,8 +1610,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 3e-11
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -1181,3 +2090,14 @@ _FUNCTIONS = {
         kernel=_analytic_jacobian_zyz,
     ),
 }
+
+_GIVEN_JOINTS = ()
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=8,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+    ),
+)

@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1207,4 +1237,840 @@ void puma560_usp_analytic_jacobian_zyz_batch(size_t count, const double *restric
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    const double p_d4 = params[3];
+    const double p_d6 = params[4];
+    k[0] = p_d6;
+    k[1] = p_a3;
+    k[2] = p_d4;
+    k[3] = p_a2;
+    k[4] = p_d2;
+    k[5] = p_d6*p_d6;
+    k[6] = p_d4*p_d4;
+    k[7] = p_a3*p_a3;
+    k[8] = p_d2*p_d2;
+    k[9] = p_a2*p_a2;
+}
+
+void puma560_usp_inverse_kinematics_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    const double p_d4 = params[3];
+    const double p_d6 = params[4];
+    const double t1 = p_d2*p_d2;
+    const double t2 = p_d4*p_d4 + (p_a3*p_a3 + (t1 + p_a2*p_a2));
+    const double t3 = 2.0*p_a2;
+    const double t4 = p_a3*t3;
+    const double t5 = p_d4*t3;
+    const double t6 = t4*t4 + t5*t5;
+    const double t7 = fabs(t6);
+    const double t8 = 1.0 - (0.0 < fabs(t4));
+    const double t9 = t8 - t8*(0.0 < fabs(t5));
+    const double t10 = 1.0 - t9;
+    k[0] = p_d6;
+    k[1] = p_d2;
+    k[2] = t1;
+    k[3] = p_a2;
+    k[4] = p_a3;
+    k[5] = p_d4;
+    k[6] = t2;
+    k[7] = t4;
+    k[8] = t5;
+    k[9] = t6;
+    k[10] = 1e-14*t7;
+    k[11] = t9;
+    k[12] = t2 + p_d6*p_d6;
+    k[13] = -1e-11*t7;
+    k[14] = t10;
+    k[15] = 1e-14*fabs(100000.0*t6);
+    k[16] = -1e-11*fabs(100.0*t6);
+    inverse_kinematics_step_constants(params, k + 17);
+}
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = t1;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double sa6 = sines[5 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double ca6 = cosines[5 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double k9 = k[8 * k_lanes];
+    const double k10 = k[9 * k_lanes];
+    const double t1 = k1*s5;
+    const double t2 = k2 + c4*t1;
+    const double t3 = k1*c5;
+    const double t4 = k3 + t3;
+    const double t5 = ca6*t2 + sa6*t4;
+    const double t6 = sa6*t2 - ca6*t4;
+    const double t7 = k4*c2 + t5;
+    const double t8 = k5 + s4*t1;
+    const double t9 = s1*t7 + c1*t8;
+    const double t10 = k9 + (k8 + (k7 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))));
+    const double t11 = sqrt(k10 + t10);
+    const double t12 = (0.0 < t11) ? t11 : 1.0;
+    const double t13 = 1.0/t12;
+    const double t14 = t5*t13;
+    const double t15 = t9*t13;
+    const double t16 = (t9 - T24)/t12;
+    const double t17 = k4*s2 + t6;
+    const double t18 = c1*t17*t13;
+    const double t19 = c1*t7 - s1*t8;
+    const double t20 = t7*t13;
+    const double t21 = t19*t13;
+    const double t22 = (t19 - T14)/t12;
+    const double t23 = s1*t17*t13;
+    const double t24 = (t17 + T34)/t12;
+    const double t25 = t15*t18 - t21*t23;
+    const double t26 = damping1 + (2.0 + (t15*t15 + t21*t21));
+    const double t27 = c5*ca6;
+    const double t28 = c4*sa6;
+    const double t29 = t27 - s5*t28;
+    const double t30 = 2.0*t29;
+    const double t31 = t30/t26;
+    const double t32 = c1*ca6;
+    const double t33 = s1*s4 - c4*t32;
+    const double t34 = c1*sa6;
+    const double t35 = c5*t34 - s5*t33;
+    const double t36 = s1*ca6;
+    const double t37 = c1*s4 + c4*t36;
+    const double t38 = s1*sa6;
+    const double t39 = c5*t38 + s5*t37;
+    const double t40 = 2.0*(s1*t35 - c1*t39);
+    const double t41 = t40 + t25*t31;
+    const double t42 = t25/t26;
+    const double t43 = 2.0*(s1*s1 + c1*c1);
+    const double t44 = damping1 + (t18*t18 + t23*t23 + t20*t20 + t43) - t25*t42;
+    const double t45 = t41/t44;
+    const double t46 = c1*t6*t13;
+    const double t47 = s1*t6*t13;
+    const double t48 = t15*t46 - t21*t47;
+    const double t49 = t48/t26;
+    const double t50 = t43 + (t18*t46 + t23*t47 + t20*t14) - t25*t49;
+    const double t51 = t40 + t48*t31 - t50*t45;
+    const double t52 = t50/t44;
+    const double t53 = damping1 + (t43 + (t46*t46 + t47*t47 + t14*t14)) - t48*t49;
+    const double t54 = t53 - t50*t52;
+    const double t55 = t51/t54;
+    const double t56 = s1*c4 + s4*t32;
+    const double t57 = t1*t56*t13;
+    const double t58 = c1*c4 - s4*t36;
+    const double t59 = t1*t58*t13;
+    const double t60 = t15*t57 + t21*t59 + 2.0*ca6;
+    const double t61 = t60/t26;
+    const double t62 = s4*sa6;
+    const double t63 = t1*t62*t13;
+    const double t64 = 2.0*(s1*t34 - c1*t38);
+    const double t65 = t18*t57 - t23*t59 - t20*t63 - t64 - t25*t61;
+    const double t66 = t65/t44;
+    const double t67 = t64 - (t46*t57 - t47*t59 - t14*t63) + t48*t61 + t50*t66;
+    const double t68 = 2.0*(t34*t35 + t38*t39 + ca6*t29) - t60*t31 + t65*t45;
+    const double t69 = t68 - t67*t55;
+    const double t70 = t67/t54;
+    const double t71 = t57*t57 + t59*t59 + t63*t63 + 2.0*(t34*t34 + t38*t38 + ca6*ca6);
+    const double t72 = damping1 + t71 - t60*t61 - t65*t66 - t67*t70;
+    const double t73 = t69/t72;
+    const double t74 = (t3*t33 + t1*t34)*t13;
+    const double t75 = (t3*t37 - t1*t38)*t13;
+    const double t76 = (t3*t28 + ca6*t1)*t13;
+    const double t77 = t15*t74 + t21*t75 + 2.0*t62;
+    const double t78 = t77/t26;
+    const double t79 = 2.0*(s1*t56 + c1*t58);
+    const double t80 = t18*t74 - t23*t75 + t20*t76 + t79 - t25*t78;
+    const double t81 = t80/t44;
+    const double t82 = t79 + (t46*t74 - t47*t75 + t14*t76) - t48*t78 - t50*t81;
+    const double t83 = t82/t54;
+    const double t84 = t57*t74 + t59*t75 - t63*t76 - 2.0*(t34*t56 - t38*t58 - ca6*t62);
+    const double t85 = t84 - t60*t78 - t65*t81 + t67*t83;
+    const double t86 = 2.0*(t56*t35 - t58*t39 - t62*t29) + t77*t31 - t80*t45;
+    const double t87 = t86 - t82*t55 + t85*t73;
+    const double t88 = t85/t72;
+    const double t89 = t74*t74 + t75*t75 + t76*t76 + 2.0*(t56*t56 + t58*t58 + t62*t62);
+    const double t90 = damping1 + t89 - t77*t78 - t80*t81 - t82*t83 - t85*t88;
+    const double t91 = t87/t90;
+    const double t92 = c5*s6;
+    const double t93 = s5*s6;
+    const double t94 = s4*t92 - c4*c6;
+    const double t95 = c4*t92 + s4*c6;
+    const double t96 = c4*s5;
+    const double t97 = s4*s5;
+    const double t98 = ca6*t95 - sa6*t93;
+    const double t99 = ca6*t93 + sa6*t95;
+    const double t100 = ca6*t96 + c5*sa6;
+    const double t101 = t27 - sa6*t96;
+    const double t102 = s1*t94 - c1*t98;
+    const double t103 = c1*t94 + s1*t98;
+    const double t104 = c1*t97 + s1*t100;
+    const double t105 = s1*t97 - c1*t100;
+    const double t106 = t102*t104 - t103*t105;
+    const double t107 = t99*t105 + t102*t101;
+    const double t108 = t101*T23 - t104*T33 + (t106*T21 + t107*T31 + (t99*T22 + t103*T32));
+    const double t109 = t99*t104 + t103*t101;
+    const double t110 = t106 - T31;
+    const double t111 = t99 - T32;
+    const double t112 = t105*T33 + t101*T13 + (t109*T31 + t106*T11 - (t102*T32 - t99*T12));
+    const double t113 = s1*t108 + c1*t112;
+    const double t114 = t101 - T33;
+    const double t115 = t107 + T21;
+    const double t116 = t109 + T11;
+    const double t117 = t22*t22 + t16*t16 + t24*t24 + t116*t116 + t115*t115 + t110*t110;
+    const double t118 = t103 + T22;
+    const double t119 = t102 - T12;
+    const double t120 = t104 - T23;
+    const double t121 = t104*T13 + t105*T23 - (t107*T11 - t109*T21 + (t103*T12 + t102*T22));
+    const double t122 = t121 - t22*t15 + t16*t21;
+    const double t123 = t34*t108 - t38*t112 + ca6*t121 - t22*t57 + t16*t59 - t24*t63;
+    const double t124 = t56*t108 + t58*t112 - t62*t121 + t22*t74 - t16*t75 - t24*t76;
+    const double t125 = damping1 + 2.0*(t35*t35 + t39*t39 + t29*t29) - t30*t31;
+    const double t126 = t105 + T13;
+    const double t127 = t117 + t119*t119 + t118*t118 + t111*t111 + t126*t126 + t120*t120;
+    const double t128 = t113 + t22*t18 + t16*t23 - t24*t20 + t122*t42;
+    const double t129 = t113 + t22*t46 + t16*t47 - t24*t14 + t122*t49 - t52*t128;
+    const double t130 = t123 - t122*t61 + t66*t128 - t70*t129;
+    const double t131 = t124 + t122*t78 - t81*t128 - t83*t129 + t88*t130;
+    const double t132 = t35*t108 - t39*t112 + t29*t121 - t122*t31 - t45*t128 - t55*t129;
+    const double t133 = (t132 - t73*t130 - t91*t131)/(t125 - t41*t45 - t51*t55 - t69*t73 - t87*t91);
+    const double t134 = t131/t90 - t91*t133;
+    const double t135 = t130/t72 + t88*t134 - t73*t133;
+    const double t136 = t129/t54 - t70*t135 - t83*t134 - t55*t133;
+    const double t137 = t128/t44 - t52*t136 + t66*t135 - t81*t134 - t45*t133;
+    const double t138 = t122/t26 + t42*t137 + t49*t136 - t61*t135 + t78*t134 - t31*t133;
+    const double t139 = sqrt(t127 + t114*t114) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t140 = t139 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t141 = t140 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t142 = maximum(0.0, t141 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    result[0] = q1 - t138;
+    result[lanes] = q2 + t137;
+    result[2 * lanes] = q3 + t136;
+    result[3 * lanes] = q4 - t135;
+    result[4 * lanes] = q5 + t134;
+    result[5 * lanes] = q6 - t133;
+    result[6 * lanes] = t142;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near3 = near[2 * lanes];
+    const double near4 = near[3 * lanes];
+    angles[0] = near3;
+    angles[lanes] = near1;
+    angles[2 * lanes] = near2;
+    angles[3 * lanes] = near4;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double sa4 = sines[3 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double ca4 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double k9 = k[8 * k_lanes];
+    const double k10 = k[9 * k_lanes];
+    const double k11 = k[10 * k_lanes];
+    const double k12 = k[11 * k_lanes];
+    const double k13 = k[12 * k_lanes];
+    const double k14 = k[13 * k_lanes];
+    const double k15 = k[14 * k_lanes];
+    const double k16 = k[15 * k_lanes];
+    const double k17 = k[16 * k_lanes];
+    const double t1 = T24 - k1*T23;
+    const double t2 = t1*t1;
+    const double t3 = T14 - k1*T13;
+    const double t4 = t3*t3;
+    const double t5 = t2 + t4;
+    const double t6 = t2 - t4;
+    const double t7 = T34 - k1*T33;
+    const double t8 = t7*t7;
+    const double t9 = t8 - (k7 - t5);
+    const double t10 = t2 + t8;
+    const double t11 = k10 - t9*t9;
+    const double t12 = t9/k10;
+    const double t13 = k11 < t11;
+    const double t14 = (t13 > 0.0 ? sqrt(maximum(0.0, t11)) : 0.0)/k10;
+    const double t15 = k9*t14;
+    const double t16 = k8*t14;
+    const double t17 = k8*t12;
+    const double t18 = k9*t12;
+    const double t19 = -ca1;
+    const double t20 = k12 > 0.0 ? t19 : t15 + t17;
+    const double t21 = k12 > 0.0 ? t19 : t15 - t17;
+    const double t22 = k5 + k4*t20;
+    const double t23 = fabs(t5);
+    const double t24 = k3 - t5;
+    const double t25 = -t24;
+    const double t26 = 1e-14*t23 < t25;
+    const double t27 = (t26 > 0.0 ? sqrt(-minimum(0.0, t24)) : 0.0)/t5;
+    const double t28 = t1*t27;
+    const double t29 = t3*t27;
+    const double t30 = k2/t5;
+    const double t31 = t3*t30;
+    const double t32 = t1*t30;
+    const double t33 = sqrt(T34*T34 + (T24*T24 + (k13 + T14*T14)));
+    const double t34 = 1e-12*t33;
+    const double t35 = fabs(t1);
+    const double t36 = 1.0 - (t34 < t35);
+    const double t37 = fabs(t3);
+    const double t38 = t36 - t36*(t34 < t37);
+    const double t39 = t33*t34;
+    const double t40 = t38 > 0.0 ? sa2 : t31 - t28;
+    const double t41 = t38 > 0.0 ? -sa2 : t31 + t28;
+    const double t42 = t1*t40;
+    const double t43 = t1*t41;
+    const double t44 = -ca2;
+    const double t45 = t38 > 0.0 ? t44 : t29 + t32;
+    const double t46 = t38 > 0.0 ? t44 : t29 - t32;
+    const double t47 = arctangent(t40, t45);
+    const double t48 = t42 - t3*t45;
+    const double t49 = k12 > 0.0 ? sa1 : t18 + t16;
+    const double t50 = k12 > 0.0 ? -sa1 : t18 - t16;
+    const double t51 = arctangent(t50, t20);
+    const double t52 = k6 + k4*t50;
+    const double t53 = t7*t52;
+    const double t54 = t8 + t48*t48;
+    const double t55 = (t53 - t22*t48)/t54;
+    const double t56 = t7*t22;
+    const double t57 = (t56 + t52*t48)/t54;
+    const double t58 = 1.5 - 0.5*(t55*t55 + t57*t57);
+    const double t59 = 2.0*t3;
+    const double t60 = fabs(t10 - t45*(t6*t45 + t59*t42));
+    const double t61 = t43 + t3*t46;
+    const double t62 = fabs(t10 - t46*(t46*t6 - t59*t43));
+    const double t63 = t39 < t60;
+    const double t64 = t39 < t62;
+    const double t65 = ca1*ca3 - sa1*sa3;
+    const double t66 = t63 > 0.0 ? t55*t58 : t65;
+    const double t67 = ca1*sa3 + sa1*ca3;
+    const double t68 = t63 > 0.0 ? -t57*t58 : t67;
+    const double t69 = T23*t40 - T13*t45;
+    const double t70 = t69*t66 + T33*t68;
+    const double t71 = fabs(t70);
+    const double t72 = T13*t40 + T23*t45;
+    const double t73 = fabs(t72);
+    const double t74 = 1.0 - (1e-12 < t73);
+    const double t75 = t74 - t74*(1e-12 < t71);
+    const double t76 = 1.0 - t63;
+    const double t77 = maximum(k12, maximum(t38, maximum(k12, t76)));
+    const double t78 = maximum(t75, t77);
+    const double t79 = (1.0 - t38)*(1.0 - (1e-11*t23 < t24));
+    const double t80 = t26*t79;
+    const double t81 = maximum(t38, t79);
+    const double t82 = k15 - k15*(t11 < k14);
+    const double t83 = t13*t82;
+    const double t84 = maximum(t79 - t80, t82 - t83) > 0.0 ? 2.0 : 1.0;
+    const double t85 = maximum(k12, t82);
+    const double t86 = 1.0 - (0.001 < t73);
+    const double t87 = 1.0 - (1e-14*fabs(100000.0*t5) < t25);
+    const double t88 = t87 - t87*(1e-11*fabs(100.0*t5) < t24);
+    const double t89 = 0.001*t33;
+    const double t90 = 1.0 - (t89 < t35);
+    const double t91 = t33*t89;
+    const double t92 = 1.0 - (k16 < t11);
+    const double t93 = maximum(k12, t92 - t92*(t11 < k17));
+    const double t94 = maximum(maximum(t88, t90 - t90*(t89 < t37)), t93);
+    const double t95 = maximum(t94, 1.0 - (t91 < t60));
+    const double t96 = maximum(t93, maximum(t38, t88));
+    const double t97 = maximum(t96, t76);
+    const double t98 = maximum(1.0 - (t91 < t62), t94);
+    const double t99 = (t78 > 0.0 ? 3.0 : t84) + 4.0*maximum(t95, t86 - t86*(0.001 < t71));
+    const double t100 = t78 > 0.0 ? 8.0 : 4.0*maximum(t75, t97);
+    const double t101 = t80*t83;
+    const double t102 = t85*t80;
+    const double t103 = t81*t83;
+    const double t104 = t81*t85;
+    const double t105 = k5 - k4*t21;
+    const double t106 = k6 + k4*t49;
+    const double t107 = t7*t106;
+    const double t108 = (t107 - t105*t48)/t54;
+    const double t109 = t7*t105;
+    const double t110 = (t109 + t106*t48)/t54;
+    const double t111 = t8 + t61*t61;
+    const double t112 = (t53 - t61*t22)/t111;
+    const double t113 = (t56 + t61*t52)/t111;
+    const double t114 = (t107 - t61*t105)/t111;
+    const double t115 = (t109 + t61*t106)/t111;
+    const double t116 = 1.5 - 0.5*(t108*t108 + t110*t110);
+    const double t117 = t63 > 0.0 ? t108*t116 : t65;
+    const double t118 = t63 > 0.0 ? -t110*t116 : t67;
+    const double t119 = t117*t69 + T33*t118;
+    const double t120 = fabs(t119);
+    const double t121 = t74 - t74*(1e-12 < t120);
+    const double t122 = maximum(t121, t77);
+    const double t123 = t122 > 0.0 ? 8.0 : 4.0*maximum(t121, t97);
+    const double t124 = (t122 > 0.0 ? 3.0 : t84) + 4.0*maximum(t86 - t86*(0.001 < t120), t95);
+    const double t125 = 1.5 - 0.5*(t112*t112 + t113*t113);
+    const double t126 = t64 > 0.0 ? t112*t125 : t65;
+    const double t127 = t64 > 0.0 ? -t113*t125 : t67;
+    const double t128 = T23*t41 + T13*t46;
+    const double t129 = t128*t126 + T33*t127;
+    const double t130 = fabs(t129);
+    const double t131 = T13*t41 - T23*t46;
+    const double t132 = fabs(t131);
+    const double t133 = 1.0 - (1e-12 < t132);
+    const double t134 = t133 - t133*(1e-12 < t130);
+    const double t135 = 1.0 - (0.001 < t132);
+    const double t136 = 1.0 - t64;
+    const double t137 = maximum(t136, t96);
+    const double t138 = maximum(k12, maximum(t38, maximum(k12, t136)));
+    const double t139 = maximum(t134, t138);
+    const double t140 = (t139 > 0.0 ? 3.0 : t84) + 4.0*maximum(t98, t135 - t135*(0.001 < t130));
+    const double t141 = t139 > 0.0 ? 8.0 : 4.0*maximum(t134, t137);
+    const double t142 = 1.5 - 0.5*(t114*t114 + t115*t115);
+    const double t143 = t64 > 0.0 ? t114*t142 : t65;
+    const double t144 = t64 > 0.0 ? -t115*t142 : t67;
+    const double t145 = t143*t128 + T33*t144;
+    const double t146 = fabs(t145);
+    const double t147 = t133 - t133*(1e-12 < t146);
+    const double t148 = maximum(t147, t138);
+    const double t149 = (t148 > 0.0 ? 3.0 : t84) + 4.0*maximum(t135 - t135*(0.001 < t146), t98);
+    const double t150 = t148 > 0.0 ? 8.0 : 4.0*maximum(t147, t137);
+    const double t151 = t72*t72;
+    const double t152 = sqrt(t151 + t70*t70);
+    const double t153 = t75 > 0.0 ? ca4 : t70/t152;
+    const double t154 = T11*t40 + T21*t45;
+    const double t155 = -sa4;
+    const double t156 = t75 > 0.0 ? t155 : t72/t152;
+    const double t157 = T21*t40 - T11*t45;
+    const double t158 = T12*t40 + T22*t45;
+    const double t159 = T22*t40 - T12*t45;
+    const double t160 = arctangent(t156, t153);
+    const double t161 = arctangent(t154*t153 - t156*(T31*t68 + t157*t66), t158*t153 - t156*(T32*t68 + t159*t66));
+    const double t162 = (0.0 < t161) ? 3.141592653589793 : -3.141592653589793;
+    const double t163 = arctangent(t70*t153 + t72*t156, -(t69*t68 - T33*t66));
+    const double t164 = (t160 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t165 = arctangent(t20*t68 - t50*t66, t20*t66 + t50*t68);
+    const double t166 = sqrt(t151 + t119*t119);
+    const double t167 = t121 > 0.0 ? ca4 : t119/t166;
+    const double t168 = t121 > 0.0 ? t155 : t72/t166;
+    const double t169 = arctangent(t168, t167);
+    const double t170 = arctangent(t167*t154 - t168*(T31*t118 + t117*t157), t167*t158 - t168*(T32*t118 + t117*t159));
+    const double t171 = (0.0 < t170) ? 3.141592653589793 : -3.141592653589793;
+    const double t172 = arctangent(t119*t167 + t72*t168, -(t118*t69 - T33*t117));
+    const double t173 = (t169 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t174 = arctangent(t49, -t21);
+    const double t175 = arctangent(t21*t118 + t49*t117, -(t21*t117 - t49*t118));
+    const double t176 = t131*t131;
+    const double t177 = sqrt(t176 + t129*t129);
+    const double t178 = t134 > 0.0 ? ca4 : t129/t177;
+    const double t179 = t134 > 0.0 ? t155 : t131/t177;
+    const double t180 = t41*T11 - t46*T21;
+    const double t181 = t41*T21 + t46*T11;
+    const double t182 = t41*T12 - t46*T22;
+    const double t183 = arctangent(t179, t178);
+    const double t184 = t41*T22 + t46*T12;
+    const double t185 = arctangent(t41, -t46);
+    const double t186 = arctangent(t180*t178 - t179*(T31*t127 + t181*t126), t182*t178 - t179*(T32*t127 + t184*t126));
+    const double t187 = (0.0 < t186) ? 3.141592653589793 : -3.141592653589793;
+    const double t188 = arctangent(t129*t178 + t131*t179, -(t128*t127 - T33*t126));
+    const double t189 = (t183 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t190 = arctangent(t20*t127 - t50*t126, t20*t126 + t50*t127);
+    const double t191 = sqrt(t176 + t145*t145);
+    const double t192 = t147 > 0.0 ? ca4 : t145/t191;
+    const double t193 = t147 > 0.0 ? t155 : t131/t191;
+    const double t194 = arctangent(t193, t192);
+    const double t195 = arctangent(t192*t180 - t193*(t144*T31 + t143*t181), t192*t182 - t193*(t144*T32 + t143*t184));
+    const double t196 = (0.0 < t195) ? 3.141592653589793 : -3.141592653589793;
+    const double t197 = arctangent(t145*t192 + t131*t193, -(t144*t128 - T33*t143));
+    const double t198 = (t194 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t199 = arctangent(t21*t144 + t49*t143, -(t21*t143 - t49*t144));
+    result[0] = -t185;
+    result[lanes] = -t199;
+    result[2 * lanes] = t174;
+    result[3 * lanes] = -t194;
+    result[4 * lanes] = -t197;
+    result[5 * lanes] = t195;
+    result[6 * lanes] = -t185;
+    result[7 * lanes] = -t199;
+    result[8 * lanes] = t174;
+    result[9 * lanes] = -(t194 + t198);
+    result[10 * lanes] = t197;
+    result[11 * lanes] = t195 - t196;
+    result[12 * lanes] = -t185;
+    result[13 * lanes] = t190;
+    result[14 * lanes] = t51;
+    result[15 * lanes] = -t183;
+    result[16 * lanes] = -t188;
+    result[17 * lanes] = t186;
+    result[18 * lanes] = -t185;
+    result[19 * lanes] = t190;
+    result[20 * lanes] = t51;
+    result[21 * lanes] = -(t183 + t189);
+    result[22 * lanes] = t188;
+    result[23 * lanes] = t186 - t187;
+    result[24 * lanes] = -t47;
+    result[25 * lanes] = -t175;
+    result[26 * lanes] = t174;
+    result[27 * lanes] = -t169;
+    result[28 * lanes] = -t172;
+    result[29 * lanes] = t170;
+    result[30 * lanes] = -t47;
+    result[31 * lanes] = -t175;
+    result[32 * lanes] = t174;
+    result[33 * lanes] = -(t169 + t173);
+    result[34 * lanes] = t172;
+    result[35 * lanes] = t170 - t171;
+    result[36 * lanes] = -t47;
+    result[37 * lanes] = t165;
+    result[38 * lanes] = t51;
+    result[39 * lanes] = -t160;
+    result[40 * lanes] = -t163;
+    result[41 * lanes] = t161;
+    result[42 * lanes] = -t47;
+    result[43 * lanes] = t165;
+    result[44 * lanes] = t51;
+    result[45 * lanes] = -(t160 + t164);
+    result[46 * lanes] = t163;
+    result[47 * lanes] = t161 - t162;
+    result[48 * lanes] = t104 > 0.0 ? t149 : t150;
+    result[49 * lanes] = t104 - t147*t104 > 0.0 ? t149 : t150;
+    result[50 * lanes] = t103 > 0.0 ? t140 : t141;
+    result[51 * lanes] = t103 - t134*t103 > 0.0 ? t140 : t141;
+    result[52 * lanes] = t102 > 0.0 ? t124 : t123;
+    result[53 * lanes] = t102 - t121*t102 > 0.0 ? t124 : t123;
+    result[54 * lanes] = t101 > 0.0 ? t99 : t100;
+    result[55 * lanes] = t101 - t75*t101 > 0.0 ? t99 : t100;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 48 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 8; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 8; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 6; ++j)
+            q[6 * b + j] = code ? values[(6 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 6; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
+{
+    enum { error = 6 };
+    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, k + 17, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, k + 17, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 6 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, k + 17, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 6; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 48;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 8; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 6 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 6; ++j)
+                row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 3e-11 : 3e-11);
+            for (size_t other = 0; fine && other < 8; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int puma560_usp_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[6], values[56];
+    const double *const codes = values + 48;
+    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 48; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 8; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, k, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 48 * sizeof *q);
+    for (size_t b = 0; b < 8; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, k, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 8; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 6; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, k, values);
+        for (size_t j = 0; j < 48 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 6])
+                values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 8; ++b) {
+        for (size_t j = 0; j < 6 && !kinds[b]; ++j)
+            q[6 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[4 * inverse_kinematics_lanes], sines[4 * inverse_kinematics_lanes], cosines[4 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
+}
+
+void puma560_usp_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[6 * inverse_kinematics_lanes], result_block[56 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(6, near + 6 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, k, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 48 * row;
+            int *const codes = status ? status + 8 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                puma560_usp_inverse_kinematics(T + 16 * row, near ? near + 6 * row : NULL, k, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-2.792526803190927, -3.9269908169872414, -0.7853981633974483, -1.9198621771937625, -1.7453292519943295, -4.642575810304916}, upper[] = {2.792526803190927, 0.7853981633974483, 4.4505895925855405, 2.9670597283903604, 1.7453292519943295, 4.642575810304916};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 6; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int puma560_usp_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q)
+{
+    double solutions[48], least = INFINITY;
+    int status[8], found = 0;
+    puma560_usp_inverse_kinematics(T, near, k, solutions, status);
+    for (size_t j = 0; j < 6; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 8; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 6 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 6 * b, 6 * sizeof *q);
+        }
+    }
+    return found;
 }

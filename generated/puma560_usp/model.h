@@ -53,6 +53,12 @@ enum {
     puma560_usp_jacobian_dot_constant_count = 5,
     puma560_usp_analytic_jacobian_rpy_constant_count = 5,
     puma560_usp_analytic_jacobian_zyz_constant_count = 5,
+    puma560_usp_inverse_kinematics_constant_count = 27,
+    puma560_usp_branches = 8, /**< Branches of inverse kinematics. */
+    puma560_usp_none = 0, /**< The branch does not exist. */
+    puma560_usp_exact = 1, /**< A solution. */
+    puma560_usp_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    puma560_usp_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -174,6 +180,41 @@ void puma560_usp_analytic_jacobian_zyz_batch(size_t count, const double *q, cons
 
 /** The constants of puma560_usp_analytic_jacobian_zyz, 5, from the parameters, 5. */
 void puma560_usp_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has up to 8 solutions, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       27 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 8 x 6: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 8; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 215 mul, 148 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 119 cases.
+ * Once per set of parameters: 17 mul, 8 add, 2 cases.
+ */
+int puma560_usp_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void puma560_usp_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int puma560_usp_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of puma560_usp_inverse_kinematics, 27, from the parameters, 5. */
+void puma560_usp_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

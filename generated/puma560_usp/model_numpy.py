@@ -46,7 +46,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 215, "add": 148, "div": 20, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 119},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -62,6 +68,13 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
     "precompute",
 ]
 
@@ -186,6 +199,55 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Nothing, since all joints are solved for.
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 8): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 6); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 8, 6):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 215 mul, 148 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 119 cases.
+    Once per set of parameters: 17 mul, 8 add, 2 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 6), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 def precompute(params):
     """Parameters for many calls: checked once, and what a function computes from them alone is computed once.
 
@@ -209,7 +271,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a3, p_d4, p_a2, p_d2 = k
     c4 = cos(q4)
@@ -260,7 +322,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_a2, p_d2, p_a3, p_d4, p_d6 = k
     c1 = cos(q1)
@@ -339,7 +401,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a3, p_d4, p_a2, p_d2 = k
     c4 = cos(q4)
@@ -392,7 +454,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a3, p_a2, p_d4, p_d2 = k
     c4 = cos(q4)
@@ -445,7 +507,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     p_d6, p_a3, p_d4, p_a2, p_d2 = k
@@ -530,7 +592,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a3, p_d4, p_a2, p_d2 = k
     c4 = cos(q4)
@@ -611,7 +673,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_a3, p_d4, p_a2, p_d2 = k
     c4 = cos(q4)
@@ -667,6 +729,429 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t36, t36, t4 - t27*t38, t18*t29, 0.0,
         0.0, t37, t37, t24*t33 - t23*t34, t22*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, t38, t22*t32 - t15*t31, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    t1 = p_d2*p_d2
+    t2 = p_d4*p_d4 + (p_a3*p_a3 + (t1 + p_a2*p_a2))
+    t3 = 2.0*p_a2
+    t4 = p_a3*t3
+    t5 = p_d4*t3
+    t6 = t4*t4 + t5*t5
+    t7 = absolute(t6)
+    t8 = 1e-14*t7
+    t9 = 1.0 - less(0.0, absolute(t4))
+    t10 = t9 - t9*less(0.0, absolute(t5))
+    t11 = t2 + p_d6*p_d6
+    t12 = -1e-11*t7
+    t13 = 1.0 - t10
+    t14 = 1e-14*absolute(100000.0*t6)
+    t15 = -1e-11*absolute(100.0*t6)
+    return (
+        p_d6, p_d2, t1, p_a2, p_a3, p_d4, t2, t4, t5, t6, t8, t10, t11, t12, t13, t14, t15,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    p_d6, p_d2, k3, p_a2, p_a3, p_d4, k7, k8, k9, k10, k11, k12, k13, k14, k15, k16, k17 = k
+    t16 = T24 - p_d6*T23
+    t17 = t16*t16
+    t18 = T14 - p_d6*T13
+    t19 = t18*t18
+    t20 = t17 + t19
+    t21 = t17 - t19
+    t22 = T34 - p_d6*T33
+    t23 = t22*t22
+    t24 = t23 - (k7 - t20)
+    t25 = t17 + t23
+    t26 = k10 - t24*t24
+    t27 = t24/k10
+    t28 = less(k11, t26)
+    t29 = select(t28, sqrt(maximum(0.0, t26)), 0.0)/k10
+    t30 = k9*t29
+    t31 = k8*t29
+    t32 = k8*t27
+    t33 = k9*t27
+    t34 = cos(near3)
+    t35 = -t34
+    t36 = select(k12, t35, t30 + t32)
+    t37 = select(k12, t35, t30 - t32)
+    t38 = p_a3 + p_a2*t36
+    t39 = absolute(t20)
+    t40 = k3 - t20
+    t41 = -t40
+    t42 = less(1e-14*t39, t41)
+    t43 = select(t42, sqrt(-minimum(0.0, t40)), 0.0)/t20
+    t44 = t16*t43
+    t45 = t18*t43
+    t46 = p_d2/t20
+    t47 = t18*t46
+    t48 = t16*t46
+    t49 = sqrt(T34*T34 + (T24*T24 + (k13 + T14*T14)))
+    t50 = 1e-12*t49
+    t51 = absolute(t16)
+    t52 = 1.0 - less(t50, t51)
+    t53 = absolute(t18)
+    t54 = t52 - t52*less(t50, t53)
+    t55 = t49*t50
+    t56 = sin(near1)
+    t57 = select(t54, t56, t47 - t44)
+    t58 = select(t54, -t56, t47 + t44)
+    t59 = t16*t57
+    t60 = t16*t58
+    t61 = cos(near1)
+    t62 = -t61
+    t63 = select(t54, t62, t45 + t48)
+    t64 = select(t54, t62, t45 - t48)
+    t65 = atan2(t57, t63)
+    t66 = t59 - t18*t63
+    t67 = sin(near3)
+    t68 = select(k12, t67, t33 + t31)
+    t69 = select(k12, -t67, t33 - t31)
+    t70 = atan2(t69, t36)
+    t71 = p_d4 + p_a2*t69
+    t72 = t22*t71
+    t73 = t23 + t66*t66
+    t74 = (t72 - t38*t66)/t73
+    t75 = t22*t38
+    t76 = (t75 + t71*t66)/t73
+    t77 = 1.5 - 0.5*(t74*t74 + t76*t76)
+    t78 = 2.0*t18
+    t79 = absolute(t25 - t63*(t21*t63 + t78*t59))
+    t80 = t60 + t18*t64
+    t81 = absolute(t25 - t64*(t64*t21 - t78*t60))
+    t82 = less(t55, t79)
+    t83 = less(t55, t81)
+    t84 = cos(near2)
+    t85 = sin(near2)
+    t86 = t34*t84 - t67*t85
+    t87 = select(t82, t74*t77, t86)
+    t88 = t34*t85 + t67*t84
+    t89 = select(t82, -t76*t77, t88)
+    t90 = T23*t57 - T13*t63
+    t91 = t90*t87 + T33*t89
+    t92 = absolute(t91)
+    t93 = T13*t57 + T23*t63
+    t94 = absolute(t93)
+    t95 = 1.0 - less(1e-12, t94)
+    t96 = t95 - t95*less(1e-12, t92)
+    t97 = 1.0 - t82
+    t98 = maximum(k12, maximum(t54, maximum(k12, t97)))
+    t99 = maximum(t96, t98)
+    t100 = (1.0 - t54)*(1.0 - less(1e-11*t39, t40))
+    t101 = t42*t100
+    t102 = maximum(t54, t100)
+    t103 = k15 - k15*less(t26, k14)
+    t104 = t28*t103
+    t105 = select(maximum(t100 - t101, t103 - t104), 2.0, 1.0)
+    t106 = maximum(k12, t103)
+    t107 = 1.0 - less(0.001, t94)
+    t108 = 1.0 - less(1e-14*absolute(100000.0*t20), t41)
+    t109 = t108 - t108*less(1e-11*absolute(100.0*t20), t40)
+    t110 = 0.001*t49
+    t111 = 1.0 - less(t110, t51)
+    t112 = t49*t110
+    t113 = 1.0 - less(k16, t26)
+    t114 = maximum(k12, t113 - t113*less(t26, k17))
+    t115 = maximum(maximum(t109, t111 - t111*less(t110, t53)), t114)
+    t116 = maximum(t115, 1.0 - less(t112, t79))
+    t117 = maximum(t114, maximum(t54, t109))
+    t118 = maximum(t117, t97)
+    t119 = maximum(1.0 - less(t112, t81), t115)
+    t120 = select(t99, 3.0, t105) + 4.0*maximum(t116, t107 - t107*less(0.001, t92))
+    t121 = select(t99, 8.0, 4.0*maximum(t96, t118))
+    t122 = t101*t104
+    t123 = t106*t101
+    t124 = t102*t104
+    t125 = t102*t106
+    t126 = p_a3 - p_a2*t37
+    t127 = p_d4 + p_a2*t68
+    t128 = t22*t127
+    t129 = (t128 - t126*t66)/t73
+    t130 = t22*t126
+    t131 = (t130 + t127*t66)/t73
+    t132 = t23 + t80*t80
+    t133 = (t72 - t80*t38)/t132
+    t134 = (t75 + t80*t71)/t132
+    t135 = (t128 - t80*t126)/t132
+    t136 = (t130 + t80*t127)/t132
+    t137 = 1.5 - 0.5*(t129*t129 + t131*t131)
+    t138 = select(t82, t129*t137, t86)
+    t139 = select(t82, -t131*t137, t88)
+    t140 = t138*t90 + T33*t139
+    t141 = absolute(t140)
+    t142 = t95 - t95*less(1e-12, t141)
+    t143 = maximum(t142, t98)
+    t144 = select(t143, 8.0, 4.0*maximum(t142, t118))
+    t145 = select(t143, 3.0, t105) + 4.0*maximum(t107 - t107*less(0.001, t141), t116)
+    t146 = 1.5 - 0.5*(t133*t133 + t134*t134)
+    t147 = select(t83, t133*t146, t86)
+    t148 = select(t83, -t134*t146, t88)
+    t149 = T23*t58 + T13*t64
+    t150 = t149*t147 + T33*t148
+    t151 = absolute(t150)
+    t152 = T13*t58 - T23*t64
+    t153 = absolute(t152)
+    t154 = 1.0 - less(1e-12, t153)
+    t155 = t154 - t154*less(1e-12, t151)
+    t156 = 1.0 - less(0.001, t153)
+    t157 = 1.0 - t83
+    t158 = maximum(t157, t117)
+    t159 = maximum(k12, maximum(t54, maximum(k12, t157)))
+    t160 = maximum(t155, t159)
+    t161 = select(t160, 3.0, t105) + 4.0*maximum(t119, t156 - t156*less(0.001, t151))
+    t162 = select(t160, 8.0, 4.0*maximum(t155, t158))
+    t163 = 1.5 - 0.5*(t135*t135 + t136*t136)
+    t164 = select(t83, t135*t163, t86)
+    t165 = select(t83, -t136*t163, t88)
+    t166 = t164*t149 + T33*t165
+    t167 = absolute(t166)
+    t168 = t154 - t154*less(1e-12, t167)
+    t169 = maximum(t168, t159)
+    t170 = select(t169, 3.0, t105) + 4.0*maximum(t156 - t156*less(0.001, t167), t119)
+    t171 = select(t169, 8.0, 4.0*maximum(t168, t158))
+    t172 = t93*t93
+    t173 = sqrt(t172 + t91*t91)
+    t174 = cos(near4)
+    t175 = select(t96, t174, t91/t173)
+    t176 = T11*t57 + T21*t63
+    t177 = sin(near4)
+    t178 = -t177
+    t179 = select(t96, t178, t93/t173)
+    t180 = T21*t57 - T11*t63
+    t181 = T12*t57 + T22*t63
+    t182 = T22*t57 - T12*t63
+    t183 = atan2(t179, t175)
+    t184 = atan2(t176*t175 - t179*(T31*t89 + t180*t87), t181*t175 - t179*(T32*t89 + t182*t87))
+    t185 = select(less(0.0, t184), 3.141592653589793, -3.141592653589793)
+    t186 = atan2(t91*t175 + t93*t179, -(t90*t89 - T33*t87))
+    t187 = select(less(t183, 0.0), 3.141592653589793, -3.141592653589793)
+    t188 = atan2(t36*t89 - t69*t87, t36*t87 + t69*t89)
+    t189 = sqrt(t172 + t140*t140)
+    t190 = select(t142, t174, t140/t189)
+    t191 = select(t142, t178, t93/t189)
+    t192 = atan2(t191, t190)
+    t193 = atan2(t190*t176 - t191*(T31*t139 + t138*t180), t190*t181 - t191*(T32*t139 + t138*t182))
+    t194 = select(less(0.0, t193), 3.141592653589793, -3.141592653589793)
+    t195 = atan2(t140*t190 + t93*t191, -(t139*t90 - T33*t138))
+    t196 = select(less(t192, 0.0), 3.141592653589793, -3.141592653589793)
+    t197 = atan2(t68, -t37)
+    t198 = atan2(t37*t139 + t68*t138, -(t37*t138 - t68*t139))
+    t199 = t152*t152
+    t200 = sqrt(t199 + t150*t150)
+    t201 = select(t155, t174, t150/t200)
+    t202 = select(t155, t178, t152/t200)
+    t203 = t58*T11 - t64*T21
+    t204 = t58*T21 + t64*T11
+    t205 = t58*T12 - t64*T22
+    t206 = atan2(t202, t201)
+    t207 = t58*T22 + t64*T12
+    t208 = atan2(t58, -t64)
+    t209 = atan2(t203*t201 - t202*(T31*t148 + t204*t147), t205*t201 - t202*(T32*t148 + t207*t147))
+    t210 = select(less(0.0, t209), 3.141592653589793, -3.141592653589793)
+    t211 = atan2(t150*t201 + t152*t202, -(t149*t148 - T33*t147))
+    t212 = select(less(t206, 0.0), 3.141592653589793, -3.141592653589793)
+    t213 = atan2(t36*t148 - t69*t147, t36*t147 + t69*t148)
+    t214 = sqrt(t199 + t166*t166)
+    t215 = select(t168, t174, t166/t214)
+    t216 = select(t168, t178, t152/t214)
+    t217 = atan2(t216, t215)
+    t218 = atan2(t215*t203 - t216*(t165*T31 + t164*t204), t215*t205 - t216*(t165*T32 + t164*t207))
+    t219 = select(less(0.0, t218), 3.141592653589793, -3.141592653589793)
+    t220 = atan2(t166*t215 + t152*t216, -(t165*t149 - T33*t164))
+    t221 = select(less(t217, 0.0), 3.141592653589793, -3.141592653589793)
+    t222 = atan2(t37*t165 + t68*t164, -(t37*t164 - t68*t165))
+    return (
+        -t208, -t222, t197, -t217, -t220, t218, -t208, -t222, t197, -(t217 + t221), t220, t218 - t219, -t208,
+        t213, t70, -t206, -t211, t209, -t208, t213, t70, -(t206 + t212), t211, t209 - t210, -t65, -t198, t197,
+        -t192, -t195, t193, -t65, -t198, t197, -(t192 + t196), t195, t193 - t194, -t65, t188, t70, -t183,
+        -t186, t184, -t65, t188, t70, -(t183 + t187), t186, t184 - t185, select(t125, t170, t171),
+        select(t125 - t168*t125, t170, t171), select(t124, t161, t162), select(t124 - t155*t124, t161, t162),
+        select(t123, t145, t144), select(t123 - t142*t123, t145, t144), select(t122, t120, t121),
+        select(t122 - t96*t122, t120, t121),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    t1 = p_d6*p_d6
+    t2 = p_d4*p_d4
+    t3 = p_a3*p_a3
+    t4 = p_d2*p_d2
+    t5 = p_a2*p_a2
+    return (
+        p_d6, p_a3, p_d4, p_a2, p_d2, t1, t2, t3, t4, t5,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_d6, p_a3, p_d4, p_a2, p_d2, k6, k7, k8, k9, k10 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t6 = p_d6*s5
+    t7 = p_a3 + c4*t6
+    t8 = q2 + q3
+    t9 = cos(t8)
+    t10 = sin(t8)
+    c5 = cos(q5)
+    t11 = p_d6*c5
+    t12 = p_d4 + t11
+    t13 = t9*t7 + t10*t12
+    t14 = t10*t7 - t9*t12
+    c2 = cos(q2)
+    t15 = p_a2*c2 + t13
+    s1 = sin(q1)
+    s4 = sin(q4)
+    t16 = p_d2 + s4*t6
+    c1 = cos(q1)
+    t17 = s1*t15 + c1*t16
+    t18 = k9 + (k8 + (k7 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t19 = sqrt(k10 + t18)
+    t20 = select(less(0.0, t19), t19, 1.0)
+    t21 = 1.0/t20
+    t22 = t13*t21
+    t23 = t17*t21
+    t24 = (t17 - T24)/t20
+    s2 = sin(q2)
+    t25 = p_a2*s2 + t14
+    t26 = c1*t25*t21
+    t27 = c1*t15 - s1*t16
+    t28 = t15*t21
+    t29 = t27*t21
+    t30 = (t27 - T14)/t20
+    t31 = s1*t25*t21
+    t32 = (t25 + T34)/t20
+    t33 = t23*t26 - t29*t31
+    t34 = damping1 + (2.0 + (t23*t23 + t29*t29))
+    t35 = c5*t9
+    t36 = c4*t10
+    t37 = t35 - s5*t36
+    t38 = 2.0*t37
+    t39 = t38/t34
+    t40 = c1*t9
+    t41 = s1*s4 - c4*t40
+    t42 = c1*t10
+    t43 = c5*t42 - s5*t41
+    t44 = s1*t9
+    t45 = c1*s4 + c4*t44
+    t46 = s1*t10
+    t47 = c5*t46 + s5*t45
+    t48 = 2.0*(s1*t43 - c1*t47)
+    t49 = t48 + t33*t39
+    t50 = t33/t34
+    t51 = 2.0*(s1*s1 + c1*c1)
+    t52 = damping1 + (t26*t26 + t31*t31 + t28*t28 + t51) - t33*t50
+    t53 = t49/t52
+    t54 = c1*t14*t21
+    t55 = s1*t14*t21
+    t56 = t23*t54 - t29*t55
+    t57 = t56/t34
+    t58 = t51 + (t26*t54 + t31*t55 + t28*t22) - t33*t57
+    t59 = t48 + t56*t39 - t58*t53
+    t60 = t58/t52
+    t61 = damping1 + (t51 + (t54*t54 + t55*t55 + t22*t22)) - t56*t57
+    t62 = t61 - t58*t60
+    t63 = t59/t62
+    t64 = s1*c4 + s4*t40
+    t65 = t6*t64*t21
+    t66 = c1*c4 - s4*t44
+    t67 = t6*t66*t21
+    t68 = t23*t65 + t29*t67 + 2.0*t9
+    t69 = t68/t34
+    t70 = s4*t10
+    t71 = t6*t70*t21
+    t72 = 2.0*(s1*t42 - c1*t46)
+    t73 = t26*t65 - t31*t67 - t28*t71 - t72 - t33*t69
+    t74 = t73/t52
+    t75 = t72 - (t54*t65 - t55*t67 - t22*t71) + t56*t69 + t58*t74
+    t76 = 2.0*(t42*t43 + t46*t47 + t9*t37) - t68*t39 + t73*t53 - t75*t63
+    t77 = t75/t62
+    t78 = t65*t65 + t67*t67 + t71*t71 + 2.0*(t42*t42 + t46*t46 + t9*t9)
+    t79 = damping1 + t78 - t68*t69 - t73*t74 - t75*t77
+    t80 = t76/t79
+    t81 = (t11*t41 + t6*t42)*t21
+    t82 = (t11*t45 - t6*t46)*t21
+    t83 = (t11*t36 + t9*t6)*t21
+    t84 = t23*t81 + t29*t82 + 2.0*t70
+    t85 = t84/t34
+    t86 = 2.0*(s1*t64 + c1*t66)
+    t87 = t26*t81 - t31*t82 + t28*t83 + t86 - t33*t85
+    t88 = t87/t52
+    t89 = t86 + (t54*t81 - t55*t82 + t22*t83) - t56*t85 - t58*t88
+    t90 = t89/t62
+    t91 = t65*t81 + t67*t82 - t71*t83 - 2.0*(t42*t64 - t46*t66 - t9*t70)
+    t92 = t91 - t68*t85 - t73*t88 + t75*t90
+    t93 = 2.0*(t64*t43 - t66*t47 - t70*t37) + t84*t39 - t87*t53
+    t94 = t93 - t89*t63 + t92*t80
+    t95 = t92/t79
+    t96 = t81*t81 + t82*t82 + t83*t83 + 2.0*(t64*t64 + t66*t66 + t70*t70)
+    t97 = damping1 + t96 - t84*t85 - t87*t88 - t89*t90 - t92*t95
+    t98 = t94/t97
+    s6 = sin(q6)
+    t99 = c5*s6
+    t100 = s5*s6
+    c6 = cos(q6)
+    t101 = s4*t99 - c4*c6
+    t102 = c4*t99 + s4*c6
+    t103 = c4*s5
+    t104 = s4*s5
+    t105 = t9*t102 - t10*t100
+    t106 = t9*t100 + t10*t102
+    t107 = t9*t103 + c5*t10
+    t108 = t35 - t10*t103
+    t109 = s1*t101 - c1*t105
+    t110 = c1*t101 + s1*t105
+    t111 = c1*t104 + s1*t107
+    t112 = s1*t104 - c1*t107
+    t113 = t109*t111 - t110*t112
+    t114 = t106*t112 + t109*t108
+    t115 = t108*T23 - t111*T33 + (t113*T21 + t114*T31 + (t106*T22 + t110*T32))
+    t116 = t106*t111 + t110*t108
+    t117 = t113 - T31
+    t118 = t106 - T32
+    t119 = t112*T33 + t108*T13 + (t116*T31 + t113*T11 - (t109*T32 - t106*T12))
+    t120 = s1*t115 + c1*t119
+    t121 = t108 - T33
+    t122 = t114 + T21
+    t123 = t116 + T11
+    t124 = t30*t30 + t24*t24 + t32*t32 + t123*t123 + t122*t122 + t117*t117
+    t125 = t110 + T22
+    t126 = t109 - T12
+    t127 = t111 - T23
+    t128 = t111*T13 + t112*T23 - (t114*T11 - t116*T21 + (t110*T12 + t109*T22))
+    t129 = t128 - t30*t23 + t24*t29
+    t130 = t42*t115 - t46*t119 + t9*t128 - t30*t65 + t24*t67 - t32*t71
+    t131 = t64*t115 + t66*t119 - t70*t128 + t30*t81 - t24*t82 - t32*t83
+    t132 = damping1 + 2.0*(t43*t43 + t47*t47 + t37*t37) - t38*t39
+    t133 = t112 + T13
+    t134 = t124 + t126*t126 + t125*t125 + t118*t118 + t133*t133 + t127*t127
+    t135 = t120 + t30*t26 + t24*t31 - t32*t28 + t129*t50
+    t136 = t120 + t30*t54 + t24*t55 - t32*t22 + t129*t57 - t60*t135
+    t137 = t130 - t129*t69 + t74*t135 - t77*t136
+    t138 = t131 + t129*t85 - t88*t135 - t90*t136 + t95*t137
+    t139 = t43*t115 - t47*t119 + t37*t128 - t129*t39 - t53*t135 - t63*t136
+    t140 = (t139 - t80*t137 - t98*t138)/(t132 - t49*t53 - t59*t63 - t76*t80 - t94*t98)
+    t141 = t138/t97 - t98*t140
+    t142 = t137/t79 + t95*t141 - t80*t140
+    t143 = t136/t62 - t77*t142 - t90*t141 - t63*t140
+    t144 = t135/t52 - t60*t143 + t74*t142 - t88*t141 - t53*t140
+    t145 = t129/t34 + t50*t144 + t57*t143 - t69*t142 + t85*t141 - t39*t140
+    t146 = sqrt(t134 + t121*t121) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t147 = t146 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t148 = t147 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t149 = maximum(0.0, t148 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        q1 - t145, q2 + t144, q3 + t143, q4 - t142, q5 + t141, q6 - t140, t149,
     )
 
 
@@ -826,6 +1311,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -846,6 +1332,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -1028,7 +1532,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -1202,8 +1743,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 3e-11
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -1280,3 +2251,22 @@ _FUNCTIONS = {
         ),
     ),
 }
+
+_GIVEN_JOINTS = ()
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=8,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+        hoisted=_inverse_kinematics_step_constants,
+        needs=(
+            0, 1, 2, 3, 4,
+        ),
+    ),
+    hoisted=_inverse_kinematics_constants,
+    needs=(
+        0, 1, 2, 3, 4,
+    ),
+)

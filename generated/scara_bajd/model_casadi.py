@@ -20,6 +20,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify scara-bajd` compares every function with an independent recursion.
 """
 
@@ -37,7 +41,13 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inverse_kinematics": {"mul": 31, "add": 25, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 17},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -52,9 +62,26 @@ __all__ = [
     "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -65,7 +92,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_l1, p_l2, p_l3 = k
     c1 = cos(q1)
@@ -89,7 +116,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_l1, p_l2, p_l3 = k
     c1 = cos(q1)
@@ -125,7 +152,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_l2, p_l3 = k
     c1 = cos(q1)
@@ -153,7 +180,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_l3, p_l2 = k
     c2 = cos(q2)
@@ -176,7 +203,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     qd1, qd2, qd3 = qd
     p_l3, p_l2 = k
@@ -207,7 +234,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     p_l2, p_l3 = k
     c1 = cos(q1)
@@ -224,6 +251,111 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         1.0, 1.0, 0.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_l1, p_l2, p_l3 = p
+    t1 = less(0.0, absolute(p_l2))
+    t2 = p_l3*p_l3 + (p_l2*p_l2 + p_l1*p_l1)
+    t3 = 4.0*(1.0 - t1)
+    t4 = select(t1, 1.0, 3.0) + t3
+    t5 = select(t1, t3, 8.0)
+    return (
+        p_l3, p_l2, t1, p_l1, t2, t4, t5,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3 = near
+    p_l3, p_l2, k3, p_l1, k5, k6, k7 = k
+    t6 = (T24 - p_l3*T11)/p_l2
+    t7 = (T14 + p_l3*T21)/p_l2
+    t8 = 1.5 - 0.5*(t6*t6 + t7*t7)
+    t9 = sin(near1)
+    t10 = select(k3, -t7*t8, t9)
+    t11 = cos(near1)
+    t12 = select(k3, t6*t8, t11)
+    t13 = t12*t12 + t10*t10
+    t14 = (T21*t12 - T11*t10)/t13
+    t15 = (T11*t12 + T21*t10)/t13
+    t16 = 1.5 - 0.5*(t15*t15 + t14*t14)
+    t17 = t14*t16
+    t18 = t15*t16
+    t19 = T11*t16
+    t20 = T21*t16
+    t21 = maximum(absolute(T31), maximum(absolute(T11 - t19), absolute(T21 - t20)))
+    t22 = maximum(absolute(T22 - t19), maximum(absolute(T12 + t20), t21))
+    t23 = maximum(absolute(p_l3*t20 + (T14 + p_l2*t10)), absolute(p_l3*t19 - (T24 - p_l2*t12)))
+    t24 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t22)))
+    t25 = maximum(absolute(1.0 - t13), maximum(absolute(1.0 - T33), t24))
+    t26 = less(maximum(absolute(t17*t17 - (1.0 - t18*t18)), t25), 1e-07)
+    t27 = less(maximum(0.0, t23), 1e-07*sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14))))
+    return (
+        atan2(t10, t12), atan2(t14, t15), p_l1 - T34, select(t26*t27, k6, k7),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_l1, p_l2, p_l3 = p
+    t1 = p_l2*p_l2
+    t2 = p_l1*p_l1
+    t3 = p_l3*p_l3
+    return (
+        p_l2, p_l3, t1, p_l1, t2, t3,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_l2, p_l3, k3, p_l1, k5, k6 = k
+    t4 = q1 + q2
+    t5 = sin(t4)
+    t6 = cos(t4)
+    t7 = t5*T11 - t6*T21 + (t6*T12 + t5*T22)
+    s1 = sin(q1)
+    t8 = p_l3*t5
+    t9 = p_l2*s1 + t8
+    t10 = sqrt(k3 + (k5 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t11 = select(less(0.0, t10), t10, 1.0)
+    t12 = (t9 + T14)/t11
+    c1 = cos(q1)
+    t13 = p_l3*t6
+    t14 = p_l2*c1 + t13
+    t15 = 1.0/t11
+    t16 = t9*t15
+    t17 = t13*t15
+    t18 = t8*t15
+    t19 = t14*t15
+    t20 = (t14 - T24)/t11
+    t21 = t7 + t12*t19 - t20*t16
+    t22 = damping1 + (2.0 + (t19*t19 + t16*t16))
+    t23 = 2.0 + (t19*t17 + t16*t18)
+    t24 = t23/t22
+    t25 = (t7 + t12*t17 - t20*t18 - t21*t24)/(damping1 + (2.0 + (t17*t17 + t18*t18)) - t23*t24)
+    t26 = (p_l1 - q3 - T34)/t11
+    t27 = t6 - T11
+    t28 = t6 - T22
+    t29 = t5 - T21
+    t30 = t5 + T12
+    t31 = T31*T31
+    t32 = t12*t12 + t20*t20 + t26*t26 + t27*t27 + t29*t29 + t31
+    t33 = T32*T32
+    t34 = T13*T13
+    t35 = T23*T23
+    t36 = 1.0 - T33
+    t37 = sqrt(t32 + t30*t30 + t28*t28 + t33 + t34 + t35 + t36*t36)
+    t38 = t37 - absolute(1.0 - (t31 + (T11*T11 + T21*T21))) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t39 = t38 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t33 + (T12*T12 + T22*T22)))
+    t40 = t39 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t34 + t35 + T33*T33))
+    return (
+        q1 - (t21/t22 - t24*t25), q2 - t25, q3 + t11*(t26/(1.0 + damping1)), maximum(0.0, t40),
     )
 
 
@@ -314,3 +446,48 @@ analytic_jacobian_rpy = _function(
         1, 2,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

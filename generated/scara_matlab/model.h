@@ -36,6 +36,11 @@ extern "C" {
 enum {
     scara_matlab_dof = 4, /**< Number of joints. */
     scara_matlab_parameter_count = 0, /**< Number of parameters without a number. */
+    scara_matlab_branches = 2, /**< Branches of inverse kinematics. */
+    scara_matlab_none = 0, /**< The branch does not exist. */
+    scara_matlab_exact = 1, /**< A solution. */
+    scara_matlab_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    scara_matlab_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -295,6 +300,36 @@ void scara_matlab_base_regressor_batch(size_t count, const double *q, const doub
  * Grouped from the tip inwards: no operations.
  */
 void scara_matlab_base_parameters(double *result);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has up to 2 solutions, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[out] q       joint variables, 2 x 4: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 2; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 82 mul, 65 add, 6 div, 3 sin, 3 cos, 2 sqrt, 5 atan2, 57 cases.
+ */
+int scara_matlab_inverse_kinematics(const double *T, const double *near, double *q, int *status);
+
+/** The same for `count` poses. */
+void scara_matlab_inverse_kinematics_batch(size_t count, const double *T, const double *near, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int scara_matlab_inverse_kinematics_nearest(const double *T, const double *near, double *q);
 
 #ifdef __cplusplus
 }

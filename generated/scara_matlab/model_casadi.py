@@ -34,6 +34,10 @@ Every parameter has its number in this file.
     base_regressor(q, qd, qdd) -> Y_b
     base_parameters() -> beta
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+
 Self-check: `derive verify scara-matlab` compares every function with an independent recursion.
 """
 
@@ -77,7 +81,13 @@ OPERATIONS = {
     "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "inverse_kinematics": {"mul": 82, "add": 65, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 57},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -108,13 +118,30 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     t1 = q1 + q2
     t2 = q4 - t1
@@ -133,7 +160,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
     t1 = 2.0*s1
@@ -168,7 +195,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
     t1 = q1 + q2
@@ -188,7 +215,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s4 = sin(q4)
     t1 = 2.0*s4
@@ -208,7 +235,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     t1 = q1 + q2
@@ -231,7 +258,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
     t1 = q1 + q2
@@ -251,7 +278,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _inertia_matrix(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     c2 = cos(q2)
     t1 = 48.727296 + 53.0*c2
@@ -264,7 +291,7 @@ def _inertia_matrix(functions, k, q):
 
 
 def _coriolis_matrix(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
@@ -286,7 +313,7 @@ def _gravity_vector(functions, k, q):
 
 
 def _kinetic_energy(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     t1 = qd1 + qd2
@@ -306,7 +333,7 @@ def _potential_energy(functions, k, q):
 
 
 def _inverse_dynamics(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -325,7 +352,7 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
 
 
 def _forward_dynamics(functions, k, q, qd, tau):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     tau1, tau2, tau3, tau4 = tau
@@ -350,7 +377,7 @@ def _forward_dynamics(functions, k, q, qd, tau):
 
 
 def _coriolis_vector(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
@@ -363,7 +390,7 @@ def _coriolis_vector(functions, k, q, qd):
 
 
 def _inverse_dynamics_dq(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -381,7 +408,7 @@ def _inverse_dynamics_dq(functions, k, q, qd, qdd):
 
 
 def _inverse_dynamics_dqd(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
@@ -397,7 +424,7 @@ def _inverse_dynamics_dqd(functions, k, q, qd):
 
 
 def _regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -454,7 +481,7 @@ def _regressor(functions, k, q, qd, qdd):
 
 
 def _base_regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -499,6 +526,156 @@ def _base_parameters(functions, k):
     return (
         92.824029968642, 5.8018217679508, 13.5, 0.0, 22.705, 0.0002, 9.496868641825, 6.5, 0.0002,
         3.9804259903722, 0.0, 0.0, 0.0005, 3.3e-05, 0.411645229697152,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4 = near
+    t1 = T14*T14 + T24*T24
+    t2 = 1.0 - 0.125*t1
+    t3 = 1.0 - t2*t2
+    t4 = less(1e-14, t3)
+    t5 = select(t4, sqrt(maximum(0.0, t3)), 0.0)
+    t6 = 2.0*t5
+    t7 = T24*t6
+    t8 = T14*t6
+    t9 = 0.25*t1
+    t10 = T14*t9
+    t11 = T24*t9
+    t12 = (t7 + t10)/t1
+    t13 = (t11 - t8)/t1
+    t14 = 1.5 - 0.5*(t12*t12 + t13*t13)
+    t15 = absolute(t1)
+    t16 = sqrt(T34*T34 + (8.0 + t1))
+    t17 = t16*t16
+    t18 = less(1e-12*t17, t15)
+    t19 = sin(near1)
+    t20 = select(t18, t13*t14, t19)
+    t21 = select(t18, t14*((t11 + t8)/t1), t19)
+    t22 = cos(near1)
+    t23 = select(t18, t12*t14, t22)
+    t24 = select(t18, -t14*((t7 - t10)/t1), t22)
+    t25 = 1.0 - t18
+    t26 = atan2(t5, -t2)
+    t27 = t2*t20 - t5*t23
+    t28 = T11*T11 + T21*T21
+    t29 = T11/t28
+    t30 = T21/t28
+    t31 = absolute(t28)
+    t32 = 1.5 - 0.5*(t29*t29 + t30*t30)
+    t33 = cos(near2)
+    t34 = sin(near2)
+    t35 = t22*t33 - t19*t34
+    t36 = t19*t33 + t22*t34
+    t37 = cos(near4)
+    t38 = sin(near4)
+    t39 = less(1e-12, t31)
+    t40 = select(t39, t29*t32, t35*t37 + t36*t38)
+    t41 = select(t39, t30*t32, t37*t36 - t35*t38)
+    t42 = 1.0 - t39
+    t43 = t2*t23 + t5*t20
+    t44 = t40*t27 - t41*t43
+    t45 = t40*t43 + t27*t41
+    t46 = t2*t24 - t5*t21
+    t47 = t2*t21 + t5*t24
+    t48 = absolute(t3 - t5*t5)
+    t49 = t41*t46 - t40*t47
+    t50 = t40*t46 + t41*t47
+    t51 = t43*t45 + t27*t44
+    t52 = t43*t44 - t27*t45
+    t53 = maximum(absolute(T14 - 2.0*(t23 - t43)), absolute(T24 - 2.0*(t20 - t27)))
+    t54 = absolute(T31)
+    t55 = maximum(t54, maximum(absolute(T11 - t51), absolute(T21 + t52)))
+    t56 = maximum(absolute(T22 + t51), maximum(absolute(T12 + t52), t55))
+    t57 = absolute(T32)
+    t58 = absolute(T13)
+    t59 = absolute(T23)
+    t60 = absolute(1.0 + T33)
+    t61 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t56))))
+    t62 = maximum(t48, maximum(absolute(t20*t20 - (1.0 - t23*t23)), t61))
+    t63 = less(maximum(absolute(t44*t44 - (1.0 - t45*t45)), t62), 1e-07)
+    t64 = 1e-07*t16
+    t65 = 1.0 - less(t3, -1e-11)
+    t66 = t4*t65
+    t67 = maximum(t25, maximum(t25, t42))
+    t68 = 1.0 - less(1e-09, t3)
+    t69 = t68 - t68*less(t3, -9.999999999999999e-10)
+    t70 = maximum(1.0 - less(0.001*t17, t15), maximum(1.0 - less(0.001, t31), t69))
+    t71 = select(t67, 3.0, select(t65 - t66, 2.0, 1.0)) + 4.0*t70
+    t72 = select(t67, 8.0, 4.0*maximum(t25, maximum(t42, t69)))
+    t73 = select(less(maximum(0.0, t53), t64)*(t65*t63), t71, t72)
+    t74 = t47*t49 - t46*t50
+    t75 = t46*t49 + t47*t50
+    t76 = maximum(absolute(T14 - 2.0*(t24 - t46)), absolute(T24 - 2.0*(t21 - t47)))
+    t77 = maximum(t54, maximum(absolute(T11 + t74), absolute(T21 - t75)))
+    t78 = maximum(absolute(T22 - t74), maximum(absolute(T12 - t75), t77))
+    t79 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t78))))
+    t80 = maximum(t48, maximum(absolute(t21*t21 - (1.0 - t24*t24)), t79))
+    t81 = less(maximum(absolute(t49*t49 - (1.0 - t50*t50)), t80), 1e-07)
+    t82 = select(less(maximum(0.0, t76), t64)*(t66*t81), t71, t72)
+    return (
+        atan2(t20, t23), t26, -T34, -atan2(t44, -t45), atan2(t21, t24), -t26, -T34, atan2(t49, -t50), t73, t82,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    t1 = q1 + q2
+    t2 = q4 - t1
+    t3 = sin(t2)
+    t4 = cos(t2)
+    t5 = t3*T11 + t4*T21 + (t4*T12 - t3*T22)
+    c1 = cos(q1)
+    t6 = cos(t1)
+    t7 = 2.0*t6
+    t8 = 2.0*c1 + t7
+    t9 = sin(t1)
+    t10 = 2.0*t9
+    t11 = sqrt(4.0 + (4.0 + (T14*T14 + (T24*T24 + T34*T34))))
+    t12 = select(less(0.0, t11), t11, 1.0)
+    t13 = (t8 - T14)/t12
+    s1 = sin(q1)
+    t14 = 2.0*s1 + t10
+    t15 = 1.0/t12
+    t16 = t8*t15
+    t17 = t10*t15
+    t18 = t7*t15
+    t19 = t14*t15
+    t20 = (t14 - T24)/t12
+    t21 = t5 + t13*t19 - t20*t16
+    t22 = damping1 + (2.0 + (t19*t19 + t16*t16))
+    t23 = 2.0 + (t19*t17 + t16*t18)
+    t24 = t23/t22
+    t25 = 2.0/t22
+    t26 = t5 + t13*t17 - t20*t18 - t21*t24
+    t27 = damping1 + (2.0 + (t17*t17 + t18*t18)) - t23*t24
+    t28 = 2.0 - t23*t25
+    t29 = t28/t27
+    t30 = (t5 - t21*t25 - t29*t26)/(2.0 + damping1 - 2.0*t25 - t28*t29)
+    t31 = t26/t27 - t29*t30
+    t32 = (q3 + T34)/t12
+    t33 = t4 - T11
+    t34 = t4 + T22
+    t35 = t3 + T21
+    t36 = t3 + T12
+    t37 = T31*T31
+    t38 = t13*t13 + t20*t20 + t32*t32 + t33*t33 + t35*t35 + t37
+    t39 = T32*T32
+    t40 = T13*T13
+    t41 = T23*T23
+    t42 = 1.0 + T33
+    t43 = sqrt(t38 + t36*t36 + t34*t34 + t39 + t40 + t41 + t42*t42)
+    t44 = t43 - absolute(1.0 - (T11*T11 + T21*T21 + t37)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t45 = t44 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t39 + (T12*T12 + T22*T22)))
+    t46 = t45 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t40 + t41 + T33*T33))
+    return (
+        q1 + (t21/t22 - t24*t31 - t25*t30), q2 + t31, q3 - t12*(t32/(1.0 + damping1)), q4 - t30,
+        maximum(0.0, t46),
     )
 
 
@@ -654,3 +831,40 @@ base_parameters = _function(
     shape=(15,),
     kernel=_base_parameters,
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    constants = ()
+    step_constants = ()
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 2], values[DOF * 2 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

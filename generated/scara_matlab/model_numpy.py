@@ -65,7 +65,13 @@ OPERATIONS = {
     "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "inverse_kinematics": {"mul": 82, "add": 65, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 57},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -96,6 +102,13 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
 ]
 
 
@@ -436,11 +449,59 @@ def base_parameters(params=None, out=None):
     return _FUNCTIONS["base_parameters"]((), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Nothing, since all joints are solved for.
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 2): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 4); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 2, 4):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 82 mul, 65 add, 6 div, 3 sin, 3 cos, 2 sqrt, 5 atan2, 57 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 4).
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 4), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 # Kernels: straight-line code on floats, on recorded columns, or on anything else with operators.
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     t1 = q1 + q2
     t2 = q4 - t1
@@ -459,7 +520,7 @@ def _forward_kinematics(functions, k, q):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
     t1 = 2.0*s1
@@ -494,7 +555,7 @@ def _link_transforms(functions, k, q):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
     t1 = q1 + q2
@@ -514,7 +575,7 @@ def _jacobian(functions, k, q):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s4 = sin(q4)
     t1 = 2.0*s4
@@ -534,7 +595,7 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     t1 = q1 + q2
@@ -557,7 +618,7 @@ def _jacobian_dot(functions, k, q, qd):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     s1 = sin(q1)
     t1 = q1 + q2
@@ -577,7 +638,7 @@ def _analytic_jacobian_rpy(functions, k, q):
 
 
 def _inertia_matrix(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     c2 = cos(q2)
     t1 = 48.727296 + 53.0*c2
@@ -590,7 +651,7 @@ def _inertia_matrix(functions, k, q):
 
 
 def _coriolis_matrix(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
@@ -612,7 +673,7 @@ def _gravity_vector(functions, k, q):
 
 
 def _kinetic_energy(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     t1 = qd1 + qd2
@@ -632,7 +693,7 @@ def _potential_energy(functions, k, q):
 
 
 def _inverse_dynamics(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -651,7 +712,7 @@ def _inverse_dynamics(functions, k, q, qd, qdd):
 
 
 def _forward_dynamics(functions, k, q, qd, tau):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     tau1, tau2, tau3, tau4 = tau
@@ -676,7 +737,7 @@ def _forward_dynamics(functions, k, q, qd, tau):
 
 
 def _coriolis_vector(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
@@ -689,7 +750,7 @@ def _coriolis_vector(functions, k, q, qd):
 
 
 def _inverse_dynamics_dq(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -707,7 +768,7 @@ def _inverse_dynamics_dq(functions, k, q, qd, qdd):
 
 
 def _inverse_dynamics_dqd(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     s2 = sin(q2)
@@ -723,7 +784,7 @@ def _inverse_dynamics_dqd(functions, k, q, qd):
 
 
 def _regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -780,7 +841,7 @@ def _regressor(functions, k, q, qd, qdd):
 
 
 def _base_regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -825,6 +886,156 @@ def _base_parameters(functions, k):
     return (
         92.824029968642, 5.8018217679508, 13.5, 0.0, 22.705, 0.0002, 9.496868641825, 6.5, 0.0002,
         3.9804259903722, 0.0, 0.0, 0.0005, 3.3e-05, 0.411645229697152,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4 = near
+    t1 = T14*T14 + T24*T24
+    t2 = 1.0 - 0.125*t1
+    t3 = 1.0 - t2*t2
+    t4 = less(1e-14, t3)
+    t5 = select(t4, sqrt(maximum(0.0, t3)), 0.0)
+    t6 = 2.0*t5
+    t7 = T24*t6
+    t8 = T14*t6
+    t9 = 0.25*t1
+    t10 = T14*t9
+    t11 = T24*t9
+    t12 = (t7 + t10)/t1
+    t13 = (t11 - t8)/t1
+    t14 = 1.5 - 0.5*(t12*t12 + t13*t13)
+    t15 = absolute(t1)
+    t16 = sqrt(T34*T34 + (8.0 + t1))
+    t17 = t16*t16
+    t18 = less(1e-12*t17, t15)
+    t19 = sin(near1)
+    t20 = select(t18, t13*t14, t19)
+    t21 = select(t18, t14*((t11 + t8)/t1), t19)
+    t22 = cos(near1)
+    t23 = select(t18, t12*t14, t22)
+    t24 = select(t18, -t14*((t7 - t10)/t1), t22)
+    t25 = 1.0 - t18
+    t26 = atan2(t5, -t2)
+    t27 = t2*t20 - t5*t23
+    t28 = T11*T11 + T21*T21
+    t29 = T11/t28
+    t30 = T21/t28
+    t31 = absolute(t28)
+    t32 = 1.5 - 0.5*(t29*t29 + t30*t30)
+    t33 = cos(near2)
+    t34 = sin(near2)
+    t35 = t22*t33 - t19*t34
+    t36 = t19*t33 + t22*t34
+    t37 = cos(near4)
+    t38 = sin(near4)
+    t39 = less(1e-12, t31)
+    t40 = select(t39, t29*t32, t35*t37 + t36*t38)
+    t41 = select(t39, t30*t32, t37*t36 - t35*t38)
+    t42 = 1.0 - t39
+    t43 = t2*t23 + t5*t20
+    t44 = t40*t27 - t41*t43
+    t45 = t40*t43 + t27*t41
+    t46 = t2*t24 - t5*t21
+    t47 = t2*t21 + t5*t24
+    t48 = absolute(t3 - t5*t5)
+    t49 = t41*t46 - t40*t47
+    t50 = t40*t46 + t41*t47
+    t51 = t43*t45 + t27*t44
+    t52 = t43*t44 - t27*t45
+    t53 = maximum(absolute(T14 - 2.0*(t23 - t43)), absolute(T24 - 2.0*(t20 - t27)))
+    t54 = absolute(T31)
+    t55 = maximum(t54, maximum(absolute(T11 - t51), absolute(T21 + t52)))
+    t56 = maximum(absolute(T22 + t51), maximum(absolute(T12 + t52), t55))
+    t57 = absolute(T32)
+    t58 = absolute(T13)
+    t59 = absolute(T23)
+    t60 = absolute(1.0 + T33)
+    t61 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t56))))
+    t62 = maximum(t48, maximum(absolute(t20*t20 - (1.0 - t23*t23)), t61))
+    t63 = less(maximum(absolute(t44*t44 - (1.0 - t45*t45)), t62), 1e-07)
+    t64 = 1e-07*t16
+    t65 = 1.0 - less(t3, -1e-11)
+    t66 = t4*t65
+    t67 = maximum(t25, maximum(t25, t42))
+    t68 = 1.0 - less(1e-09, t3)
+    t69 = t68 - t68*less(t3, -9.999999999999999e-10)
+    t70 = maximum(1.0 - less(0.001*t17, t15), maximum(1.0 - less(0.001, t31), t69))
+    t71 = select(t67, 3.0, select(t65 - t66, 2.0, 1.0)) + 4.0*t70
+    t72 = select(t67, 8.0, 4.0*maximum(t25, maximum(t42, t69)))
+    t73 = select(less(maximum(0.0, t53), t64)*(t65*t63), t71, t72)
+    t74 = t47*t49 - t46*t50
+    t75 = t46*t49 + t47*t50
+    t76 = maximum(absolute(T14 - 2.0*(t24 - t46)), absolute(T24 - 2.0*(t21 - t47)))
+    t77 = maximum(t54, maximum(absolute(T11 + t74), absolute(T21 - t75)))
+    t78 = maximum(absolute(T22 - t74), maximum(absolute(T12 - t75), t77))
+    t79 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t78))))
+    t80 = maximum(t48, maximum(absolute(t21*t21 - (1.0 - t24*t24)), t79))
+    t81 = less(maximum(absolute(t49*t49 - (1.0 - t50*t50)), t80), 1e-07)
+    t82 = select(less(maximum(0.0, t76), t64)*(t66*t81), t71, t72)
+    return (
+        atan2(t20, t23), t26, -T34, -atan2(t44, -t45), atan2(t21, t24), -t26, -T34, atan2(t49, -t50), t73, t82,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    t1 = q1 + q2
+    t2 = q4 - t1
+    t3 = sin(t2)
+    t4 = cos(t2)
+    t5 = t3*T11 + t4*T21 + (t4*T12 - t3*T22)
+    c1 = cos(q1)
+    t6 = cos(t1)
+    t7 = 2.0*t6
+    t8 = 2.0*c1 + t7
+    t9 = sin(t1)
+    t10 = 2.0*t9
+    t11 = sqrt(4.0 + (4.0 + (T14*T14 + (T24*T24 + T34*T34))))
+    t12 = select(less(0.0, t11), t11, 1.0)
+    t13 = (t8 - T14)/t12
+    s1 = sin(q1)
+    t14 = 2.0*s1 + t10
+    t15 = 1.0/t12
+    t16 = t8*t15
+    t17 = t10*t15
+    t18 = t7*t15
+    t19 = t14*t15
+    t20 = (t14 - T24)/t12
+    t21 = t5 + t13*t19 - t20*t16
+    t22 = damping1 + (2.0 + (t19*t19 + t16*t16))
+    t23 = 2.0 + (t19*t17 + t16*t18)
+    t24 = t23/t22
+    t25 = 2.0/t22
+    t26 = t5 + t13*t17 - t20*t18 - t21*t24
+    t27 = damping1 + (2.0 + (t17*t17 + t18*t18)) - t23*t24
+    t28 = 2.0 - t23*t25
+    t29 = t28/t27
+    t30 = (t5 - t21*t25 - t29*t26)/(2.0 + damping1 - 2.0*t25 - t28*t29)
+    t31 = t26/t27 - t29*t30
+    t32 = (q3 + T34)/t12
+    t33 = t4 - T11
+    t34 = t4 + T22
+    t35 = t3 + T21
+    t36 = t3 + T12
+    t37 = T31*T31
+    t38 = t13*t13 + t20*t20 + t32*t32 + t33*t33 + t35*t35 + t37
+    t39 = T32*T32
+    t40 = T13*T13
+    t41 = T23*T23
+    t42 = 1.0 + T33
+    t43 = sqrt(t38 + t36*t36 + t34*t34 + t39 + t40 + t41 + t42*t42)
+    t44 = t43 - absolute(1.0 - (T11*T11 + T21*T21 + t37)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t45 = t44 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t39 + (T12*T12 + T22*T22)))
+    t46 = t45 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t40 + t41 + T33*T33))
+    return (
+        q1 + (t21/t22 - t24*t31 - t25*t30), q2 + t31, q3 - t12*(t32/(1.0 + damping1)), q4 - t30,
+        maximum(0.0, t46),
     )
 
 
@@ -984,6 +1195,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -1004,6 +1216,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -1186,7 +1416,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -1360,8 +1627,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 1e-07
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -1482,3 +2179,14 @@ _FUNCTIONS = {
         kernel=_base_parameters,
     ),
 }
+
+_GIVEN_JOINTS = ()
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=2,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+    ),
+)

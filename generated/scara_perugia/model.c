@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1943,4 +1973,518 @@ KERNEL void base_parameters_lane(const double *restrict k, double *restrict resu
 void scara_perugia_base_parameters(const double *restrict k, double *restrict result)
 {
     base_parameters_lane(k, result, 1, 1);
+}
+
+/* inverse_kinematics */
+
+static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_d4 = params[2];
+    k[0] = p_a1;
+    k[1] = p_a2;
+    k[2] = p_a1*p_a1;
+    k[3] = p_a2*p_a2;
+    k[4] = p_d4;
+    k[5] = p_d4*p_d4;
+}
+
+void scara_perugia_inverse_kinematics_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_d4 = params[2];
+    const double t1 = p_a1*p_a1 + p_a2*p_a2;
+    const double t2 = p_a1*(2.0*p_a2);
+    const double t3 = 0.0 < fabs(t2);
+    const double t4 = 1.0 - t3;
+    k[0] = p_a1;
+    k[1] = p_a2;
+    k[2] = t1;
+    k[3] = t2;
+    k[4] = t3;
+    k[5] = p_d4;
+    k[6] = p_d4*p_d4 + t1;
+    k[7] = t4;
+    inverse_kinematics_step_constants(params, k + 8);
+}
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double t1 = q1 + q2;
+    const double t2 = q4 - t1;
+    angles[0] = q1;
+    angles[lanes] = t1;
+    angles[2 * lanes] = t2;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double c1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double t1 = sa3*T11 + ca3*T21 + (ca3*T12 - sa3*T22);
+    const double t2 = k2*ca2;
+    const double t3 = k1*c1 + t2;
+    const double t4 = k2*sa2;
+    const double t5 = sqrt(k3 + (k4 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))));
+    const double t6 = (0.0 < t5) ? t5 : 1.0;
+    const double t7 = (t3 - T14)/t6;
+    const double t8 = k1*s1 + t4;
+    const double t9 = 1.0/t6;
+    const double t10 = t3*t9;
+    const double t11 = t4*t9;
+    const double t12 = t2*t9;
+    const double t13 = t8*t9;
+    const double t14 = (t8 - T24)/t6;
+    const double t15 = t1 + t7*t13 - t14*t10;
+    const double t16 = damping1 + (2.0 + (t13*t13 + t10*t10));
+    const double t17 = 2.0 + (t13*t11 + t10*t12);
+    const double t18 = t17/t16;
+    const double t19 = 2.0/t16;
+    const double t20 = t1 + t7*t11 - t14*t12 - t15*t18;
+    const double t21 = damping1 + (2.0 + (t11*t11 + t12*t12)) - t17*t18;
+    const double t22 = 2.0 - t17*t19;
+    const double t23 = t22/t21;
+    const double t24 = (t1 - t15*t19 - t23*t20)/(2.0 + damping1 - 2.0*t19 - t22*t23);
+    const double t25 = t20/t21 - t23*t24;
+    const double t26 = (k5 + q3 + T34)/t6;
+    const double t27 = ca3 - T11;
+    const double t28 = ca3 + T22;
+    const double t29 = sa3 + T21;
+    const double t30 = sa3 + T12;
+    const double t31 = T31*T31;
+    const double t32 = t7*t7 + t14*t14 + t26*t26 + t27*t27 + t29*t29 + t31 + t30*t30;
+    const double t33 = T32*T32;
+    const double t34 = T13*T13;
+    const double t35 = T23*T23;
+    const double t36 = 1.0 + T33;
+    const double t37 = sqrt(t32 + t28*t28 + t33 + t34 + t35 + t36*t36) - fabs(1.0 - (T11*T11 + T21*T21 + t31));
+    const double t38 = t37 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t39 = t38 - fabs(1.0 - (t33 + (T12*T12 + T22*T22))) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t40 = maximum(0.0, t39 - fabs(1.0 - (t34 + t35 + T33*T33)));
+    result[0] = q1 + (t15/t16 - t18*t25 - t19*t24);
+    result[lanes] = q2 + t25;
+    result[2 * lanes] = q3 - t6*(t26/(1.0 + damping1));
+    result[3 * lanes] = q4 - t24;
+    result[4 * lanes] = t40;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near4 = near[3 * lanes];
+    angles[0] = near2;
+    angles[lanes] = near1;
+    angles[2 * lanes] = near4;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double t1 = T14*T14 + T24*T24;
+    const double t2 = (k3 - t1)/k4;
+    const double t3 = 1.0 - t2*t2;
+    const double t4 = 1e-14 < t3;
+    const double t5 = k5 > 0.0 ? (t4 > 0.0 ? sqrt(maximum(0.0, t3)) : 0.0) : sa1;
+    const double t6 = k2*t5;
+    const double t7 = T24*t6;
+    const double t8 = T14*t6;
+    const double t9 = k5 > 0.0 ? -t2 : ca1;
+    const double t10 = k5 > 0.0 ? t2 : ca1;
+    const double t11 = k1 + k2*t9;
+    const double t12 = (t7 + T14*t11)/t1;
+    const double t13 = (t8 - T24*t11)/t1;
+    const double t14 = 1.5 - 0.5*(t12*t12 + t13*t13);
+    const double t15 = k6 + T34;
+    const double t16 = sqrt(T34*T34 + (k7 + t1));
+    const double t17 = t16*t16;
+    const double t18 = fabs(t1);
+    const double t19 = 1e-12*t17 < t18;
+    const double t20 = t19 > 0.0 ? -t13*t14 : sa2;
+    const double t21 = t19 > 0.0 ? t12*t14 : ca2;
+    const double t22 = t9*t21 - t5*t20;
+    const double t23 = T11*T11 + T21*T21;
+    const double t24 = T11/t23;
+    const double t25 = T21/t23;
+    const double t26 = fabs(t23);
+    const double t27 = 1.5 - 0.5*(t24*t24 + t25*t25);
+    const double t28 = ca1*sa2 + sa1*ca2;
+    const double t29 = ca1*ca2 - sa1*sa2;
+    const double t30 = 1e-12 < t26;
+    const double t31 = t30 > 0.0 ? t25*t27 : t28*ca3 - t29*sa3;
+    const double t32 = t30 > 0.0 ? t24*t27 : ca3*t29 + t28*sa3;
+    const double t33 = 1.0 - t30;
+    const double t34 = t9*t20 + t5*t21;
+    const double t35 = t31*t22 - t32*t34;
+    const double t36 = t31*t34 + t22*t32;
+    const double t37 = k1 - k2*t10;
+    const double t38 = (t7 - T14*t37)/t1;
+    const double t39 = (t8 + T24*t37)/t1;
+    const double t40 = 1.5 - 0.5*(t38*t38 + t39*t39);
+    const double t41 = t19 > 0.0 ? t39*t40 : sa2;
+    const double t42 = t19 > 0.0 ? -t38*t40 : ca2;
+    const double t43 = 1.0 - t19;
+    const double t44 = t5*t41 - t10*t42;
+    const double t45 = 1.0 - t5*t5;
+    const double t46 = t5*t42 + t10*t41;
+    const double t47 = t31*t44 + t32*t46;
+    const double t48 = t32*t44 - t31*t46;
+    const double t49 = t22*t36 - t34*t35;
+    const double t50 = t22*t35 + t34*t36;
+    const double t51 = fabs(T31);
+    const double t52 = maximum(t51, maximum(fabs(T11 - t49), fabs(T21 - t50)));
+    const double t53 = maximum(fabs(T22 + t49), maximum(fabs(T12 - t50), t52));
+    const double t54 = fabs(T32);
+    const double t55 = fabs(T13);
+    const double t56 = fabs(T23);
+    const double t57 = fabs(1.0 + T33);
+    const double t58 = maximum(t57, maximum(t56, maximum(t55, maximum(t54, t53))));
+    const double t59 = maximum(fabs(t45 - t9*t9), maximum(fabs(t20*t20 - (1.0 - t21*t21)), t58));
+    const double t60 = maximum(fabs(k2*t22 - (T14 - k1*t21)), fabs(k2*t34 - (T24 - k1*t20)));
+    const double t61 = maximum(fabs(t35*t35 - (1.0 - t36*t36)), t59) < 1e-07;
+    const double t62 = 1e-07*t16;
+    const double t63 = k5 - k5*(t3 < -1e-11);
+    const double t64 = t4*t63;
+    const double t65 = maximum(maximum(t43, maximum(k8, t33)), maximum(k8, t43));
+    const double t66 = 1.0 - (1e-09 < t3);
+    const double t67 = maximum(k8, t66 - t66*(t3 < -9.999999999999999e-10));
+    const double t68 = maximum(1.0 - (0.001*t17 < t18), maximum(1.0 - (0.001 < t26), t67));
+    const double t69 = (t65 > 0.0 ? 3.0 : (t63 - t64 > 0.0 ? 2.0 : 1.0)) + 4.0*t68;
+    const double t70 = t65 > 0.0 ? 8.0 : 4.0*maximum(t43, maximum(t33, t67));
+    const double t71 = (maximum(0.0, t60) < t62)*(maximum(k8, t63)*t61) > 0.0 ? t69 : t70;
+    const double t72 = t44*t48 + t46*t47;
+    const double t73 = t44*t47 - t46*t48;
+    const double t74 = maximum(t51, maximum(fabs(T11 - t72), fabs(T21 - t73)));
+    const double t75 = maximum(fabs(T22 + t72), maximum(fabs(T12 - t73), t74));
+    const double t76 = maximum(t57, maximum(t56, maximum(t55, maximum(t54, t75))));
+    const double t77 = maximum(fabs(t45 - t10*t10), maximum(fabs(t41*t41 - (1.0 - t42*t42)), t76));
+    const double t78 = maximum(fabs(t47*t47 - (1.0 - t48*t48)), t77) < 1e-07;
+    const double t79 = maximum(fabs(k2*t44 - (T14 - k1*t42)), fabs(k2*t46 + (T24 - k1*t41)));
+    const double t80 = (maximum(0.0, t79) < t62)*(t64*t78) > 0.0 ? t69 : t70;
+    result[0] = arctangent(t20, t21);
+    result[lanes] = arctangent(t5, t9);
+    result[2 * lanes] = -t15;
+    result[3 * lanes] = -arctangent(t35, t36);
+    result[4 * lanes] = arctangent(t41, t42);
+    result[5 * lanes] = -arctangent(t5, -t10);
+    result[6 * lanes] = -t15;
+    result[7 * lanes] = -arctangent(t47, t48);
+    result[8 * lanes] = t71;
+    result[9 * lanes] = t80;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 8 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 2; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 2; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 4; ++j)
+            q[4 * b + j] = code ? values[(4 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 0, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 4; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
+{
+    enum { error = 4 };
+    double ahead[4 + 1], found[4 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, k + 8, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, k + 8, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 4 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, k + 8, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 4; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 8;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 2; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 4 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 4; ++j)
+                row[j] = isfinite(values[4 * b + j]) ? values[4 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 1e-07 : 3e-11);
+            for (size_t other = 0; fine && other < 2; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 4 * other, row, tolerance) : 4;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 4 * b, 4 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int scara_perugia_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[4], values[10];
+    const double *const codes = values + 8;
+    int kinds[2], doubts[2], free[2], settled[2] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 8; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 2; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 4; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, k, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 8 * sizeof *q);
+    for (size_t b = 0; b < 2; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, k, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 2; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 4; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, k, values);
+        for (size_t j = 0; j < 8 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 4])
+                values[j] += 1.3 * (double)(i * (j / 4 + 1) * (j % 4 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 2; ++b) {
+        for (size_t j = 0; j < 4 && !kinds[b]; ++j)
+            q[4 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[3 * inverse_kinematics_lanes], sines[3 * inverse_kinematics_lanes], cosines[3 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(3 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
+}
+
+void scara_perugia_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[4 * inverse_kinematics_lanes], result_block[10 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(4, near + 4 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, k, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 8 * row;
+            int *const codes = status ? status + 2 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                scara_perugia_inverse_kinematics(T + 16 * row, near ? near + 4 * row : NULL, k, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY}, upper[] = {INFINITY, INFINITY, INFINITY, INFINITY};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 4; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int scara_perugia_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q)
+{
+    double solutions[8], least = INFINITY;
+    int status[2], found = 0;
+    scara_perugia_inverse_kinematics(T, near, k, solutions, status);
+    for (size_t j = 0; j < 4; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 2; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 4 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 4 * b, 4 * sizeof *q);
+        }
+    }
+    return found;
 }

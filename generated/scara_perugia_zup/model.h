@@ -76,6 +76,12 @@ enum {
     scara_perugia_zup_regressor_constant_count = 5,
     scara_perugia_zup_base_regressor_constant_count = 4,
     scara_perugia_zup_base_parameters_constant_count = 6,
+    scara_perugia_zup_inverse_kinematics_constant_count = 14,
+    scara_perugia_zup_branches = 2, /**< Branches of inverse kinematics. */
+    scara_perugia_zup_none = 0, /**< The branch does not exist. */
+    scara_perugia_zup_exact = 1, /**< A solution. */
+    scara_perugia_zup_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    scara_perugia_zup_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -423,6 +429,41 @@ void scara_perugia_zup_base_parameters(const double *k, double *result);
 
 /** The constants of scara_perugia_zup_base_parameters, 6, from the parameters, 18. */
 void scara_perugia_zup_base_parameters_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has up to 2 solutions, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       14 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 2 x 4: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 2; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 100 mul, 76 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 64 cases.
+ * Once per set of parameters: 5 mul, 3 add, 1 cases.
+ */
+int scara_perugia_zup_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void scara_perugia_zup_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int scara_perugia_zup_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of scara_perugia_zup_inverse_kinematics, 14, from the parameters, 18. */
+void scara_perugia_zup_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

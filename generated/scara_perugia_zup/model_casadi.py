@@ -34,6 +34,10 @@ Every function has a last input `params`, a column of the free parameters in the
     base_regressor(q, qd, qdd, params) -> Y_b
     base_parameters(params) -> beta
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+
 Self-check: `derive verify scara-perugia-zup` compares every function with an independent recursion.
 """
 
@@ -78,7 +82,13 @@ OPERATIONS = {
     "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "inverse_kinematics": {"mul": 100, "add": 76, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -109,9 +119,26 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -122,7 +149,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_d4, p_a1, p_a2 = k
     s1 = sin(q1)
@@ -149,7 +176,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_d4, p_a1, p_a2 = k
     s1 = sin(q1)
@@ -192,7 +219,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -220,7 +247,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_a2, p_a1 = k
     s4 = sin(q4)
@@ -248,7 +275,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     p_a2, p_a1 = k
@@ -279,7 +306,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -317,7 +344,7 @@ def _inertia_matrix_constants(functions, p):
 
 
 def _inertia_matrix(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_ml3, p_Il4, k3, k4, k5, k6, k7 = k
     c2 = cos(q2)
@@ -339,7 +366,7 @@ def _coriolis_matrix_constants(functions, p):
 
 
 def _coriolis_matrix(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     (k1,) = k
@@ -390,7 +417,7 @@ def _kinetic_energy_constants(functions, p):
 
 
 def _kinetic_energy(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     k1, k2, k3, k4, k5, k6 = k
@@ -440,7 +467,7 @@ def _inverse_dynamics_constants(functions, p):
 
 
 def _inverse_dynamics(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -481,7 +508,7 @@ def _forward_dynamics_constants(functions, p):
 
 
 def _forward_dynamics(functions, k, q, qd, tau):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     tau1, tau2, tau3, tau4 = tau
@@ -510,7 +537,7 @@ def _coriolis_vector_constants(functions, p):
 
 
 def _coriolis_vector(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     (k1,) = k
@@ -532,7 +559,7 @@ def _inverse_dynamics_dq_constants(functions, p):
 
 
 def _inverse_dynamics_dq(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -559,7 +586,7 @@ def _inverse_dynamics_dqd_constants(functions, p):
 
 
 def _inverse_dynamics_dqd(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     (k1,) = k
@@ -584,7 +611,7 @@ def _regressor_constants(functions, p):
 
 
 def _regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -646,7 +673,7 @@ def _base_regressor_constants(functions, p):
 
 
 def _base_regressor(functions, k, q, qd, qdd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     qdd1, qdd2, qdd3, qdd4 = qdd
@@ -699,6 +726,192 @@ def _base_parameters(functions, k):
     k1, k2, k3, p_Im2, p_ml3, p_Il4 = k
     return (
         k1, k2, 0.0, k3, p_Im2, p_ml3, 0.0, 0.0, p_Il4,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_a1, p_a2, p_d4 = p
+    t1 = p_a1*p_a1 + p_a2*p_a2
+    t2 = p_a1*(2.0*p_a2)
+    t3 = less(0.0, absolute(t2))
+    t4 = p_d4*p_d4 + t1
+    t5 = 1.0 - t3
+    return (
+        p_a1, p_a2, t1, t2, t3, p_d4, t4, t5,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4 = near
+    p_a1, p_a2, k3, k4, k5, p_d4, k7, k8 = k
+    t6 = T14*T14 + T24*T24
+    t7 = (k3 - t6)/k4
+    t8 = 1.0 - t7*t7
+    t9 = less(1e-14, t8)
+    t10 = sin(near2)
+    t11 = select(k5, select(t9, sqrt(maximum(0.0, t8)), 0.0), t10)
+    t12 = p_a2*t11
+    t13 = T24*t12
+    t14 = T14*t12
+    t15 = cos(near2)
+    t16 = select(k5, -t7, t15)
+    t17 = select(k5, t7, t15)
+    t18 = p_a1 + p_a2*t16
+    t19 = (t13 + T14*t18)/t6
+    t20 = (t14 - T24*t18)/t6
+    t21 = 1.5 - 0.5*(t19*t19 + t20*t20)
+    t22 = p_d4 - T34
+    t23 = sqrt(T34*T34 + (k7 + t6))
+    t24 = t23*t23
+    t25 = absolute(t6)
+    t26 = less(1e-12*t24, t25)
+    t27 = sin(near1)
+    t28 = select(t26, -t20*t21, t27)
+    t29 = cos(near1)
+    t30 = select(t26, t19*t21, t29)
+    t31 = T11*T11 + T21*T21
+    t32 = T11/t31
+    t33 = T21/t31
+    t34 = absolute(t31)
+    t35 = 1.5 - 0.5*(t32*t32 + t33*t33)
+    t36 = t15*t29 - t10*t27
+    t37 = t15*t27 + t10*t29
+    t38 = cos(near4)
+    t39 = sin(near4)
+    t40 = less(1e-12, t34)
+    t41 = select(t40, t32*t35, t38*t36 - t37*t39)
+    t42 = select(t40, t33*t35, t37*t38 + t36*t39)
+    t43 = 1.0 - t40
+    t44 = t11*t41
+    t45 = t44 - t16*t42
+    t46 = t11*t42
+    t47 = t44 - t42*t17
+    t48 = t46 + t16*t41
+    t49 = t46 + t41*t17
+    t50 = t30*t45 + t28*t48
+    t51 = t30*t48 - t28*t45
+    t52 = p_a1 - p_a2*t17
+    t53 = (t13 - T14*t52)/t6
+    t54 = (t14 + T24*t52)/t6
+    t55 = 1.5 - 0.5*(t53*t53 + t54*t54)
+    t56 = select(t26, t54*t55, t27)
+    t57 = select(t26, -t53*t55, t29)
+    t58 = 1.0 - t26
+    t59 = t57*t47 + t56*t49
+    t60 = t57*t49 - t56*t47
+    t61 = t16*t28 + t11*t30
+    t62 = t16*t30 - t11*t28
+    t63 = t50*t61 + t51*t62
+    t64 = t51*t61 - t50*t62
+    t65 = absolute(T31)
+    t66 = maximum(t65, maximum(absolute(T11 - t63), absolute(T21 - t64)))
+    t67 = maximum(absolute(T22 - t63), maximum(absolute(T12 + t64), t66))
+    t68 = absolute(T32)
+    t69 = absolute(T13)
+    t70 = absolute(T23)
+    t71 = absolute(1.0 - T33)
+    t72 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t67))))
+    t73 = maximum(absolute(p_a2*t62 - (T14 - p_a1*t30)), absolute(p_a2*t61 - (T24 - p_a1*t28)))
+    t74 = 1.0 - t11*t11
+    t75 = maximum(absolute(t74 - t16*t16), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t72))
+    t76 = less(maximum(absolute(t50*t50 - (1.0 - t51*t51)), t75), 1e-07)
+    t77 = 1e-07*t23
+    t78 = k5 - k5*less(t8, -1e-11)
+    t79 = t9*t78
+    t80 = maximum(maximum(t58, maximum(k8, t43)), maximum(k8, t58))
+    t81 = 1.0 - less(1e-09, t8)
+    t82 = maximum(k8, t81 - t81*less(t8, -9.999999999999999e-10))
+    t83 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t34), t82))
+    t84 = select(t80, 3.0, select(t78 - t79, 2.0, 1.0)) + 4.0*t83
+    t85 = select(t80, 8.0, 4.0*maximum(t58, maximum(t43, t82)))
+    t86 = select(less(maximum(0.0, t73), t77)*(maximum(k8, t78)*t76), t84, t85)
+    t87 = t11*t56 - t17*t57
+    t88 = t11*t57 + t17*t56
+    t89 = t60*t87 - t59*t88
+    t90 = t60*t88 + t59*t87
+    t91 = maximum(t65, maximum(absolute(T11 + t89), absolute(T21 - t90)))
+    t92 = maximum(absolute(T22 + t89), maximum(absolute(T12 + t90), t91))
+    t93 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t92))))
+    t94 = maximum(absolute(t74 - t17*t17), maximum(absolute(t56*t56 - (1.0 - t57*t57)), t93))
+    t95 = less(maximum(absolute(t59*t59 - (1.0 - t60*t60)), t94), 1e-07)
+    t96 = maximum(absolute(p_a2*t87 - (T14 - p_a1*t57)), absolute(p_a2*t88 + (T24 - p_a1*t56)))
+    t97 = select(less(maximum(0.0, t96), t77)*(t79*t95), t84, t85)
+    return (
+        atan2(t28, t30), atan2(t11, t16), -t22, -atan2(t50, t51), atan2(t56, t57), -atan2(t11, -t17), -t22,
+        atan2(t59, -t60), t86, t97,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_a1, p_a2, p_d4 = p
+    t1 = p_a1*p_a1
+    t2 = p_a2*p_a2
+    t3 = p_d4*p_d4
+    return (
+        p_a1, p_a2, t1, t2, p_d4, t3,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_a1, p_a2, k3, k4, p_d4, k6 = k
+    t4 = q1 + q2
+    t5 = q4 + t4
+    t6 = sin(t5)
+    t7 = cos(t5)
+    t8 = t6*T11 - t7*T21 + (t7*T12 + t6*T22)
+    c1 = cos(q1)
+    t9 = cos(t4)
+    t10 = p_a2*t9
+    t11 = p_a1*c1 + t10
+    t12 = sin(t4)
+    t13 = p_a2*t12
+    t14 = sqrt(k3 + (k4 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t15 = select(less(0.0, t14), t14, 1.0)
+    t16 = (t11 - T14)/t15
+    s1 = sin(q1)
+    t17 = p_a1*s1 + t13
+    t18 = 1.0/t15
+    t19 = t11*t18
+    t20 = t13*t18
+    t21 = t10*t18
+    t22 = t17*t18
+    t23 = (t17 - T24)/t15
+    t24 = t8 - t16*t22 + t23*t19
+    t25 = damping1 + (2.0 + (t22*t22 + t19*t19))
+    t26 = 2.0 + (t22*t20 + t19*t21)
+    t27 = t26/t25
+    t28 = 2.0/t25
+    t29 = t8 - t16*t20 + t23*t21 - t24*t27
+    t30 = damping1 + (2.0 + (t20*t20 + t21*t21)) - t26*t27
+    t31 = 2.0 - t26*t28
+    t32 = t31/t30
+    t33 = (t8 - t24*t28 - t32*t29)/(2.0 + damping1 - 2.0*t28 - t31*t32)
+    t34 = t29/t30 - t32*t33
+    t35 = (p_d4 + q3 - T34)/t15
+    t36 = t7 - T11
+    t37 = t7 - T22
+    t38 = t6 - T21
+    t39 = t6 + T12
+    t40 = T31*T31
+    t41 = t16*t16 + t23*t23 + t35*t35 + t36*t36 + t38*t38 + t40
+    t42 = T32*T32
+    t43 = T13*T13
+    t44 = T23*T23
+    t45 = 1.0 - T33
+    t46 = sqrt(t41 + t39*t39 + t37*t37 + t42 + t43 + t44 + t45*t45)
+    t47 = t46 - absolute(1.0 - (T11*T11 + T21*T21 + t40)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t48 = t47 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t42 + (T12*T12 + T22*T22)))
+    t49 = t48 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t43 + t44 + T33*T33))
+    return (
+        q1 - (t24/t25 - t27*t34 - t28*t33), q2 - t34, q3 - t15*(t35/(1.0 + damping1)), q4 - t33,
+        maximum(0.0, t49),
     )
 
 
@@ -932,3 +1145,48 @@ base_parameters = _function(
         0, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 16, 17,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 2], values[DOF * 2 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+
 Self-check: `derive verify scara-sankyo` compares every function with an independent recursion.
 """
 
@@ -38,7 +42,13 @@ OPERATIONS = {
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inverse_kinematics": {"mul": 100, "add": 76, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -53,9 +63,26 @@ __all__ = [
     "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -67,7 +94,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     k1, p_a1, p_a2 = k
     s1 = sin(q1)
@@ -94,7 +121,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_d1, p_d4, p_a1, p_a2 = k
     t1 = p_d1 + q3
@@ -138,7 +165,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -166,7 +193,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_a2, p_a1 = k
     s4 = sin(q4)
@@ -194,7 +221,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     p_a2, p_a1 = k
@@ -225,7 +252,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_a1, p_a2 = k
     s1 = sin(q1)
@@ -242,6 +269,195 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         1.0, 1.0, 0.0, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_d1, p_a1, p_a2, p_d4 = p
+    t1 = p_a1*p_a1 + p_a2*p_a2
+    t2 = p_a2*(2.0*p_a1)
+    t3 = less(0.0, absolute(t2))
+    t4 = p_d1*p_d1 + (t1 + p_d4*p_d4)
+    t5 = p_d1 + p_d4
+    t6 = 1.0 - t3
+    return (
+        p_a1, p_a2, t1, t2, t3, t4, t5, t6,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4 = near
+    p_a1, p_a2, k3, k4, k5, k6, k7, k8 = k
+    t7 = T14*T14 + T24*T24
+    t8 = (k3 - t7)/k4
+    t9 = 1.0 - t8*t8
+    t10 = less(1e-14, t9)
+    t11 = sin(near2)
+    t12 = select(k5, select(t10, sqrt(maximum(0.0, t9)), 0.0), t11)
+    t13 = p_a2*t12
+    t14 = T24*t13
+    t15 = T14*t13
+    t16 = cos(near2)
+    t17 = select(k5, -t8, t16)
+    t18 = select(k5, t8, t16)
+    t19 = p_a1 + p_a2*t17
+    t20 = (t14 + T14*t19)/t7
+    t21 = (t15 - T24*t19)/t7
+    t22 = 1.5 - 0.5*(t20*t20 + t21*t21)
+    t23 = sqrt(T34*T34 + (k6 + t7))
+    t24 = t23*t23
+    t25 = absolute(t7)
+    t26 = less(1e-12*t24, t25)
+    t27 = sin(near1)
+    t28 = select(t26, -t21*t22, t27)
+    t29 = cos(near1)
+    t30 = select(t26, t20*t22, t29)
+    t31 = k7 - T34
+    t32 = T11*T11 + T21*T21
+    t33 = T11/t32
+    t34 = T21/t32
+    t35 = absolute(t32)
+    t36 = 1.5 - 0.5*(t33*t33 + t34*t34)
+    t37 = t16*t29 - t11*t27
+    t38 = t16*t27 + t11*t29
+    t39 = cos(near4)
+    t40 = sin(near4)
+    t41 = less(1e-12, t35)
+    t42 = select(t41, t33*t36, t39*t37 - t38*t40)
+    t43 = select(t41, t34*t36, t38*t39 + t37*t40)
+    t44 = 1.0 - t41
+    t45 = t12*t42
+    t46 = t45 - t17*t43
+    t47 = t12*t43
+    t48 = t45 - t43*t18
+    t49 = t47 + t17*t42
+    t50 = t47 + t42*t18
+    t51 = t30*t46 + t28*t49
+    t52 = t30*t49 - t28*t46
+    t53 = p_a1 - p_a2*t18
+    t54 = (t14 - T14*t53)/t7
+    t55 = (t15 + T24*t53)/t7
+    t56 = 1.5 - 0.5*(t54*t54 + t55*t55)
+    t57 = select(t26, t55*t56, t27)
+    t58 = select(t26, -t54*t56, t29)
+    t59 = 1.0 - t26
+    t60 = t58*t48 + t57*t50
+    t61 = t58*t50 - t57*t48
+    t62 = t17*t28 + t12*t30
+    t63 = t17*t30 - t12*t28
+    t64 = t51*t62 + t52*t63
+    t65 = t52*t62 - t51*t63
+    t66 = absolute(T31)
+    t67 = maximum(t66, maximum(absolute(T11 - t64), absolute(T21 - t65)))
+    t68 = maximum(absolute(T22 + t64), maximum(absolute(T12 - t65), t67))
+    t69 = absolute(T32)
+    t70 = absolute(T13)
+    t71 = absolute(T23)
+    t72 = absolute(1.0 + T33)
+    t73 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t68))))
+    t74 = maximum(absolute(p_a2*t63 - (T14 - p_a1*t30)), absolute(p_a2*t62 - (T24 - p_a1*t28)))
+    t75 = 1.0 - t12*t12
+    t76 = maximum(absolute(t75 - t17*t17), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t73))
+    t77 = less(maximum(absolute(t51*t51 - (1.0 - t52*t52)), t76), 1e-07)
+    t78 = 1e-07*t23
+    t79 = k5 - k5*less(t9, -1e-11)
+    t80 = t10*t79
+    t81 = maximum(maximum(t59, maximum(k8, t44)), maximum(k8, t59))
+    t82 = 1.0 - less(1e-09, t9)
+    t83 = maximum(k8, t82 - t82*less(t9, -9.999999999999999e-10))
+    t84 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t83))
+    t85 = select(t81, 3.0, select(t79 - t80, 2.0, 1.0)) + 4.0*t84
+    t86 = select(t81, 8.0, 4.0*maximum(t59, maximum(t44, t83)))
+    t87 = select(less(maximum(0.0, t74), t78)*(maximum(k8, t79)*t77), t85, t86)
+    t88 = t12*t57 - t18*t58
+    t89 = t12*t58 + t18*t57
+    t90 = t61*t88 - t60*t89
+    t91 = t61*t89 + t60*t88
+    t92 = maximum(t66, maximum(absolute(T11 + t90), absolute(T21 - t91)))
+    t93 = maximum(absolute(T22 - t90), maximum(absolute(T12 - t91), t92))
+    t94 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t93))))
+    t95 = maximum(absolute(t75 - t18*t18), maximum(absolute(t57*t57 - (1.0 - t58*t58)), t94))
+    t96 = less(maximum(absolute(t60*t60 - (1.0 - t61*t61)), t95), 1e-07)
+    t97 = maximum(absolute(p_a2*t88 - (T14 - p_a1*t58)), absolute(p_a2*t89 + (T24 - p_a1*t57)))
+    t98 = select(less(maximum(0.0, t97), t78)*(t80*t96), t85, t86)
+    return (
+        atan2(t28, t30), atan2(t12, t17), -t31, -atan2(t51, t52), atan2(t57, t58), -atan2(t12, -t18), -t31,
+        atan2(t60, -t61), t87, t98,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_d1, p_a1, p_a2, p_d4 = p
+    t1 = p_a1*p_a1
+    t2 = p_d1*p_d1
+    t3 = p_a2*p_a2
+    t4 = p_d4*p_d4
+    return (
+        p_a1, p_a2, t1, p_d1, t2, t3, p_d4, t4,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_a1, p_a2, k3, p_d1, k5, k6, p_d4, k8 = k
+    t5 = q1 + q2
+    t6 = q4 + t5
+    t7 = sin(t6)
+    t8 = cos(t6)
+    t9 = t7*T11 - t8*T21 - (t8*T12 + t7*T22)
+    c1 = cos(q1)
+    t10 = cos(t5)
+    t11 = p_a2*t10
+    t12 = p_a1*c1 + t11
+    t13 = sin(t5)
+    t14 = p_a2*t13
+    t15 = k3 + (k5 + (k6 + (k8 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t16 = sqrt(t15)
+    t17 = select(less(0.0, t16), t16, 1.0)
+    t18 = (t12 - T14)/t17
+    s1 = sin(q1)
+    t19 = p_a1*s1 + t14
+    t20 = 1.0/t17
+    t21 = t12*t20
+    t22 = t14*t20
+    t23 = t11*t20
+    t24 = t19*t20
+    t25 = (t19 - T24)/t17
+    t26 = t9 - t18*t24 + t25*t21
+    t27 = damping1 + (2.0 + (t24*t24 + t21*t21))
+    t28 = 2.0 + (t24*t22 + t21*t23)
+    t29 = t28/t27
+    t30 = 2.0/t27
+    t31 = t9 - t18*t22 + t25*t23 - t26*t29
+    t32 = damping1 + (2.0 + (t22*t22 + t23*t23)) - t28*t29
+    t33 = 2.0 - t28*t30
+    t34 = t33/t32
+    t35 = (t9 - t26*t30 - t34*t31)/(2.0 + damping1 - 2.0*t30 - t33*t34)
+    t36 = t31/t32 - t34*t35
+    t37 = (p_d1 + (p_d4 + q3) - T34)/t17
+    t38 = t8 - T11
+    t39 = t8 + T22
+    t40 = t7 - T21
+    t41 = t7 - T12
+    t42 = T31*T31
+    t43 = t18*t18 + t25*t25 + t37*t37 + t38*t38 + t40*t40 + t42
+    t44 = T32*T32
+    t45 = T13*T13
+    t46 = T23*T23
+    t47 = 1.0 + T33
+    t48 = sqrt(t43 + t41*t41 + t39*t39 + t44 + t45 + t46 + t47*t47)
+    t49 = t48 - absolute(1.0 - (T11*T11 + T21*T21 + t42)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t50 = t49 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t44 + (T12*T12 + T22*T22)))
+    t51 = t50 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t45 + t46 + T33*T33))
+    return (
+        q1 - (t26/t27 - t29*t36 - t30*t35), q2 - t36, q3 - t17*(t37/(1.0 + damping1)), q4 - t35,
+        maximum(0.0, t51),
     )
 
 
@@ -332,3 +548,48 @@ analytic_jacobian_rpy = _function(
         1, 2,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2, 3,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2, 3,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 2], values[DOF * 2 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -19,6 +19,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify skeleton` compares every function with an independent recursion.
 """
 
@@ -36,7 +40,13 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inverse_kinematics": {"mul": 46, "add": 35, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 27},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -51,9 +61,26 @@ __all__ = [
     "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -64,7 +91,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_l0, p_l1, p_Ty, p_Tx = k
     s1 = sin(q1)
@@ -88,7 +115,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_l0, p_Ty, p_l1, p_Tx = k
     s1 = sin(q1)
@@ -118,7 +145,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_l0, p_l1 = k
     s1 = sin(q1)
@@ -146,7 +173,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_l0, p_l1 = k
     s2 = sin(q2)
@@ -169,7 +196,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     qd1, qd2 = qd
     p_l1, p_l0 = k
@@ -200,7 +227,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2 = q
     p_l0, p_l1 = k
     s1 = sin(q1)
@@ -217,6 +244,127 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0,
         0.0, 0.0,
         -1.0, -1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    p_Tx, p_Ty, p_l0, p_l1 = p
+    t1 = p_Ty*p_Ty + (p_Tx*p_Tx + (p_l0*p_l0 + p_l1*p_l1))
+    return (
+        p_Tx, p_l1, p_Ty, p_l0, t1,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2 = near
+    p_Tx, p_l1, p_Ty, p_l0, k5 = k
+    t2 = p_Tx - T14
+    t3 = t2 + p_l1*T11
+    t4 = p_Ty - T24
+    t5 = t4 + p_l1*T21
+    t6 = t3*t3 + t5*t5
+    t7 = p_l0*t3/t6
+    t8 = p_l0*t5/t6
+    t9 = absolute(t6)
+    t10 = 1.5 - 0.5*(t7*t7 + t8*t8)
+    t11 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
+    t12 = t11*t11
+    t13 = 1e-12*t12
+    t14 = less(t13, t9)
+    t15 = sin(near1)
+    t16 = select(t14, t8*t10, t15)
+    t17 = cos(near1)
+    t18 = select(t14, -t7*t10, t17)
+    t19 = T11*t3 + T21*t5
+    t20 = T11*t5 - t3*T21
+    t21 = t19*t19 + t20*t20
+    t22 = p_l0*t19/t21
+    t23 = p_l0*t20/t21
+    t24 = absolute(t21)
+    t25 = less(t13, t24)
+    t26 = 1.5 - 0.5*(t22*t22 + t23*t23)
+    t27 = sin(near2)
+    t28 = select(t25, -t23*t26, t27)
+    t29 = cos(near2)
+    t30 = select(t25, -t22*t26, t29)
+    t31 = maximum(1.0 - t14, 1.0 - t25)
+    t32 = t18*t30 - t16*t28
+    t33 = t18*t28 + t16*t30
+    t34 = maximum(absolute(T31), maximum(absolute(T11 - t32), absolute(T21 + t33)))
+    t35 = maximum(absolute(T22 - t32), maximum(absolute(T12 - t33), t34))
+    t36 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t35)))
+    t37 = maximum(absolute(t16*t16 - (1.0 - t18*t18)), maximum(absolute(1.0 - T33), t36))
+    t38 = maximum(absolute(p_l1*t32 + (t2 + p_l0*t18)), absolute(p_l1*t33 - (t4 - p_l0*t16)))
+    t39 = less(maximum(absolute(t28*t28 - (1.0 - t30*t30)), t37), 1e-07)
+    t40 = 0.001*t12
+    t41 = 4.0*maximum(1.0 - less(t40, t9), 1.0 - less(t40, t24))
+    t42 = select(t39*less(maximum(absolute(T34), t38), 1e-07*t11), select(t31, 3.0, 1.0) + t41, select(t31, 8.0, 4.0*t31))
+    return (
+        atan2(t16, t18), atan2(t28, t30), t42,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_Tx, p_Ty, p_l0, p_l1 = p
+    t1 = p_l0*p_l0
+    t2 = p_l1*p_l1
+    t3 = p_Tx*p_Tx
+    t4 = p_Ty*p_Ty
+    return (
+        p_Tx, p_l0, p_l1, t1, t2, t3, p_Ty, t4,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_Tx, p_l0, p_l1, k4, k5, k6, p_Ty, k8 = k
+    t5 = q1 + q2
+    t6 = sin(t5)
+    t7 = cos(t5)
+    t8 = t6*T11 + t7*T21 - (t7*T12 - t6*T22)
+    c1 = cos(q1)
+    t9 = p_l1*t7
+    t10 = p_l0*c1 + t9
+    t11 = k4 + (k5 + (k6 + (k8 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t12 = sqrt(t11)
+    t13 = select(less(0.0, t12), t12, 1.0)
+    t14 = (p_Tx + t10 - T14)/t13
+    s1 = sin(q1)
+    t15 = p_l1*t6
+    t16 = p_l0*s1 + t15
+    t17 = 1.0/t13
+    t18 = t10*t17
+    t19 = t15*t17
+    t20 = t9*t17
+    t21 = t16*t17
+    t22 = (p_Ty - t16 - T24)/t13
+    t23 = T34/t13
+    t24 = t8 - t14*t21 - t22*t18
+    t25 = damping1 + (2.0 + (t21*t21 + t18*t18))
+    t26 = 2.0 + (t21*t19 + t18*t20)
+    t27 = t26/t25
+    t28 = (t8 - t14*t19 - t22*t20 - t24*t27)/(damping1 + (2.0 + (t19*t19 + t20*t20)) - t26*t27)
+    t29 = t7 - T11
+    t30 = t7 - T22
+    t31 = t6 + T21
+    t32 = t6 - T12
+    t33 = T31*T31
+    t34 = t14*t14 + t22*t22 + t23*t23 + t29*t29 + t31*t31 + t33
+    t35 = T32*T32
+    t36 = T13*T13
+    t37 = T23*T23
+    t38 = 1.0 - T33
+    t39 = sqrt(t34 + t32*t32 + t30*t30 + t35 + t36 + t37 + t38*t38)
+    t40 = t39 - absolute(1.0 - (t33 + (T11*T11 + T21*T21))) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t41 = t40 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t35 + (T12*T12 + T22*T22)))
+    t42 = t41 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t36 + t37 + T33*T33))
+    return (
+        q1 - (t24/t25 - t27*t28), q2 - t28, maximum(0.0, t42),
     )
 
 
@@ -307,3 +455,48 @@ analytic_jacobian_rpy = _function(
         2, 3,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1, 2, 3,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1, 2, 3,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

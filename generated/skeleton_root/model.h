@@ -47,6 +47,13 @@ enum {
     skeleton_root_jacobian_end_constant_count = 2,
     skeleton_root_jacobian_dot_constant_count = 2,
     skeleton_root_analytic_jacobian_rpy_constant_count = 2,
+    skeleton_root_inverse_kinematics_constant_count = 7,
+    skeleton_root_branches = 1, /**< Branches of inverse kinematics. */
+    skeleton_root_given_joint_1 = 3, /**< Place of a given joint in q. */
+    skeleton_root_none = 0, /**< The branch does not exist. */
+    skeleton_root_exact = 1, /**< A solution. */
+    skeleton_root_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    skeleton_root_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -151,6 +158,42 @@ void skeleton_root_analytic_jacobian_rpy_batch(size_t count, const double *q, co
 
 /** The constants of skeleton_root_analytic_jacobian_rpy, 2, from the parameters, 2. */
 void skeleton_root_analytic_jacobian_rpy_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has one solution, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  given   variables of q4.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       7 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 1 x 4: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 1; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 34 mul, 29 add, 2 div, 3 sin, 3 cos, 1 sqrt, 2 atan2, 21 cases.
+ * Once per set of parameters: 2 mul, 1 add.
+ */
+int skeleton_root_inverse_kinematics(const double *T, const double *given, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void skeleton_root_inverse_kinematics_batch(size_t count, const double *T, const double *given, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int skeleton_root_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of skeleton_root_inverse_kinematics, 7, from the parameters, 2. */
+void skeleton_root_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

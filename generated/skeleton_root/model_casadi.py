@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, given, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify skeleton-root` compares every function with an independent recursion.
 """
 
@@ -38,7 +42,13 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "inverse_kinematics": {"mul": 34, "add": 29, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 2, "cases": 21},
 }
+GIVEN = ("q4",)
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -53,9 +63,26 @@ __all__ = [
     "jacobian_end",
     "jacobian_dot",
     "analytic_jacobian_rpy",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -66,7 +93,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
     s3 = sin(q3)
@@ -90,7 +117,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
     s3 = sin(q3)
@@ -128,7 +155,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
     s3 = sin(q3)
@@ -156,7 +183,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
     t1 = q3 + q4
@@ -182,7 +209,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     qd1, qd2, qd3, qd4 = qd
     p_l1, p_l0 = k
@@ -213,7 +240,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4 = q
     p_l0, p_l1 = k
     s3 = sin(q3)
@@ -230,6 +257,108 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, -1.0, -1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l0*p_l0 + p_l1*p_l1
+    return (
+        p_l0, p_l1, t1,
+    )
+
+
+def _inverse_kinematics(functions, k, T, given, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (given1,) = given
+    near1, near2, near3, near4 = near
+    p_l0, p_l1, k3 = k
+    t2 = T11*T11 + T21*T21
+    t3 = T11/t2
+    t4 = T21/t2
+    t5 = absolute(t2)
+    t6 = 1.5 - 0.5*(t3*t3 + t4*t4)
+    t7 = sin(near3)
+    t8 = cos(near4)
+    t9 = cos(near3)
+    t10 = sin(near4)
+    t11 = less(1e-12, t5)
+    t12 = select(t11, -t4*t6, t7*t8 + t9*t10)
+    t13 = select(t11, t3*t6, t8*t9 - t7*t10)
+    t14 = cos(given1)
+    t15 = sin(given1)
+    t16 = t14*t12 - t15*t13
+    t17 = t14*t13 + t15*t12
+    t18 = maximum(absolute(T31), maximum(absolute(T11 - t13), absolute(T21 + t12)))
+    t19 = maximum(absolute(t13 - T22), maximum(absolute(t12 - T12), t18))
+    t20 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t19)))
+    t21 = maximum(absolute(t16*t16 - (1.0 - t17*t17)), maximum(absolute(1.0 - T33), t20))
+    t22 = p_l0*t15
+    t23 = p_l1 + p_l0*t14
+    t24 = T11*t23 - T21*t22
+    t25 = T11*t22 + t23*T21
+    t26 = maximum(absolute(p_l0*t17 - (t24 - p_l1*t13)), absolute(p_l0*t16 + (t25 + p_l1*t12)))
+    t27 = less(maximum(absolute(T34), t26), 1e-07*sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14))))
+    t28 = -(4.0*less(0.001, t5) - (4.0 + select(t11, 1.0, 3.0)))
+    t29 = select(less(maximum(0.0, t21), 1e-07)*t27, t28, select(t11, 4.0 - 4.0*t11, 8.0))
+    return (
+        T14 - t24, T24 - t25, atan2(t16, t17), atan2(t15, t14), t29,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l1*p_l1
+    t2 = p_l0*p_l0
+    return (
+        p_l1, t1, p_l0, t2,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_l1, k2, p_l0, k4 = k
+    t3 = sqrt(k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34))))
+    t4 = select(less(0.0, t3), t3, 1.0)
+    c3 = cos(q3)
+    t5 = q3 + q4
+    t6 = cos(t5)
+    t7 = sin(t5)
+    t8 = p_l0*c3 + p_l1*t6
+    t9 = (q1 + t8 - T14)/t4
+    t10 = 1.0/t4
+    t11 = t8*t10
+    s3 = sin(q3)
+    t12 = p_l0*s3 + p_l1*t7
+    t13 = t12*t10
+    t14 = (q2 - t12 - T24)/t4
+    t15 = t7*T11 + t6*T21 - (t6*T12 - t7*T22) - t9*t13 - t14*t11
+    t16 = 1.0 + damping1
+    t17 = t13/t16
+    t18 = t11/t16
+    t19 = damping1 + (2.0 + (t13*t13 + t11*t11)) - t13*t17 - t11*t18
+    t20 = (t15 + t9*t17 + t14*t18)/t19
+    t21 = T34/t4
+    t22 = t6 - T11
+    t23 = t6 - T22
+    t24 = t7 + T21
+    t25 = t7 - T12
+    t26 = T31*T31
+    t27 = t9*t9 + t14*t14 + t21*t21 + t22*t22 + t24*t24 + t26 + t25*t25
+    t28 = T32*T32
+    t29 = T13*T13
+    t30 = T23*T23
+    t31 = 1.0 - T33
+    t32 = sqrt(t27 + t23*t23 + t28 + t29 + t30 + t31*t31) - absolute(1.0 - (T11*T11 + T21*T21 + t26))
+    t33 = t32 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t34 = t33 - absolute(1.0 - (t28 + (T12*T12 + T22*T22))) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t35 = maximum(0.0, t34 - absolute(1.0 - (t29 + t30 + T33*T33)))
+    return (
+        q1 - t4*(t9/t16 + t17*t20), q2 - t4*(t14/t16 + t18*t20), q3 - t20, q4, t35,
     )
 
 
@@ -320,3 +449,51 @@ analytic_jacobian_rpy = _function(
         0, 1,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    given = casadi.SX.sym("given", len(GIVEN))
+    inputs, names = [*inputs, given], [*names, "given"]
+    entries.append(casadi.vertsplit(given))
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has one solution, and no more.
+
 Self-check: `derive verify spherical-arm` compares every function with an independent recursion.
 """
 
@@ -39,7 +43,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
+    "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 21},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -55,9 +65,26 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -68,7 +95,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d2,) = k
     c2 = cos(q2)
@@ -93,7 +120,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d2,) = k
     c2 = cos(q2)
@@ -130,7 +157,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d2,) = k
     s1 = sin(q1)
@@ -158,7 +185,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d2,) = k
     c2 = cos(q2)
@@ -181,7 +208,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     qd1, qd2, qd3 = qd
     (p_d2,) = k
@@ -216,7 +243,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d2,) = k
     c2 = cos(q2)
@@ -244,7 +271,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d2,) = k
     s2 = sin(q2)
@@ -261,6 +288,122 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, 0.0, 0.0,
         0.0, s2*(1.0/sqrt(s2*s2)), 0.0,
         0.0, 0.0, 0.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    (p_d2,) = p
+    t1 = p_d2*p_d2
+    return (
+        p_d2, t1,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3 = near
+    p_d2, k2 = k
+    t2 = T31*T31 + T33*T33
+    t3 = T33/t2
+    t4 = T31/t2
+    t5 = absolute(t2)
+    t6 = 1.5 - 0.5*(t3*t3 + t4*t4)
+    t7 = less(1e-12, t5)
+    t8 = cos(near2)
+    t9 = select(t7, t3*t6, t8)
+    t10 = sin(near2)
+    t11 = select(t7, -t4*t6, t10)
+    t12 = 0.5*(T22*T22 + T12*T12) - 1.5
+    t13 = T22*t12
+    t14 = T12*t12
+    t15 = maximum(absolute(T11 + t13*t9), absolute(T21 - t14*t9))
+    t16 = maximum(absolute(T12 + t14), maximum(absolute(T31 + t11), t15))
+    t17 = maximum(absolute(T32), maximum(absolute(T22 + t13), t16))
+    t18 = t13*t11
+    t19 = t14*t11
+    t20 = maximum(absolute(T23 - t19), maximum(absolute(T13 + t18), t17))
+    t21 = maximum(absolute(1.0 - (t13*t13 + t14*t14)), maximum(absolute(T33 - t9), t20))
+    t22 = less(maximum(absolute(1.0 - (t9*t9 + t11*t11)), t21), 1e-07)
+    t23 = T13*T14 + (T23*T24 + T33*T34)
+    t24 = maximum(absolute(T14 + (p_d2*t14 + t23*t18)), absolute(T24 + (p_d2*t13 - t23*t19)))
+    t25 = less(maximum(absolute(T34 - t23*t9), t24), 1e-07*sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34))))
+    t26 = select(t22*t25, select(t7, 1.0, 3.0) + 4.0*(1.0 - less(0.001, t5)), select(t7, 4.0*(1.0 - t7), 8.0))
+    return (
+        -atan2(T12, T22), atan2(t11, t9), t23, t26,
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    (p_d2,) = p
+    t1 = p_d2*p_d2
+    return (
+        p_d2, t1,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_d2, k2 = k
+    s1 = sin(q1)
+    s2 = sin(q2)
+    t2 = s1*s2
+    c1 = cos(q1)
+    t3 = c1*s2
+    c2 = cos(q2)
+    t4 = s1*c2
+    t5 = c1*c2
+    t6 = t2*T13 - t3*T23 + (t4*T11 - t5*T21 + (c1*T12 + s1*T22))
+    t7 = s2*q3
+    t8 = p_d2*s1 - c1*t7
+    t9 = sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34)))
+    t10 = select(less(0.0, t9), t9, 1.0)
+    t11 = (t8 + T14)/t10
+    t12 = p_d2*c1 + s1*t7
+    t13 = 1.0/t10
+    t14 = t8*t13
+    t15 = t7*t13
+    t16 = t12*t13
+    t17 = (t12 - T24)/t10
+    t18 = t6 + t11*t16 - t17*t14
+    t19 = damping1 + (2.0 + (t16*t16 + t14*t14))
+    t20 = c2*q3
+    t21 = c1*t20*t13
+    t22 = s1*t20*t13
+    t23 = (t20 - T34)/t10
+    t24 = t16*t21 + t14*t22
+    t25 = t3*t16 + t2*t14
+    t26 = t24/t19
+    t27 = t25/t19
+    t28 = t4 - T21
+    t29 = t5 - T11
+    t30 = s2 + T31
+    t31 = s1*(c2*T23 - t2*T33 - (s2*T21 + t4*T31 + c1*T32)) - c1*(t3*T33 - c2*T13 + (t5*T31 + s2*T11 - s1*T32))
+    t32 = t31 + t11*t21 - t17*t22 + t23*t15 - t18*t26
+    t33 = s1 + T12
+    t34 = damping1 + (t21*t21 + t22*t22 + t15*t15 + 2.0*(s1*s1 + c1*c1))
+    t35 = c1 - T22
+    t36 = t34 - t24*t26
+    t37 = t3*t21 + t2*t22 - c2*t15 - t24*t27
+    t38 = t37/t36
+    t39 = t11*t11 + t17*t17 + t23*t23 + t29*t29 + t28*t28 + t30*t30
+    t40 = t3 - T13
+    t41 = t2 - T23
+    t42 = damping1 + (t3*t3 + t2*t2 + c2*c2) - t25*t27 - t37*t38
+    t43 = (t3*t11 - t2*t17 - c2*t23 - t18*t27 - t38*t32)/t42
+    t44 = t32/t36 - t38*t43
+    t45 = c2 - T33
+    t46 = T32*T32
+    t47 = t39 + t33*t33 + t35*t35 + t46 + t40*t40 + t41*t41 + t45*t45
+    t48 = sqrt(t47) - absolute(1.0 - (T31*T31 + (T11*T11 + T21*T21)))
+    t49 = t48 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t50 = t49 - absolute(1.0 - (T22*T22 + T12*T12 + t46)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t51 = t50 - absolute(1.0 - (T33*T33 + (T13*T13 + T23*T23)))
+    return (
+        q1 - (t18/t19 - t26*t44 - t27*t43), q2 + t44, q3 + t10*t43, maximum(0.0, t51),
     )
 
 
@@ -362,3 +505,48 @@ analytic_jacobian_zyz = _function(
         0,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 1], values[DOF * 1 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+
 Self-check: `derive verify spherical-wrist` compares every function with an independent recursion.
 """
 
@@ -39,7 +43,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 17, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
+    "inverse_kinematics": {"mul": 51, "add": 41, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 29},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -55,9 +65,26 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -68,7 +95,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d6,) = k
     c2 = cos(q2)
@@ -97,7 +124,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d6,) = k
     c2 = cos(q2)
@@ -134,7 +161,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d6,) = k
     s1 = sin(q1)
@@ -161,7 +188,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d6,) = k
     c2 = cos(q2)
@@ -188,7 +215,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     qd1, qd2, qd3 = qd
     (p_d6,) = k
@@ -222,7 +249,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d6,) = k
     s1 = sin(q1)
@@ -259,7 +286,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3 = q
     (p_d6,) = k
     s2 = sin(q2)
@@ -275,6 +302,142 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, 0.0, 0.0,
         0.0, s2*(1.0/sqrt(s2*s2)), 0.0,
         0.0, 0.0, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    (p_d6,) = p
+    t1 = p_d6*p_d6
+    return (
+        p_d6, t1,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3 = near
+    p_d6, k2 = k
+    t2 = absolute(T23)
+    t3 = absolute(T13)
+    t4 = (1.0 - less(1e-12, t2))*(1.0 - less(1e-12, t3))
+    t5 = sqrt(T23*T23 + T13*T13)
+    t6 = sin(near1)
+    t7 = select(t4, t6, T23/t5)
+    t8 = cos(near1)
+    t9 = select(t4, t8, T13/t5)
+    t10 = atan2(t7, t9)
+    t11 = T23*t7 + T13*t9
+    t12 = atan2(t11, T33)
+    t13 = T11*t7 - T21*t9
+    t14 = T12*t7 - T22*t9
+    t15 = atan2(t13, -t14)
+    t16 = select(less(0.0, t10), 3.141592653589793, -3.141592653589793)
+    t17 = select(less(t15, 0.0), 3.141592653589793, -3.141592653589793)
+    t18 = 1.5 - 0.5*(t14*t14 + t13*t13)
+    t19 = t14*t18
+    t20 = t13*t18
+    t21 = 0.5*(T33*T33 + t11*t11) - 1.5
+    t22 = t11*t21
+    t23 = T33*t21
+    t24 = t9*t23
+    t25 = t7*t23
+    t26 = maximum(absolute(T11 - (t19*t24 + t7*t20)), absolute(T21 - (t19*t25 - t9*t20)))
+    t27 = maximum(absolute(T12 - (t7*t19 - t20*t24)), maximum(absolute(T31 + t22*t19), t26))
+    t28 = maximum(absolute(T32 - t22*t20), maximum(absolute(T22 + (t9*t19 + t20*t25)), t27))
+    t29 = t9*t22
+    t30 = t7*t22
+    t31 = maximum(absolute(T23 + t30), maximum(absolute(T13 + t29), t28))
+    t32 = maximum(absolute(1.0 - (t9*t9 + t7*t7)), maximum(absolute(T33 + t23), t31))
+    t33 = maximum(absolute(1.0 - (t19*t19 + t20*t20)), maximum(absolute(1.0 - (t23*t23 + t22*t22)), t32))
+    t34 = maximum(absolute(T14 + p_d6*t29), absolute(T24 + p_d6*t30))
+    t35 = less(maximum(absolute(T34 + p_d6*t23), t34), 1e-07*sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34))))
+    t36 = less(t33, 1e-07)*t35
+    t37 = 4.0*((1.0 - less(0.001, t2))*(1.0 - less(0.001, t3)))
+    t38 = select(t4, 3.0, 1.0) + t37
+    t39 = select(t4, 8.0, 4.0*t4)
+    return (
+        t10, t12, -t15, t10 - t16, -t12, -(t15 + t17), select(t36, t38, t39), select((1.0 - t4)*t36, t38, t39),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    (p_d6,) = p
+    t1 = p_d6*p_d6
+    return (
+        p_d6, t1,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_d6, k2 = k
+    t2 = sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34)))
+    t3 = select(less(0.0, t2), t2, 1.0)
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t4 = c1*s2
+    t5 = (p_d6*t4 - T14)/t3
+    s1 = sin(q1)
+    t6 = s1*s2
+    t7 = (p_d6*t6 - T24)/t3
+    c2 = cos(q2)
+    t8 = p_d6*c2
+    t9 = (t8 - T34)/t3
+    t10 = 1.0/t3
+    t11 = c1*c2
+    c3 = cos(q3)
+    s3 = sin(q3)
+    t12 = c3*t11 - s1*s3
+    t13 = t12 - T11
+    t14 = s1*c2
+    t15 = c3*t14 + c1*s3
+    t16 = s2*s3
+    t17 = t15 - T21
+    t18 = s2*c3
+    t19 = p_d6*s2
+    t20 = t18 + T31
+    t21 = s1*c3 + s3*t11
+    t22 = c1*c3 - s3*t14
+    t23 = t21 + T12
+    t24 = t5*t5 + t7*t7 + t9*t9 + t13*t13 + t17*t17 + t20*t20 + t23*t23
+    t25 = t22 - T22
+    t26 = t16 - T32
+    t27 = t4 - T13
+    t28 = t6 - T23
+    t29 = c2 - T33
+    t30 = t24 + t25*t25 + t26*t26 + t27*t27 + t28*t28 + t29*t29
+    t31 = sqrt(t30) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t32 = t31 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t33 = t32 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t34 = maximum(0.0, t33 - absolute(1.0 - (T23*T23 + T13*T13 + T33*T33)))
+    t35 = c2*T23 - t6*T33 - (t18*T21 + t15*T31 - (t16*T22 - t22*T32))
+    t36 = t4*T33 - c2*T13 + (t12*T31 + t18*T11 - (t21*T32 + t16*T12))
+    t37 = t6*T13 - t4*T23 + (t15*T11 - t12*T21 + (t22*T12 + t21*T22))
+    t38 = s1*t19*t10
+    t39 = c1*t19*t10
+    t40 = t19*t10
+    t41 = t37 - t5*t38 + t7*t39
+    t42 = damping1 + (2.0 + (t38*t38 + t39*t39))
+    t43 = 2.0*c2
+    t44 = t43/t42
+    t45 = c1*t8*t10
+    t46 = s1*t8*t10
+    t47 = t38*t45 - t39*t46
+    t48 = 2.0*(s1*t4 - c1*t6) - t47*t44
+    t49 = damping1 + (t45*t45 + t46*t46 + t40*t40 + 2.0*(s1*s1 + c1*c1))
+    t50 = t47/t42
+    t51 = t49 - t47*t50
+    t52 = s1*t35 - c1*t36 - t5*t45 - t7*t46 + t9*t40 - t41*t50
+    t53 = t48/t51
+    t54 = damping1 + 2.0*(t4*t4 + t6*t6 + c2*c2) - t43*t44 - t48*t53
+    t55 = (t4*t35 + t6*t36 + c2*t37 - t41*t44 - t53*t52)/t54
+    t56 = t52/t51 - t53*t55
+    return (
+        q1 - (t41/t42 - t50*t56 - t44*t55), q2 + t56, q3 - t55, t34,
     )
 
 
@@ -376,3 +539,48 @@ analytic_jacobian_zyz = _function(
         0,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 2], values[DOF * 2 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

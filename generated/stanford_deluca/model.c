@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1082,4 +1112,701 @@ void stanford_deluca_analytic_jacobian_zyz_batch(size_t count, const double *res
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d1 = params[0];
+    const double p_d2 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_d2;
+    k[2] = p_d6*p_d6;
+    k[3] = p_d2*p_d2;
+    k[4] = p_d1;
+    k[5] = p_d1*p_d1;
+}
+
+void stanford_deluca_inverse_kinematics_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d1 = params[0];
+    const double p_d2 = params[1];
+    const double p_d6 = params[2];
+    const double t1 = p_d2*p_d2;
+    k[0] = p_d6;
+    k[1] = p_d2;
+    k[2] = t1;
+    k[3] = p_d1;
+    k[4] = p_d6*p_d6 + (p_d1*p_d1 + t1);
+    inverse_kinematics_step_constants(params, k + 5);
+}
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double t1 = s4*s5;
+    const double t2 = c2*t1 + s2*c5;
+    const double t3 = c4*s5;
+    const double t4 = s1*t3 + c1*t2;
+    const double t5 = c1*t3 - s1*t2;
+    const double t6 = k1*t4;
+    const double t7 = s2*q3;
+    const double t8 = c1*t7;
+    const double t9 = s1*t7;
+    const double t10 = k2*s1 - t8 - t6;
+    const double t11 = sqrt(k6 + (k4 + (k3 + (T14*T14 + (T24*T24 + T34*T34)))));
+    const double t12 = (0.0 < t11) ? t11 : 1.0;
+    const double t13 = (t10 + T14)/t12;
+    const double t14 = k1*t5;
+    const double t15 = k2*c1 + t9 - t14;
+    const double t16 = (t15 - T24)/t12;
+    const double t17 = c2*c5 - s2*t1;
+    const double t18 = k1*t17;
+    const double t19 = c2*q3 + t18;
+    const double t20 = (k5 + t19 - T34)/t12;
+    const double t21 = c5*s6;
+    const double t22 = s5*s6;
+    const double t23 = k1*s5;
+    const double t24 = s4*t21 - c4*c6;
+    const double t25 = c4*t21 + s4*c6;
+    const double t26 = c2*t22 + s2*t24;
+    const double t27 = c2*t24 - s2*t22;
+    const double t28 = c1*t25 - s1*t27;
+    const double t29 = s1*t25 + c1*t27;
+    const double t30 = t26*t5 + t28*t17;
+    const double t31 = t30 - T11;
+    const double t32 = t26*t4 + t29*t17;
+    const double t33 = t32 - T21;
+    const double t34 = t29*t5 - t28*t4;
+    const double t35 = t34 - T31;
+    const double t36 = t13*t13 + t16*t16 + t20*t20 + t31*t31 + t33*t33 + t35*t35;
+    const double t37 = t29 + T12;
+    const double t38 = t28 - T22;
+    const double t39 = t26 - T32;
+    const double t40 = t4 - T13;
+    const double t41 = t5 + T23;
+    const double t42 = t36 + t37*t37 + t38*t38 + t39*t39 + t40*t40 + t41*t41;
+    const double t43 = t17 - T33;
+    const double t44 = sqrt(t42 + t43*t43) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t45 = t44 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t46 = t45 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t47 = maximum(0.0, t46 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    const double t48 = c4*(s1*c2) + c1*s4;
+    const double t49 = s2*c4;
+    const double t50 = 1.0/t12;
+    const double t51 = (t48*t18 - t49*t14)*t50;
+    const double t52 = t15*t50;
+    const double t53 = t10*t50;
+    const double t54 = (s1*(t9 - t14) + c1*(t8 + t6))*t50;
+    const double t55 = c4*(c1*c2) - s1*s4;
+    const double t56 = (t55*t18 + t49*t6)*t50;
+    const double t57 = (t55*t14 + t48*t6)*t50;
+    const double t58 = t51*t51 + t56*t56 + t57*t57 + 2.0*(t55*t55 + t48*t48 + t49*t49);
+    const double t59 = t52*t51 - t53*t56 + 2.0*t49;
+    const double t60 = damping1 + (2.0 + (t52*t52 + t53*t53));
+    const double t61 = t59/t60;
+    const double t62 = c1*t19*t50;
+    const double t63 = s1*t19*t50;
+    const double t64 = t52*t62 + t53*t63;
+    const double t65 = t62*t51 - t63*t56 + t54*t57 - 2.0*(s1*t55 - c1*t48) - t64*t61;
+    const double t66 = t64/t60;
+    const double t67 = damping1 + (t62*t62 + t63*t63 + t54*t54 + 2.0*(s1*s1 + c1*c1));
+    const double t68 = t67 - t64*t66;
+    const double t69 = t65/t68;
+    const double t70 = c1*s2;
+    const double t71 = s1*s2;
+    const double t72 = t70*t52 + t71*t53;
+    const double t73 = t72/t60;
+    const double t74 = t70*t62 + t71*t63 - c2*t54 - t64*t73;
+    const double t75 = t70*t51 - t71*t56 - c2*t57 - t72*t61 - t74*t69;
+    const double t76 = t74/t68;
+    const double t77 = t70*t70 + t71*t71 + c2*c2;
+    const double t78 = damping1 + t77 - t72*t73 - t74*t76;
+    const double t79 = t75/t78;
+    const double t80 = t55*t23*t50;
+    const double t81 = t48*t23*t50;
+    const double t82 = t49*t23*t50;
+    const double t83 = t52*t80 + t53*t81 - 2.0*c2;
+    const double t84 = t83/t60;
+    const double t85 = t62*t80 + t63*t81 + t54*t82 - 2.0*(s1*t70 - c1*t71) - t64*t84;
+    const double t86 = t85/t68;
+    const double t87 = t70*t80 + t71*t81 - c2*t82 - t72*t84 - t74*t86;
+    const double t88 = t80*t51 - t81*t56 + t82*t57 + 2.0*(t70*t55 + t71*t48 - c2*t49);
+    const double t89 = t88 - t83*t61 - t85*t69 - t87*t79;
+    const double t90 = t87/t78;
+    const double t91 = damping1 + (t80*t80 + t81*t81 + t82*t82 + 2.0*t77) - t83*t84;
+    const double t92 = t91 - t85*t86 - t87*t90;
+    const double t93 = t89/t92;
+    const double t94 = damping1 + t58 - t59*t61 - t65*t69 - t75*t79 - t89*t93;
+    const double t95 = 2.0*t17;
+    const double t96 = t95/t60;
+    const double t97 = 2.0*(s1*t4 + c1*t5) - t64*t96;
+    const double t98 = t97/t68;
+    const double t99 = t72*t96 + t74*t98;
+    const double t100 = t99/t78;
+    const double t101 = 2.0*(t70*t4 - t71*t5 + c2*t17) + t83*t96 + t85*t98 - t87*t100;
+    const double t102 = t101/t92;
+    const double t103 = 2.0*(t55*t4 - t48*t5 - t49*t17) + t59*t96 + t65*t98 - t75*t100;
+    const double t104 = t103 - t89*t102;
+    const double t105 = t104/t94;
+    const double t106 = t17*T23 + t5*T33 + (t34*T21 - t32*T31 + (t26*T22 - t28*T32));
+    const double t107 = t4*T33 - t17*T13 + (t30*T31 - t34*T11 - (t29*T32 + t26*T12));
+    const double t108 = t5*T13 + t4*T23 - (t32*T11 - t30*T21 + (t28*T12 + t29*T22));
+    const double t109 = t108 - t13*t52 + t16*t53;
+    const double t110 = t70*t106 + t71*t107 - c2*t108 - t13*t80 + t16*t81 - t20*t82;
+    const double t111 = t55*t106 + t48*t107 + t49*t108 - t13*t51 - t16*t56 - t20*t57;
+    const double t112 = damping1 + 2.0*(t4*t4 + t5*t5 + t17*t17) - t95*t96 - t97*t98;
+    const double t113 = s1*t106 - c1*t107 + t13*t62 - t16*t63 + t20*t54 + t109*t66;
+    const double t114 = t70*t13 - t71*t16 - c2*t20 + t109*t73 - t76*t113;
+    const double t115 = t110 - t109*t84 + t86*t113 + t90*t114;
+    const double t116 = t111 - t109*t61 + t69*t113 + t79*t114 - t93*t115;
+    const double t117 = t4*t106 - t5*t107 - t17*t108 + t109*t96 - t98*t113 + t100*t114;
+    const double t118 = (t117 - t102*t115 - t105*t116)/(t112 - t99*t100 - t101*t102 - t104*t105);
+    const double t119 = t116/t94 - t105*t118;
+    const double t120 = t115/t92 - t93*t119 - t102*t118;
+    const double t121 = t114/t78 + t90*t120 + t79*t119 + t100*t118;
+    const double t122 = t113/t68 - t76*t121 + t86*t120 + t69*t119 - t98*t118;
+    const double t123 = t109/t60 + t66*t122 + t73*t121 - t84*t120 - t61*t119 + t96*t118;
+    result[0] = q1 + t123;
+    result[lanes] = q2 + t122;
+    result[2 * lanes] = q3 + t12*t121;
+    result[3 * lanes] = q4 - t120;
+    result[4 * lanes] = q5 - t119;
+    result[5 * lanes] = q6 - t118;
+    result[6 * lanes] = t47;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near4 = near[3 * lanes];
+    angles[0] = near1;
+    angles[lanes] = near2;
+    angles[2 * lanes] = near4;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double t1 = T24 - k1*T23;
+    const double t2 = T14 - k1*T13;
+    const double t3 = t1*t1 + t2*t2;
+    const double t4 = fabs(t3);
+    const double t5 = k3 - t3;
+    const double t6 = -t5;
+    const double t7 = 1e-14*t4 < t6;
+    const double t8 = (t7 > 0.0 ? sqrt(-minimum(0.0, t5)) : 0.0)/t3;
+    const double t9 = t1*t8;
+    const double t10 = t2*t8;
+    const double t11 = k2/t3;
+    const double t12 = t2*t11;
+    const double t13 = t1*t11;
+    const double t14 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)));
+    const double t15 = 1e-12*t14;
+    const double t16 = fabs(t1);
+    const double t17 = 1.0 - (t15 < t16);
+    const double t18 = fabs(t2);
+    const double t19 = t17 - t17*(t15 < t18);
+    const double t20 = -sa1;
+    const double t21 = t19 > 0.0 ? t20 : t9 - t12;
+    const double t22 = t19 > 0.0 ? t20 : t9 + t12;
+    const double t23 = t19 > 0.0 ? ca1 : t13 - t10;
+    const double t24 = t19 > 0.0 ? -ca1 : t13 + t10;
+    const double t25 = arctangent(t21, t24);
+    const double t26 = arctangent(t22, t23);
+    const double t27 = t1*t21 + t2*t24;
+    const double t28 = t1*t22 - t2*t23;
+    const double t29 = k1*T33 + (k4 - T34);
+    const double t30 = t29*t29;
+    const double t31 = sqrt(t30 + t27*t27);
+    const double t32 = fabs(t27);
+    const double t33 = fabs(t29);
+    const double t34 = 1.0 - (t15 < t33);
+    const double t35 = t34 - t34*(t15 < t32);
+    const double t36 = -ca2;
+    const double t37 = t35 > 0.0 ? t36 : t29/t31;
+    const double t38 = T23*t21 + T13*t24;
+    const double t39 = t35 > 0.0 ? sa2 : t27/t31;
+    const double t40 = t37*t38 + T33*t39;
+    const double t41 = fabs(t40);
+    const double t42 = 1.0 - (1e-12 < t41);
+    const double t43 = T13*t21 - T23*t24;
+    const double t44 = fabs(t43);
+    const double t45 = t42 - t42*(1e-12 < t44);
+    const double t46 = maximum(t45, maximum(t19, t35));
+    const double t47 = (1.0 - t19)*(1.0 - (1e-11*t4 < t5));
+    const double t48 = t7*t47;
+    const double t49 = maximum(t19, t47);
+    const double t50 = t47 - t48 > 0.0 ? 2.0 : 1.0;
+    const double t51 = 1.0 - (0.001 < t41);
+    const double t52 = 0.001*t14;
+    const double t53 = 1.0 - (t52 < t16);
+    const double t54 = 1.0 - (t52 < t33);
+    const double t55 = 1.0 - (1e-14*fabs(100000.0*t3) < t6);
+    const double t56 = t55 - t55*(1e-11*fabs(100.0*t3) < t5);
+    const double t57 = maximum(t56, t53 - t53*(t52 < t18));
+    const double t58 = maximum(t51 - t51*(0.001 < t44), maximum(t57, t54 - t54*(t52 < t32)));
+    const double t59 = maximum(t19, t56);
+    const double t60 = (t46 > 0.0 ? 3.0 : t50) + 4.0*t58;
+    const double t61 = t48 - t35*t48;
+    const double t62 = t46 > 0.0 ? 8.0 : 4.0*maximum(t45, maximum(t35, t59));
+    const double t63 = 1.0 - t45;
+    const double t64 = sqrt(t30 + t28*t28);
+    const double t65 = fabs(t28);
+    const double t66 = t34 - t34*(t15 < t65);
+    const double t67 = t66 > 0.0 ? t36 : t29/t64;
+    const double t68 = t66 > 0.0 ? -sa2 : t28/t64;
+    const double t69 = t49 - t66*t49;
+    const double t70 = T23*t22 - T13*t23;
+    const double t71 = t67*t70 + T33*t68;
+    const double t72 = fabs(t71);
+    const double t73 = 1.0 - (1e-12 < t72);
+    const double t74 = 1.0 - (0.001 < t72);
+    const double t75 = T13*t22 + T23*t23;
+    const double t76 = fabs(t75);
+    const double t77 = t73 - t73*(1e-12 < t76);
+    const double t78 = maximum(t77, maximum(t19, t66));
+    const double t79 = maximum(t74 - t74*(0.001 < t76), maximum(t57, t54 - t54*(t52 < t65)));
+    const double t80 = (t78 > 0.0 ? 3.0 : t50) + 4.0*t79;
+    const double t81 = t78 > 0.0 ? 8.0 : 4.0*maximum(t77, maximum(t66, t59));
+    const double t82 = 1.0 - t77;
+    const double t83 = sqrt(t40*t40 + t43*t43);
+    const double t84 = t40/t83;
+    const double t85 = t45 > 0.0 ? ca3 : t43/t83;
+    const double t86 = t43*t85;
+    const double t87 = t85*(T31*t39 + t37*(T11*t24 + T21*t21));
+    const double t88 = t45 > 0.0 ? sa3 : t84;
+    const double t89 = T11*t21 - T21*t24;
+    const double t90 = t85*(T32*t39 + t37*(T12*t24 + T22*t21));
+    const double t91 = T12*t21 - T22*t24;
+    const double t92 = arctangent(t87 - t89*t88, t90 - t91*t88);
+    const double t93 = t92 - ((0.0 < t92) ? 3.141592653589793 : -3.141592653589793);
+    const double t94 = arctangent(t88, t85);
+    const double t95 = t39*t38 - T33*t37;
+    const double t96 = arctangent(t86 + t40*t88, -t95);
+    const double t97 = t94 - ((0.0 < t94) ? 3.141592653589793 : -3.141592653589793);
+    const double t98 = t27*t39 + t29*t37;
+    const double t99 = arctangent(t39, -t37);
+    const double t100 = t28*t68 + t29*t67;
+    const double t101 = t99 - ((0.0 < t99) ? 3.141592653589793 : -3.141592653589793);
+    const double t102 = -sa3;
+    const double t103 = t45 > 0.0 ? t102 : t84;
+    const double t104 = arctangent(t87 - t103*t89, -(t90 - t103*t91));
+    const double t105 = arctangent(t86 + t40*t103, t95);
+    const double t106 = arctangent(t103, t85);
+    const double t107 = (t104 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t108 = (t106 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t109 = sqrt(t71*t71 + t75*t75);
+    const double t110 = t77 > 0.0 ? -ca3 : t75/t109;
+    const double t111 = t71/t109;
+    const double t112 = t77 > 0.0 ? t102 : t111;
+    const double t113 = t75*t110;
+    const double t114 = t77 > 0.0 ? sa3 : t111;
+    const double t115 = t110*(t68*T31 - t67*(t23*T11 - t22*T21));
+    const double t116 = t22*T11 + t23*T21;
+    const double t117 = t110*(t68*T32 - t67*(t23*T12 - t22*T22));
+    const double t118 = t22*T12 + t23*T22;
+    const double t119 = -t110;
+    const double t120 = arctangent(t115 - t116*t112, t117 - t118*t112);
+    const double t121 = arctangent(t115 - t114*t116, -(t117 - t114*t118));
+    const double t122 = (0.0 < t120) ? 3.141592653589793 : -3.141592653589793;
+    const double t123 = arctangent(t112, t119);
+    const double t124 = arctangent(t114, t119);
+    const double t125 = t68*t70 - T33*t67;
+    const double t126 = arctangent(t68, -t67);
+    const double t127 = arctangent(t113 + t71*t114, t125);
+    const double t128 = arctangent(t113 + t71*t112, -t125);
+    const double t129 = (t123 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t130 = (t126 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t131 = t126 + t130;
+    const double t132 = (t121 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t133 = (0.0 < t124) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = -t26;
+    result[lanes] = -t126;
+    result[2 * lanes] = t100;
+    result[3 * lanes] = t124;
+    result[4 * lanes] = t127;
+    result[5 * lanes] = -t121;
+    result[6 * lanes] = -t26;
+    result[7 * lanes] = -t126;
+    result[8 * lanes] = t100;
+    result[9 * lanes] = t124 - t133;
+    result[10 * lanes] = -t127;
+    result[11 * lanes] = -(t121 + t132);
+    result[12 * lanes] = -t26;
+    result[13 * lanes] = -t131;
+    result[14 * lanes] = -t100;
+    result[15 * lanes] = -t123;
+    result[16 * lanes] = t128;
+    result[17 * lanes] = t120;
+    result[18 * lanes] = -t26;
+    result[19 * lanes] = -t131;
+    result[20 * lanes] = -t100;
+    result[21 * lanes] = -(t123 + t129);
+    result[22 * lanes] = -t128;
+    result[23 * lanes] = t120 - t122;
+    result[24 * lanes] = t25;
+    result[25 * lanes] = t99;
+    result[26 * lanes] = t98;
+    result[27 * lanes] = -t106;
+    result[28 * lanes] = t105;
+    result[29 * lanes] = -t104;
+    result[30 * lanes] = t25;
+    result[31 * lanes] = t99;
+    result[32 * lanes] = t98;
+    result[33 * lanes] = -(t106 + t108);
+    result[34 * lanes] = -t105;
+    result[35 * lanes] = -(t104 + t107);
+    result[36 * lanes] = t25;
+    result[37 * lanes] = t101;
+    result[38 * lanes] = -t98;
+    result[39 * lanes] = t94;
+    result[40 * lanes] = t96;
+    result[41 * lanes] = t92;
+    result[42 * lanes] = t25;
+    result[43 * lanes] = t101;
+    result[44 * lanes] = -t98;
+    result[45 * lanes] = t97;
+    result[46 * lanes] = -t96;
+    result[47 * lanes] = t93;
+    result[48 * lanes] = t49 > 0.0 ? t80 : t81;
+    result[49 * lanes] = t49*t82 > 0.0 ? t80 : t81;
+    result[50 * lanes] = t69 > 0.0 ? t80 : t81;
+    result[51 * lanes] = t82*t69 > 0.0 ? t80 : t81;
+    result[52 * lanes] = t48 > 0.0 ? t60 : t62;
+    result[53 * lanes] = t48*t63 > 0.0 ? t60 : t62;
+    result[54 * lanes] = t61 > 0.0 ? t60 : t62;
+    result[55 * lanes] = t63*t61 > 0.0 ? t60 : t62;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 48 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 8; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 8; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 6; ++j)
+            q[6 * b + j] = code ? values[(6 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 0, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 6; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
+{
+    enum { error = 6 };
+    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, k + 5, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, k + 5, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 6 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, k + 5, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 6; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 48;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 8; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 6 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 6; ++j)
+                row[j] = isfinite(values[6 * b + j]) ? values[6 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 3e-11 : 3e-11);
+            for (size_t other = 0; fine && other < 8; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 6 * other, row, tolerance) : 6;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 6 * b, 6 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int stanford_deluca_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[6], values[56];
+    const double *const codes = values + 48;
+    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 48; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 8; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, k, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 48 * sizeof *q);
+    for (size_t b = 0; b < 8; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, k, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 8; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 6; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, k, values);
+        for (size_t j = 0; j < 48 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 6])
+                values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 8; ++b) {
+        for (size_t j = 0; j < 6 && !kinds[b]; ++j)
+            q[6 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[3 * inverse_kinematics_lanes], sines[3 * inverse_kinematics_lanes], cosines[3 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(3 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
+}
+
+void stanford_deluca_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[6 * inverse_kinematics_lanes], result_block[56 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(6, near + 6 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, k, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 48 * row;
+            int *const codes = status ? status + 8 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                stanford_deluca_inverse_kinematics(T + 16 * row, near ? near + 6 * row : NULL, k, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}, upper[] = {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 6; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int stanford_deluca_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q)
+{
+    double solutions[48], least = INFINITY;
+    int status[8], found = 0;
+    stanford_deluca_inverse_kinematics(T, near, k, solutions, status);
+    for (size_t j = 0; j < 6; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 8; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 6 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 6 * b, 6 * sizeof *q);
+        }
+    }
+    return found;
 }

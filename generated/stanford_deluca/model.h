@@ -51,6 +51,12 @@ enum {
     stanford_deluca_jacobian_dot_constant_count = 2,
     stanford_deluca_analytic_jacobian_rpy_constant_count = 2,
     stanford_deluca_analytic_jacobian_zyz_constant_count = 2,
+    stanford_deluca_inverse_kinematics_constant_count = 11,
+    stanford_deluca_branches = 8, /**< Branches of inverse kinematics. */
+    stanford_deluca_none = 0, /**< The branch does not exist. */
+    stanford_deluca_exact = 1, /**< A solution. */
+    stanford_deluca_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    stanford_deluca_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -172,6 +178,41 @@ void stanford_deluca_analytic_jacobian_zyz_batch(size_t count, const double *q, 
 
 /** The constants of stanford_deluca_analytic_jacobian_zyz, 2, from the parameters, 3. */
 void stanford_deluca_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has up to 8 solutions, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       11 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 8 x 6: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 8; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 116 mul, 92 add, 10 div, 3 sin, 3 cos, 6 sqrt, 16 atan2, 86 cases.
+ * Once per set of parameters: 3 mul, 2 add.
+ */
+int stanford_deluca_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void stanford_deluca_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int stanford_deluca_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of stanford_deluca_inverse_kinematics, 11, from the parameters, 3. */
+void stanford_deluca_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

@@ -24,6 +24,10 @@ Every function has a last input `params`, a column of the free parameters in the
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
+`inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
+4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
+beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+
 Self-check: `derive verify stanford-laschi` compares every function with an independent recursion.
 """
 
@@ -42,7 +46,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 107, "add": 58, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
+    "inverse_kinematics": {"mul": 116, "add": 91, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 86},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -58,9 +68,26 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
 ]
 
-_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
+_OPERATORS = (
+    casadi.sin,
+    casadi.cos,
+    casadi.sqrt,
+    casadi.sign,
+    casadi.atan2,
+    casadi.lt,
+    casadi.if_else,
+    casadi.fmax,
+    casadi.fmin,
+    casadi.fabs,
+)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -71,7 +98,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d2 = k
     c2 = cos(q2)
@@ -115,7 +142,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d2 = k
     c2 = cos(q2)
@@ -185,7 +212,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d2 = k
     c5 = cos(q5)
@@ -233,7 +260,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d2, p_d6 = k
     c2 = cos(q2)
@@ -277,7 +304,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     qd1, qd2, qd3, qd4, qd5, qd6 = qd
     p_d6, p_d2 = k
@@ -351,7 +378,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d2 = k
     c1 = cos(q1)
@@ -418,7 +445,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
     p_d6, p_d2 = k
     s2 = sin(q2)
@@ -464,6 +491,321 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, -t3*t9, 0.0, c2 - t3*t19, t13*t8, 0.0,
         0.0, t2*t10, 0.0, t17*t20 - t18*t21, t15*t20 + t16*t21, 0.0,
         0.0, t9, 0.0, t19, t15*t11 - t16*t14, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    p_d2, p_d6 = p
+    t1 = p_d2*p_d2
+    t2 = t1 + p_d6*p_d6
+    return (
+        p_d6, p_d2, t1, t2,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5, near6 = near
+    p_d6, p_d2, k3, k4 = k
+    t3 = T24 - p_d6*T23
+    t4 = T14 - p_d6*T13
+    t5 = t3*t3 + t4*t4
+    t6 = absolute(t5)
+    t7 = k3 - t5
+    t8 = -t7
+    t9 = less(1e-14*t6, t8)
+    t10 = select(t9, sqrt(-minimum(0.0, t7)), 0.0)/t5
+    t11 = t3*t10
+    t12 = t4*t10
+    t13 = p_d2/t5
+    t14 = t4*t13
+    t15 = t3*t13
+    t16 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)))
+    t17 = 1e-12*t16
+    t18 = absolute(t3)
+    t19 = 1.0 - less(t17, t18)
+    t20 = absolute(t4)
+    t21 = t19 - t19*less(t17, t20)
+    t22 = sin(near1)
+    t23 = -t22
+    t24 = select(t21, t23, t11 - t14)
+    t25 = select(t21, t23, t11 + t14)
+    t26 = cos(near1)
+    t27 = select(t21, t26, t15 - t12)
+    t28 = select(t21, -t26, t15 + t12)
+    t29 = atan2(t24, t28)
+    t30 = atan2(t25, t27)
+    t31 = t3*t24 + t4*t28
+    t32 = t3*t25 - t4*t27
+    t33 = T34 - p_d6*T33
+    t34 = t33*t33
+    t35 = sqrt(t34 + t31*t31)
+    t36 = absolute(t31)
+    t37 = absolute(t33)
+    t38 = 1.0 - less(t17, t37)
+    t39 = t38 - t38*less(t17, t36)
+    t40 = cos(near2)
+    t41 = select(t39, t40, t33/t35)
+    t42 = T23*t24 + T13*t28
+    t43 = sin(near2)
+    t44 = select(t39, t43, t31/t35)
+    t45 = t41*t42 - T33*t44
+    t46 = absolute(t45)
+    t47 = T13*t24 - T23*t28
+    t48 = absolute(t47)
+    t49 = 1.0 - less(1e-12, t48)
+    t50 = t49 - t49*less(1e-12, t46)
+    t51 = maximum(t50, maximum(t21, t39))
+    t52 = (1.0 - t21)*(1.0 - less(1e-11*t6, t7))
+    t53 = t9*t52
+    t54 = maximum(t21, t52)
+    t55 = select(t52 - t53, 2.0, 1.0)
+    t56 = 1.0 - less(0.001, t48)
+    t57 = 0.001*t16
+    t58 = 1.0 - less(t57, t18)
+    t59 = 1.0 - less(t57, t37)
+    t60 = 1.0 - less(1e-14*absolute(100000.0*t5), t8)
+    t61 = t60 - t60*less(1e-11*absolute(100.0*t5), t7)
+    t62 = maximum(t61, t58 - t58*less(t57, t20))
+    t63 = maximum(t56 - t56*less(0.001, t46), maximum(t62, t59 - t59*less(t57, t36)))
+    t64 = maximum(t21, t61)
+    t65 = select(t51, 3.0, t55) + 4.0*t63
+    t66 = t53 - t39*t53
+    t67 = select(t51, 8.0, 4.0*maximum(t50, maximum(t39, t64)))
+    t68 = 1.0 - t50
+    t69 = sqrt(t34 + t32*t32)
+    t70 = absolute(t32)
+    t71 = t38 - t38*less(t17, t70)
+    t72 = select(t71, t40, t33/t69)
+    t73 = select(t71, -t43, t32/t69)
+    t74 = t54 - t71*t54
+    t75 = T23*t25 - T13*t27
+    t76 = t72*t75 - T33*t73
+    t77 = absolute(t76)
+    t78 = T13*t25 + T23*t27
+    t79 = absolute(t78)
+    t80 = 1.0 - less(1e-12, t79)
+    t81 = t80 - t80*less(1e-12, t77)
+    t82 = maximum(t81, maximum(t21, t71))
+    t83 = 1.0 - less(0.001, t79)
+    t84 = maximum(t83 - t83*less(0.001, t77), maximum(t62, t59 - t59*less(t57, t70)))
+    t85 = select(t82, 3.0, t55) + 4.0*t84
+    t86 = select(t82, 8.0, 4.0*maximum(t81, maximum(t71, t64)))
+    t87 = 1.0 - t81
+    t88 = sqrt(t47*t47 + t45*t45)
+    t89 = t45/t88
+    t90 = sin(near4)
+    t91 = select(t50, t90, t47/t88)
+    t92 = t47*t91
+    t93 = t91*(T31*t44 - t41*(T11*t28 + T21*t24))
+    t94 = cos(near4)
+    t95 = select(t50, t94, t89)
+    t96 = T11*t24 - T21*t28
+    t97 = atan2(t44, t41)
+    t98 = t91*(T32*t44 - t41*(T12*t28 + T22*t24))
+    t99 = T12*t24 - T22*t28
+    t100 = atan2(t93 + t96*t95, -(t98 + t99*t95))
+    t101 = select(less(t100, 0.0), 3.141592653589793, -3.141592653589793)
+    t102 = atan2(t91, t95)
+    t103 = t44*t42 + T33*t41
+    t104 = t31*t44 + t33*t41
+    t105 = t32*t73 + t33*t72
+    t106 = atan2(t92 + t45*t95, -t103)
+    t107 = select(less(0.0, t102), 3.141592653589793, -3.141592653589793)
+    t108 = select(less(0.0, t97), 3.141592653589793, -3.141592653589793)
+    t109 = t97 - t108
+    t110 = -t94
+    t111 = select(t50, t110, t89)
+    t112 = atan2(t93 + t111*t96, t98 + t111*t99)
+    t113 = atan2(t92 + t45*t111, t103)
+    t114 = atan2(t91, -t111)
+    t115 = select(less(0.0, t112), 3.141592653589793, -3.141592653589793)
+    t116 = select(less(0.0, t114), 3.141592653589793, -3.141592653589793)
+    t117 = sqrt(t78*t78 + t76*t76)
+    t118 = select(t81, -t90, t78/t117)
+    t119 = t76/t117
+    t120 = select(t81, t110, t119)
+    t121 = t78*t118
+    t122 = select(t81, t94, t119)
+    t123 = t118*(t73*T31 + t72*(t27*T11 - t25*T21))
+    t124 = t25*T11 + t27*T21
+    t125 = atan2(t73, t72)
+    t126 = t118*(t73*T32 + t72*(t27*T12 - t25*T22))
+    t127 = t25*T12 + t27*T22
+    t128 = t73*t75 + T33*t72
+    t129 = atan2(t123 + t124*t120, -(t126 + t127*t120))
+    t130 = atan2(t123 + t122*t124, t126 + t122*t127)
+    t131 = select(less(t129, 0.0), 3.141592653589793, -3.141592653589793)
+    t132 = atan2(t118, -t120)
+    t133 = atan2(t121 + t76*t122, t128)
+    t134 = atan2(t121 + t76*t120, -t128)
+    t135 = atan2(t118, t122)
+    t136 = select(less(t132, 0.0), 3.141592653589793, -3.141592653589793)
+    t137 = select(less(t125, 0.0), 3.141592653589793, -3.141592653589793)
+    t138 = t125 + t137
+    t139 = select(less(0.0, t130), 3.141592653589793, -3.141592653589793)
+    t140 = select(less(t135, 0.0), 3.141592653589793, -3.141592653589793)
+    return (
+        -t30, -t125, t105, -t135, -t133, t130, -t30, -t125, t105, -(t135 + t140), t133, t130 - t139, -t30,
+        -t138, -t105, -t132, -t134, -t129, -t30, -t138, -t105, -(t132 + t136), t134, -(t129 + t131), t29, t97,
+        t104, t114, -t113, t112, t29, t97, t104, t114 - t116, t113, t112 - t115, t29, t109, -t104, t102, -t106,
+        -t100, t29, t109, -t104, t102 - t107, t106, -(t100 + t101), select(t54, t85, t86),
+        select(t54*t87, t85, t86), select(t74, t85, t86), select(t87*t74, t85, t86), select(t53, t65, t67),
+        select(t53*t68, t65, t67), select(t66, t65, t67), select(t68*t66, t65, t67),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_d2, p_d6 = p
+    t1 = p_d6*p_d6
+    t2 = p_d2*p_d2
+    return (
+        p_d6, p_d2, t1, t2,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_d6, p_d2, k3, k4 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t3 = c4*s5
+    c2 = cos(q2)
+    s2 = sin(q2)
+    c5 = cos(q5)
+    t4 = c2*t3 + s2*c5
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t5 = s4*s5
+    s1 = sin(q1)
+    t6 = s1*t5 - c1*t4
+    t7 = c1*t5 + s1*t4
+    t8 = p_d6*t6
+    t9 = s2*q3
+    t10 = c1*t9
+    t11 = s1*t9
+    t12 = p_d2*s1 - t10 + t8
+    t13 = sqrt(k4 + (k3 + (T14*T14 + (T24*T24 + T34*T34))))
+    t14 = select(less(0.0, t13), t13, 1.0)
+    t15 = (t12 + T14)/t14
+    t16 = p_d6*t7
+    t17 = p_d2*c1 + t11 + t16
+    t18 = (t17 - T24)/t14
+    t19 = c2*c5 - s2*t3
+    t20 = p_d6*t19
+    t21 = c2*q3 + t20
+    t22 = (t21 - T34)/t14
+    s6 = sin(q6)
+    t23 = c5*s6
+    t24 = s5*s6
+    t25 = p_d6*s5
+    c6 = cos(q6)
+    t26 = c4*t23 + s4*c6
+    t27 = s4*t23 - c4*c6
+    t28 = c2*t24 + s2*t26
+    t29 = c2*t26 - s2*t24
+    t30 = c1*t27 + s1*t29
+    t31 = s1*t27 - c1*t29
+    t32 = t28*t7 + t30*t19
+    t33 = t32 + T11
+    t34 = t28*t6 + t31*t19
+    t35 = t34 + T21
+    t36 = t31*t7 - t30*t6
+    t37 = t36 - T31
+    t38 = t15*t15 + t18*t18 + t22*t22 + t33*t33 + t35*t35 + t37*t37
+    t39 = t31 - T12
+    t40 = t30 + T22
+    t41 = t28 - T32
+    t42 = t6 + T13
+    t43 = t7 - T23
+    t44 = t38 + t39*t39 + t40*t40 + t41*t41 + t42*t42 + t43*t43
+    t45 = t19 - T33
+    t46 = sqrt(t44 + t45*t45) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t47 = t46 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t48 = t47 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t49 = maximum(0.0, t48 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    t50 = c1*c4 - s4*(s1*c2)
+    t51 = s2*s4
+    t52 = 1.0/t14
+    t53 = (t50*t20 - t51*t16)*t52
+    t54 = t17*t52
+    t55 = t12*t52
+    t56 = (s1*(t11 + t16) + c1*(t10 - t8))*t52
+    t57 = s1*c4 + s4*(c1*c2)
+    t58 = (t57*t20 - t51*t8)*t52
+    t59 = (t57*t16 - t50*t8)*t52
+    t60 = t53*t53 + t58*t58 + t59*t59 + 2.0*(t57*t57 + t50*t50 + t51*t51)
+    t61 = t54*t53 + t55*t58 - 2.0*t51
+    t62 = damping1 + (2.0 + (t54*t54 + t55*t55))
+    t63 = t61/t62
+    t64 = c1*t21*t52
+    t65 = s1*t21*t52
+    t66 = t54*t64 + t55*t65
+    t67 = t64*t53 + t65*t58 + t56*t59 + 2.0*(s1*t57 + c1*t50) - t66*t63
+    t68 = t66/t62
+    t69 = damping1 + (t64*t64 + t65*t65 + t56*t56 + 2.0*(s1*s1 + c1*c1))
+    t70 = t69 - t66*t68
+    t71 = t67/t70
+    t72 = c1*s2
+    t73 = s1*s2
+    t74 = t72*t54 + t73*t55
+    t75 = t74/t62
+    t76 = t72*t64 + t73*t65 - c2*t56 - t66*t75
+    t77 = t72*t53 + t73*t58 - c2*t59 - t74*t63 - t76*t71
+    t78 = t76/t70
+    t79 = t72*t72 + t73*t73 + c2*c2
+    t80 = damping1 + t79 - t74*t75 - t76*t78
+    t81 = t77/t80
+    t82 = t57*t25*t52
+    t83 = t50*t25*t52
+    t84 = t51*t25*t52
+    t85 = t54*t82 - t55*t83 + 2.0*c2
+    t86 = t85/t62
+    t87 = t64*t82 - t65*t83 + t56*t84 + 2.0*(s1*t72 - c1*t73) - t66*t86
+    t88 = t87/t70
+    t89 = t72*t82 - t73*t83 - c2*t84 - t74*t86 - t76*t88
+    t90 = t82*t53 - t83*t58 + t84*t59 + 2.0*(t72*t57 - t73*t50 - c2*t51)
+    t91 = t90 - t85*t63 - t87*t71 - t89*t81
+    t92 = t89/t80
+    t93 = damping1 + (t82*t82 + t83*t83 + t84*t84 + 2.0*t79) - t85*t86
+    t94 = t93 - t87*t88 - t89*t92
+    t95 = t91/t94
+    t96 = damping1 + t60 - t61*t63 - t67*t71 - t77*t81 - t91*t95
+    t97 = 2.0*t19
+    t98 = t97/t62
+    t99 = 2.0*(s1*t6 + c1*t7) + t66*t98
+    t100 = t99/t70
+    t101 = t74*t98 - t76*t100
+    t102 = t101/t80
+    t103 = 2.0*(t72*t6 - t73*t7 - c2*t19) + t85*t98 - t87*t100 - t89*t102
+    t104 = t103/t94
+    t105 = 2.0*(t57*t6 + t50*t7 + t51*t19) + t61*t98 - t67*t100 - t77*t102
+    t106 = t105 - t91*t104
+    t107 = t106/t96
+    t108 = t19*T23 - t7*T33 + (t36*T21 + t34*T31 + (t28*T22 + t30*T32))
+    t109 = t6*T33 + t19*T13 + (t32*T31 + t36*T11 - (t31*T32 - t28*T12))
+    t110 = t7*T13 + t6*T23 - (t34*T11 - t32*T21 + (t30*T12 + t31*T22))
+    t111 = t110 + t15*t54 - t18*t55
+    t112 = t72*t108 - t73*t109 + c2*t110 + t15*t82 + t18*t83 + t22*t84
+    t113 = t57*t108 + t50*t109 - t51*t110 + t15*t53 - t18*t58 + t22*t59
+    t114 = damping1 + 2.0*(t6*t6 + t7*t7 + t19*t19) - t97*t98 - t99*t100
+    t115 = s1*t108 + c1*t109 + t15*t64 - t18*t65 + t22*t56 - t111*t68
+    t116 = t72*t15 - t73*t18 - c2*t22 - t111*t75 - t78*t115
+    t117 = t112 - t111*t86 - t88*t115 - t92*t116
+    t118 = t113 - t111*t63 - t71*t115 - t81*t116 - t95*t117
+    t119 = t6*t108 + t7*t109 - t19*t110 + t111*t98 - t100*t115 - t102*t116
+    t120 = (t119 - t104*t117 - t107*t118)/(t114 - t101*t102 - t103*t104 - t106*t107)
+    t121 = t118/t96 - t107*t120
+    t122 = t117/t94 - t95*t121 - t104*t120
+    t123 = t116/t80 - t92*t122 - t81*t121 - t102*t120
+    t124 = t115/t70 - t78*t123 - t88*t122 - t71*t121 - t100*t120
+    t125 = t111/t62 - t68*t124 - t75*t123 - t86*t122 - t63*t121 + t98*t120
+    return (
+        q1 - t125, q2 + t124, q3 + t14*t123, q4 - t122, q5 + t121, q6 + t120, t49,
     )
 
 
@@ -565,3 +907,48 @@ analytic_jacobian_zyz = _function(
         0, 1,
     ),
 )
+
+
+def _inverse():
+    """A function for each branch of inverse kinematics."""
+    T = casadi.SX.sym("T", 4, 4)
+    inputs, names = [T], ["T"]
+    entries = [[T[i, j] for i in range(4) for j in range(4)]]
+    entries.append([casadi.SX(0)] * DOF)
+    params = casadi.SX.sym("params", len(PARAMETERS))
+    inputs, names = [*inputs, params], [*names, "params"]
+    needs = (
+        0, 1,
+    )
+    constants = _inverse_kinematics_constants(_OPERATORS, [params[i] for i in needs])
+    needs = (
+        0, 1,
+    )
+    step_constants = _inverse_kinematics_step_constants(_OPERATORS, [params[i] for i in needs])
+    values = _inverse_kinematics(_OPERATORS, constants, *entries)
+    joints, codes = values[: DOF * 8], values[DOF * 8 :]
+    at = casadi.SX.sym("at", DOF)
+    stepped = _inverse_kinematics_step(_OPERATORS, step_constants, casadi.vertsplit(at), entries[0], [1e-12])
+    step = casadi.Function("step", [at, *inputs], [casadi.vertcat(*stepped)])
+    functions = []
+    for branch, code in enumerate(codes):
+        own = casadi.vertcat(*joints[DOF * branch : DOF * branch + DOF])
+        q, status = _checked(own, code, casadi.vertcat(*entries[0][:12]), lambda at: step(at, *inputs))
+        name = f"inverse_kinematics_{branch + 1}"
+        functions.append(casadi.Function(name, inputs, [q, status], names, ["q", "status"]))
+    return tuple(functions)
+
+
+def _checked(q, code, pose, step):
+    """A branch and what it is; one in doubt after two steps of Newton's method, and none if its pose is another then."""
+    ahead, mended = step(q), q
+    for _ in range(2):
+        found = step(ahead[:DOF])
+        better = found[DOF] < ahead[DOF]
+        mended, ahead = casadi.if_else(better, ahead[:DOF], mended), casadi.if_else(better, found, ahead)
+    status = casadi.if_else(code < 4, code, casadi.if_else((ahead[DOF] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0))
+    status = casadi.if_else(casadi.norm_1(pose) <= 1e30, status, 0)
+    return casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(DOF, 1)), status
+
+
+inverse_kinematics = _inverse()

@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -1058,4 +1088,789 @@ void thumb_analytic_jacobian_zyz_batch(size_t count, const double *restrict q, c
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(30, result_block, analytic_jacobian_zyz_lanes, result + 30 * start, rows);
     }
+}
+
+/* inverse_kinematics */
+
+static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI1;
+    k[1] = p_lI2;
+    k[2] = p_lI3;
+    k[3] = p_lI1*p_lI1;
+    k[4] = p_lI2*p_lI2;
+    k[5] = p_lI3*p_lI3;
+}
+
+void thumb_inverse_kinematics_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    const double t1 = 2.0*p_lI2;
+    const double t2 = p_lI1*p_lI1;
+    const double t3 = p_lI2*p_lI2;
+    const double t4 = 0.0 < fabs(p_lI1);
+    const double t5 = 1.0 - t4;
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = t1;
+    k[3] = p_lI1;
+    k[4] = t2 - t3;
+    k[5] = p_lI3*p_lI3 + (t2 + t3);
+    k[6] = t4;
+    k[7] = t5;
+    inverse_kinematics_step_constants(params, k + 8);
+}
+
+KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q4 + q5;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double damping1 = damping[0];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double t1 = s1*c3;
+    const double t2 = c2*s3;
+    const double t3 = t1 + c1*t2;
+    const double t4 = c1*c3;
+    const double t5 = t4 - s1*t2;
+    const double t6 = c3*sa5;
+    const double t7 = c2*ca5 - s2*t6;
+    const double t8 = s2*s3;
+    const double t9 = s3*sa5;
+    const double t10 = c2*t6 + s2*ca5;
+    const double t11 = c1*t9 + s1*t10;
+    const double t12 = s1*t9 - c1*t10;
+    const double t13 = t7*t5 - t8*t11;
+    const double t14 = t7*t3 - t8*t12;
+    const double t15 = t3*T13 - t5*T23 - (t13*T11 + t14*T21 + (t12*T12 - t11*T22));
+    const double t16 = k3*ca5;
+    const double t17 = k2*c4 + t16;
+    const double t18 = k3*sa5;
+    const double t19 = k1 + c3*t17;
+    const double t20 = k2*s4 + t18;
+    const double t21 = c2*t19 - s2*t20;
+    const double t22 = s3*t17;
+    const double t23 = s1*t21 + c1*t22;
+    const double t24 = sqrt(k4 + (k5 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))));
+    const double t25 = (0.0 < t24) ? t24 : 1.0;
+    const double t26 = (t23 + T14)/t25;
+    const double t27 = c1*t21 - s1*t22;
+    const double t28 = 1.0/t25;
+    const double t29 = t23*t28;
+    const double t30 = t21*t28;
+    const double t31 = t27*t28;
+    const double t32 = (t27 - T24)/t25;
+    const double t33 = t15 - t26*t31 + t32*t29;
+    const double t34 = damping1 + (2.0 + (t31*t31 + t29*t29));
+    const double t35 = s2*t19 + c2*t20;
+    const double t36 = s1*t35*t28;
+    const double t37 = c1*t35*t28;
+    const double t38 = (t35 + T34)/t25;
+    const double t39 = t31*t36 - t29*t37;
+    const double t40 = t39/t34;
+    const double t41 = t3 + T23;
+    const double t42 = t11*t3 - t12*t5;
+    const double t43 = t13 - T21;
+    const double t44 = t8*T23 + t3*T33 - (t42*T21 + t13*T31 + (t7*T22 + t12*T32));
+    const double t45 = t12 - T22;
+    const double t46 = t5 + T13;
+    const double t47 = t14 + T11;
+    const double t48 = t42 + T31;
+    const double t49 = t11 - T12;
+    const double t50 = t5*T33 + t8*T13 + (t14*T31 - t42*T11 - (t11*T32 + t7*T12));
+    const double t51 = t7 + T32;
+    const double t52 = c1*t44 - s1*t50 + t26*t36 + t32*t37 - t38*t30 + t33*t40;
+    const double t53 = damping1 + (t36*t36 + t37*t37 + t30*t30 + 2.0*(c1*c1 + s1*s1));
+    const double t54 = t53 - t39*t40;
+    const double t55 = s1*c2;
+    const double t56 = t4 - s3*t55;
+    const double t57 = t56*t17*t28;
+    const double t58 = c1*c2;
+    const double t59 = t1 + s3*t58;
+    const double t60 = s2*c3;
+    const double t61 = t59*t17*t28;
+    const double t62 = t8*t17*t28;
+    const double t63 = s1*s2;
+    const double t64 = c1*s2;
+    const double t65 = t31*t57 + t29*t61 + 2.0*c2;
+    const double t66 = t65/t34;
+    const double t67 = t36*t57 - t37*t61 + t30*t62 - 2.0*(c1*t63 - s1*t64) - t39*t66;
+    const double t68 = t67/t54;
+    const double t69 = t56*t44 - t59*t50 + t8*t15;
+    const double t70 = t63*t44 + t64*t50 + c2*t15 - t26*t57 + t32*t61 + t38*t62;
+    const double t71 = t70 - t33*t66 + t68*t52;
+    const double t72 = t57*t57 + t61*t61 + t62*t62 + 2.0*(t63*t63 + t64*t64 + c2*c2);
+    const double t73 = damping1 + t72 - t65*t66 - t67*t68;
+    const double t74 = c3*t55 + c1*s3;
+    const double t75 = c3*t58 - s1*s3;
+    const double t76 = 2.0*(c1*t56 + s1*t59);
+    const double t77 = (t74*t20 + t63*t17)*t28;
+    const double t78 = (t75*t20 + t64*t17)*t28;
+    const double t79 = (t60*t20 - c2*t17)*t28;
+    const double t80 = (t74*t18 + t63*t16)*t28;
+    const double t81 = (t75*t18 + t64*t16)*t28;
+    const double t82 = 2.0*(t63*t56 - t64*t59 + c2*t8);
+    const double t83 = (t60*t18 - c2*t16)*t28;
+    const double t84 = 2.0*t8;
+    const double t85 = t31*t77 - t29*t78 - t84;
+    const double t86 = t84 - (t31*t80 - t29*t81);
+    const double t87 = t85/t34;
+    const double t88 = t86/t34;
+    const double t89 = t36*t77 + t37*t78 - t30*t79 + t76 - t39*t87;
+    const double t90 = t76 + (t36*t80 + t37*t81 - t30*t83) + t39*t88;
+    const double t91 = t89/t54;
+    const double t92 = t90/t54;
+    const double t93 = t57*t77 - t61*t78 - t62*t79 - t82 - t65*t87 - t67*t91;
+    const double t94 = t82 - (t57*t80 - t61*t81 - t62*t83) - t65*t88 + t67*t92;
+    const double t95 = t93/t73;
+    const double t96 = t94/t73;
+    const double t97 = t69 + t26*t77 + t32*t78 + t38*t79 + t33*t87 - t91*t52;
+    const double t98 = t97 + t95*t71;
+    const double t99 = 2.0*(t56*t56 + t59*t59 + t8*t8);
+    const double t100 = t8 - T33;
+    const double t101 = damping1 + (t77*t77 + t78*t78 + t79*t79 + t99) - t85*t87;
+    const double t102 = t99 + (t77*t80 + t78*t81 + t79*t83) + t85*t88 - t89*t92;
+    const double t103 = t101 - t89*t91 - t93*t95;
+    const double t104 = t102 + t93*t96;
+    const double t105 = t104/t103;
+    const double t106 = t69 + t26*t80 + t32*t81 + t38*t83 - t33*t88 - t92*t52;
+    const double t107 = damping1 + (t99 + (t80*t80 + t81*t81 + t83*t83)) - t86*t88;
+    const double t108 = (t106 - t96*t71 - t105*t98)/(t107 - t90*t92 - t94*t96 - t104*t105);
+    const double t109 = t98/t103 - t105*t108;
+    const double t110 = t71/t73 + t95*t109 - t96*t108;
+    const double t111 = t52/t54 + t68*t110 - t91*t109 - t92*t108;
+    const double t112 = q1 + (t33/t34 + t40*t111 - t66*t110 + t87*t109 - t88*t108);
+    const double t113 = t26*t26 + t32*t32 + t38*t38 + t47*t47 + t43*t43 + t48*t48;
+    const double t114 = t113 + t49*t49 + t45*t45 + t51*t51 + t46*t46 + t41*t41;
+    const double t115 = sqrt(t114 + t100*t100) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
+    const double t116 = t115 - fabs(T11*T12 + T21*T22 + T31*T32) - fabs(T11*T13 + T21*T23 + T31*T33);
+    const double t117 = t116 - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32)) - fabs(T12*T13 + T22*T23 + T32*T33);
+    const double t118 = maximum(0.0, t117 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
+    result[0] = t112;
+    result[lanes] = q2 + t111;
+    result[2 * lanes] = q3 + t110;
+    result[3 * lanes] = q4 + t109;
+    result[4 * lanes] = q5 + t108;
+    result[5 * lanes] = t118;
+}
+
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+{
+    const double near1 = near[0];
+    const double near2 = near[lanes];
+    const double near3 = near[2 * lanes];
+    const double near5 = near[4 * lanes];
+    angles[0] = near5;
+    angles[lanes] = near1;
+    angles[2 * lanes] = near2;
+    angles[3 * lanes] = near3;
+}
+
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double T11 = T[0];
+    const double T12 = T[lanes];
+    const double T13 = T[2 * lanes];
+    const double T14 = T[3 * lanes];
+    const double T21 = T[4 * lanes];
+    const double T22 = T[5 * lanes];
+    const double T23 = T[6 * lanes];
+    const double T24 = T[7 * lanes];
+    const double T31 = T[8 * lanes];
+    const double T32 = T[9 * lanes];
+    const double T33 = T[10 * lanes];
+    const double T34 = T[11 * lanes];
+    const double sa1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double sa4 = sines[3 * lanes];
+    const double ca1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double ca4 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double t1 = T24 - k1*T21;
+    const double t2 = T34 - k1*T31;
+    const double t3 = T14 - k1*T11;
+    const double t4 = k3*(T11*t3 + (T21*t1 + T31*t2));
+    const double t5 = k3*(t2*T32 + (t1*T22 + t3*T12));
+    const double t6 = t4*t4 + t5*t5;
+    const double t7 = t2*t2 + (t3*t3 - (k5 - t1*t1));
+    const double t8 = t6 - t7*t7;
+    const double t9 = t7/t6;
+    const double t10 = fabs(t6);
+    const double t11 = 1e-14*t10 < t8;
+    const double t12 = (t11 > 0.0 ? sqrt(maximum(0.0, t8)) : 0.0)/t6;
+    const double t13 = t5*t12;
+    const double t14 = t4*t12;
+    const double t15 = t4*t9;
+    const double t16 = fabs(t4);
+    const double t17 = t5*t9;
+    const double t18 = fabs(t5);
+    const double t19 = sqrt(T34*T34 + (T24*T24 + (k6 + T14*T14)));
+    const double t20 = 1e-12*t19;
+    const double t21 = t19*t20;
+    const double t22 = 1.0 - (t21 < t16);
+    const double t23 = t22 - t22*(t21 < t18);
+    const double t24 = t23 > 0.0 ? ca1 : t15 + t13;
+    const double t25 = t23 > 0.0 ? -ca1 : t15 - t13;
+    const double t26 = t23 > 0.0 ? sa1 : t14 + t17;
+    const double t27 = t23 > 0.0 ? sa1 : t14 - t17;
+    const double t28 = arctangent(t26, t25);
+    const double t29 = arctangent(t27, t24);
+    const double t30 = t3 - k2*(T11*t25 + T12*t26);
+    const double t31 = t1 - k2*(T21*t25 + T22*t26);
+    const double t32 = sqrt(t30*t30 + t31*t31);
+    const double t33 = fabs(t30);
+    const double t34 = 1.0 - (t20 < t33);
+    const double t35 = fabs(t31);
+    const double t36 = t34 - t34*(t20 < t35);
+    const double t37 = -ca2;
+    const double t38 = t36 > 0.0 ? t37 : t31/t32;
+    const double t39 = t36 > 0.0 ? sa2 : t30/t32;
+    const double t40 = (t31*t38 + t30*t39)/k4;
+    const double t41 = (t2 - k2*(T31*t25 + T32*t26))/k4;
+    const double t42 = 1.5 - 0.5*(t40*t40 + t41*t41);
+    const double t43 = t40*t42;
+    const double t44 = k7 > 0.0 ? -t41*t42 : sa3;
+    const double t45 = t39*t44;
+    const double t46 = t38*t44;
+    const double t47 = T11*t45 + T21*t46;
+    const double t48 = k7 > 0.0 ? t43 : ca3;
+    const double t49 = k7 > 0.0 ? -t43 : ca3;
+    const double t50 = t47 + T31*t48;
+    const double t51 = T12*t45 + T22*t46;
+    const double t52 = t51 + T32*t48;
+    const double t53 = t26*t26 + t25*t25;
+    const double t54 = (t26*t50 - t25*t52)/t53;
+    const double t55 = (t26*t52 + t25*t50)/t53;
+    const double t56 = 1.5 - 0.5*(t54*t54 + t55*t55);
+    const double t57 = t54*t56;
+    const double t58 = t55*t56;
+    const double t59 = T23*t39 - T13*t38;
+    const double t60 = (t2*T33 + (t3*T13 + t1*T23))/k4;
+    const double t61 = t60*t60;
+    const double t62 = 1.5 - 0.5*(t61 + t59*t59);
+    const double t63 = t59*t62;
+    const double t64 = k7 > 0.0 ? t63 : ca4;
+    const double t65 = k7 > 0.0 ? -t63 : ca4;
+    const double t66 = t39*t48;
+    const double t67 = k7 > 0.0 ? -t60*t62 : sa4;
+    const double t68 = t38*t67;
+    const double t69 = t68 - t64*t66;
+    const double t70 = t57*t69 - t45*t58;
+    const double t71 = t45*t57 + t58*t69;
+    const double t72 = t25*t70 - t26*t71;
+    const double t73 = t38*t48;
+    const double t74 = t39*t67;
+    const double t75 = t74 + t64*t73;
+    const double t76 = t46*t57 - t58*t75;
+    const double t77 = t57*t75 + t46*t58;
+    const double t78 = t26*t76 + t25*t77;
+    const double t79 = maximum(fabs(k1*t72 + (k2*t70 + (T14 - k4*t66))), fabs(k2*t77 + (k1*t78 - (T24 - k4*t73))));
+    const double t80 = t44*t64;
+    const double t81 = t48*t58 - t57*t80;
+    const double t82 = t48*t57 + t58*t80;
+    const double t83 = t25*t81 + t26*t82;
+    const double t84 = maximum(fabs(T31 - t83), maximum(fabs(T11 + t72), fabs(T21 - t78)));
+    const double t85 = maximum(fabs(t26*t77 - (T22 + t25*t76)), maximum(fabs(t26*t70 + (T12 + t25*t71)), t84));
+    const double t86 = T34 + k4*t44;
+    const double t87 = 1e-07*t19;
+    const double t88 = maximum(fabs(t67*t66 + (T13 + t38*t64)), maximum(fabs(t26*t81 - (T32 + t25*t82)), t85));
+    const double t89 = fabs(T33 - t44*t67);
+    const double t90 = maximum(t89, maximum(fabs(t67*t73 + (T23 - t39*t64)), t88));
+    const double t91 = fabs(t39*t39 - (1.0 - t38*t38));
+    const double t92 = 1.0 - t44*t44;
+    const double t93 = t44*t65;
+    const double t94 = 1.0 - t67*t67;
+    const double t95 = maximum(fabs(t94 - t64*t64), maximum(fabs(t92 - t48*t48), maximum(t91, t90)));
+    const double t96 = fabs(1.0 - t53);
+    const double t97 = maximum(t96, maximum(fabs(t58*t58 - (1.0 - t57*t57)), t95));
+    const double t98 = (1.0 - t23)*(1.0 - (t8 < -1e-11*t10));
+    const double t99 = t11*t98;
+    const double t100 = (maximum(fabs(k1*t83 - (t86 - k2*t81)), t79) < t87)*((t97 < 1e-07)*(t99*(1.0 - t36)));
+    const double t101 = maximum(t23, maximum(k8, maximum(k8, t36)));
+    const double t102 = t98 - t99 > 0.0 ? 2.0 : 1.0;
+    const double t103 = maximum(t23, t98);
+    const double t104 = 0.001*t19;
+    const double t105 = 1.0 - (t104 < t33);
+    const double t106 = t19*t104;
+    const double t107 = 1.0 - (t106 < t16);
+    const double t108 = 1.0 - (1e-14*fabs(100000.0*t6) < t8);
+    const double t109 = t108 - t108*(t8 < -1e-11*fabs(100.0*t6));
+    const double t110 = maximum(t109, t107 - t107*(t106 < t18));
+    const double t111 = maximum(k8, maximum(k8, maximum(t110, t105 - t105*(t104 < t35))));
+    const double t112 = maximum(t23, t109);
+    const double t113 = (t101 > 0.0 ? 3.0 : t102) + 4.0*t111;
+    const double t114 = t101 > 0.0 ? 8.0 : 4.0*maximum(k8, maximum(k8, maximum(t36, t112)));
+    const double t115 = t47 - T31*t49;
+    const double t116 = t51 - T32*t49;
+    const double t117 = (t26*t115 - t25*t116)/t53;
+    const double t118 = (t26*t116 + t25*t115)/t53;
+    const double t119 = 1.5 - 0.5*(t117*t117 + t118*t118);
+    const double t120 = t117*t119;
+    const double t121 = t118*t119;
+    const double t122 = t39*t49;
+    const double t123 = t68 - t65*t122;
+    const double t124 = t45*t120 + t121*t123;
+    const double t125 = t120*t123 - t45*t121;
+    const double t126 = t26*t124 - t25*t125;
+    const double t127 = t38*t49;
+    const double t128 = t74 + t65*t127;
+    const double t129 = t46*t120 - t121*t128;
+    const double t130 = t120*t128 + t46*t121;
+    const double t131 = t26*t129 + t25*t130;
+    const double t132 = maximum(fabs(k2*t125 - (k1*t126 - (T14 + k4*t122))), fabs(k2*t130 + (k1*t131 - (T24 + k4*t127))));
+    const double t133 = t49*t120 + t121*t93;
+    const double t134 = t49*t121 - t120*t93;
+    const double t135 = t26*t133 + t25*t134;
+    const double t136 = maximum(fabs(T31 + t135), maximum(fabs(T11 - t126), fabs(T21 - t131)));
+    const double t137 = maximum(fabs(t26*t130 - (T22 + t25*t129)), maximum(fabs(t26*t125 + (T12 + t25*t124)), t136));
+    const double t138 = maximum(fabs(t67*t122 - (T13 - t38*t65)), maximum(fabs(t26*t134 + (T32 - t25*t133)), t137));
+    const double t139 = arctangent(t39, -t38);
+    const double t140 = maximum(t89, maximum(fabs(t67*t127 - (T23 + t39*t65)), t138));
+    const double t141 = maximum(fabs(t94 - t65*t65), maximum(fabs(t92 - t49*t49), maximum(t91, t140)));
+    const double t142 = maximum(t96, maximum(fabs(t121*t121 - (1.0 - t120*t120)), t141));
+    const double t143 = (maximum(fabs(k2*t134 + (t86 + k1*t135)), t132) < t87)*(t99*(t142 < 1e-07));
+    const double t144 = t3 - k2*(T11*t24 - T12*t27);
+    const double t145 = t1 - k2*(T21*t24 - T22*t27);
+    const double t146 = sqrt(t144*t144 + t145*t145);
+    const double t147 = fabs(t144);
+    const double t148 = 1.0 - (t20 < t147);
+    const double t149 = 1.0 - (t104 < t147);
+    const double t150 = fabs(t145);
+    const double t151 = t148 - t148*(t20 < t150);
+    const double t152 = t151 > 0.0 ? t37 : t145/t146;
+    const double t153 = t151 > 0.0 ? sa2 : t144/t146;
+    const double t154 = (t145*t152 + t144*t153)/k4;
+    const double t155 = maximum(k8, maximum(t110, t149 - t149*(t104 < t150)));
+    const double t156 = (t2 - k2*(T31*t24 - T32*t27))/k4;
+    const double t157 = 1.5 - 0.5*(t154*t154 + t156*t156);
+    const double t158 = k7 > 0.0 ? -t156*t157 : sa3;
+    const double t159 = t154*t157;
+    const double t160 = t153*t158;
+    const double t161 = t152*t158;
+    const double t162 = T11*t160 + T21*t161;
+    const double t163 = k7 > 0.0 ? t159 : ca3;
+    const double t164 = k7 > 0.0 ? -t159 : ca3;
+    const double t165 = t162 + T31*t163;
+    const double t166 = T12*t160 + T22*t161;
+    const double t167 = t166 + T32*t163;
+    const double t168 = t27*t27 + t24*t24;
+    const double t169 = (t27*t165 + t24*t167)/t168;
+    const double t170 = (t27*t167 - t24*t165)/t168;
+    const double t171 = 1.5 - 0.5*(t169*t169 + t170*t170);
+    const double t172 = t169*t171;
+    const double t173 = t170*t171;
+    const double t174 = t153*T23 - t152*T13;
+    const double t175 = 1.5 - 0.5*(t61 + t174*t174);
+    const double t176 = t174*t175;
+    const double t177 = k7 > 0.0 ? -t60*t175 : sa4;
+    const double t178 = k7 > 0.0 ? t176 : ca4;
+    const double t179 = k7 > 0.0 ? -t176 : ca4;
+    const double t180 = t153*t163;
+    const double t181 = t152*t177;
+    const double t182 = t181 - t178*t180;
+    const double t183 = t172*t182 - t160*t173;
+    const double t184 = t160*t172 + t173*t182;
+    const double t185 = t24*t183 + t27*t184;
+    const double t186 = t152*t163;
+    const double t187 = t153*t177;
+    const double t188 = t187 + t178*t186;
+    const double t189 = t161*t172 - t173*t188;
+    const double t190 = t172*t188 + t161*t173;
+    const double t191 = t27*t189 - t24*t190;
+    const double t192 = maximum(fabs(k1*t185 + (k2*t183 - (T14 - k4*t180))), fabs(k1*t191 - (k2*t190 + (T24 - k4*t186))));
+    const double t193 = t158*t178;
+    const double t194 = t163*t172 + t173*t193;
+    const double t195 = t163*t173 - t172*t193;
+    const double t196 = t27*t194 - t24*t195;
+    const double t197 = maximum(fabs(T31 - t196), maximum(fabs(T11 - t185), fabs(T21 - t191)));
+    const double t198 = maximum(fabs(t27*t190 - (T22 - t24*t189)), maximum(fabs(t27*t183 + (T12 - t24*t184)), t197));
+    const double t199 = T34 + k4*t158;
+    const double t200 = maximum(fabs(k1*t196 - (t199 + k2*t195)), t192) < t87;
+    const double t201 = maximum(fabs(t177*t180 + (T13 + t152*t178)), maximum(fabs(t27*t195 - (T32 - t24*t194)), t198));
+    const double t202 = fabs(T33 - t158*t177);
+    const double t203 = maximum(t202, maximum(fabs(t177*t186 + (T23 - t153*t178)), t201));
+    const double t204 = fabs(t153*t153 - (1.0 - t152*t152));
+    const double t205 = 1.0 - t158*t158;
+    const double t206 = t158*t179;
+    const double t207 = 1.0 - t177*t177;
+    const double t208 = maximum(fabs(t207 - t178*t178), maximum(fabs(t205 - t163*t163), maximum(t204, t203)));
+    const double t209 = fabs(1.0 - t168);
+    const double t210 = maximum(t209, maximum(fabs(t173*t173 - (1.0 - t172*t172)), t208));
+    const double t211 = maximum(t23, maximum(k8, maximum(k8, t151)));
+    const double t212 = (t211 > 0.0 ? 3.0 : t102) + 4.0*maximum(k8, t155);
+    const double t213 = t211 > 0.0 ? 8.0 : 4.0*maximum(k8, maximum(k8, maximum(t151, t112)));
+    const double t214 = t200*((t210 < 1e-07)*(t103*(1.0 - t151))) > 0.0 ? t212 : t213;
+    const double t215 = t162 - T31*t164;
+    const double t216 = t166 - T32*t164;
+    const double t217 = (t27*t215 + t24*t216)/t168;
+    const double t218 = (t27*t216 - t24*t215)/t168;
+    const double t219 = 1.5 - 0.5*(t217*t217 + t218*t218);
+    const double t220 = t217*t219;
+    const double t221 = t218*t219;
+    const double t222 = t153*t164;
+    const double t223 = t181 - t179*t222;
+    const double t224 = t160*t220 + t221*t223;
+    const double t225 = t220*t223 - t160*t221;
+    const double t226 = t27*t224 + t24*t225;
+    const double t227 = t152*t164;
+    const double t228 = t187 + t179*t227;
+    const double t229 = t220*t228 + t161*t221;
+    const double t230 = t161*t220 - t221*t228;
+    const double t231 = t24*t229 - t27*t230;
+    const double t232 = maximum(fabs(k2*t225 + (k1*t226 - (T14 + k4*t222))), fabs(k1*t231 + (k2*t229 + (T24 + k4*t227))));
+    const double t233 = t164*t221 - t220*t206;
+    const double t234 = t164*t220 + t221*t206;
+    const double t235 = t24*t233 - t27*t234;
+    const double t236 = maximum(fabs(k1*t235 - (t199 - k2*t233)), t232) < t87;
+    const double t237 = maximum(fabs(T31 - t235), maximum(fabs(T11 - t226), fabs(T21 + t231)));
+    const double t238 = maximum(fabs(t27*t229 - (T22 - t24*t230)), maximum(fabs(t27*t225 + (T12 - t24*t224)), t237));
+    const double t239 = maximum(fabs(t177*t222 - (T13 - t152*t179)), maximum(fabs(t27*t233 + (T32 + t24*t234)), t238));
+    const double t240 = arctangent(t153, -t152);
+    const double t241 = maximum(t202, maximum(fabs(t177*t227 - (T23 + t153*t179)), t239));
+    const double t242 = maximum(fabs(t207 - t179*t179), maximum(fabs(t205 - t164*t164), maximum(t204, t241)));
+    const double t243 = maximum(t209, maximum(fabs(t221*t221 - (1.0 - t220*t220)), t242));
+    const double t244 = (0.0 < t139) ? 3.141592653589793 : -3.141592653589793;
+    const double t245 = (0.0 < t240) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = t240;
+    result[lanes] = arctangent(t158, t164);
+    result[2 * lanes] = arctangent(t177, t179);
+    result[3 * lanes] = -arctangent(t218, t217);
+    result[4 * lanes] = t29;
+    result[5 * lanes] = t240 - t245;
+    result[6 * lanes] = arctangent(t158, t163);
+    result[7 * lanes] = arctangent(t177, t178);
+    result[8 * lanes] = arctangent(t170, -t169);
+    result[9 * lanes] = t29;
+    result[10 * lanes] = t139;
+    result[11 * lanes] = arctangent(t44, t49);
+    result[12 * lanes] = arctangent(t67, t65);
+    result[13 * lanes] = arctangent(t118, -t117);
+    result[14 * lanes] = -t28;
+    result[15 * lanes] = t139 - t244;
+    result[16 * lanes] = arctangent(t44, t48);
+    result[17 * lanes] = arctangent(t67, t64);
+    result[18 * lanes] = -arctangent(t55, t54);
+    result[19 * lanes] = -t28;
+    result[20 * lanes] = t236*(t103*(t243 < 1e-07)) > 0.0 ? t212 : t213;
+    result[21 * lanes] = t214;
+    result[22 * lanes] = t143 > 0.0 ? t113 : t114;
+    result[23 * lanes] = t100 > 0.0 ? t113 : t114;
+}
+
+/* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
+KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes, double *restrict q, int *restrict status)
+{
+    const double *const codes = values + 20 * lanes;
+    int count = 0;
+    for (size_t b = 0; b < 4; ++b)
+        if (codes[b * lanes] >= 4.0)
+            return -1;
+    for (size_t b = 0; b < 4; ++b) {
+        const int code = (int)codes[b * lanes];
+        for (size_t j = 0; j < 5; ++j)
+            q[5 * b + j] = code ? values[(5 * b + j) * lanes] : NAN;
+        if (status)
+            status[b] = code;
+        count += code > 0;
+    }
+    return count;
+}
+
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1};
+
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
+   the first. */
+static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    inverse_kinematics_step_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
+    const double turn = 6.283185307179586;
+    for (size_t j = 0; j < 5; ++j)
+        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+            result[j] -= turn * floor(result[j] / turn + 0.5);
+}
+
+/* A configuration moved to where its pose is reached; returns what is left of the error, lengths relative to the reach.
+   The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does near
+   double roots; what gains less than a tenth in eight steps is given up. */
+static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
+{
+    enum { error = 5 };
+    double ahead[5 + 1], found[5 + 1], damping = 1e-12, fall = 0.1;
+    inverse_kinematics_step(q, T, &damping, k + 8, ahead);
+    double least = ahead[error], before = least;
+    int refused = 0;
+    for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
+        damping *= fall;
+        inverse_kinematics_step(ahead, T, &damping, k + 8, found);
+        if (found[error] < least) {
+            fall = found[error] < 0.1 * least ? 0.02 : 0.5;
+            memcpy(q, ahead, 5 * sizeof *q);
+            memcpy(ahead, found, sizeof found);
+            least = found[error];
+            refused = 0;
+        } else {
+            ++refused;
+            damping = fmax(4.0 * damping / fall, 1e-4);
+            fall = 0.5;
+            inverse_kinematics_step(q, T, &damping, k + 8, ahead);
+        }
+        if (count % 8 == 0) {
+            if (least > 0.9 * before)
+                break;
+            before = least;
+        }
+    }
+    return least;
+}
+
+/* In how many joints two solutions differ. */
+static int inverse_kinematics_apart(const double *restrict T, const double *restrict a, const double *restrict b, double tolerance)
+{
+    const double turn = 6.283185307179586, size = fabs(T[3]) + fabs(T[7]) + fabs(T[11]);
+    int count = 0;
+    for (size_t j = 0; j < 5; ++j) {
+        double apart = fabs(a[j] - b[j]);
+        if (inverse_kinematics_revolute[j])
+            apart = fabs(apart - turn * floor(apart / turn + 0.5));
+        else
+            apart /= fabs(a[j]) + fabs(b[j]) + size + 1e-300;
+        count += !(apart < tolerance);
+    }
+    return count;
+}
+
+/* Branches in doubt, from the values of a pose, led to the pose; what does not get there, or is another one again, is none. Branches
+   whose free joints may be where they are get settled; another posture with these elsewhere is not listed. */
+static void inverse_kinematics_checked(const double *restrict T, const double *restrict k, const double *restrict values, const int *restrict doubts, double *restrict q, int *restrict kinds, int *restrict free, int *restrict settled)
+{
+    const double *const codes = values + 20;
+    for (int exists = 1; exists >= 0; --exists)
+        for (size_t b = 0; b < 4; ++b) {
+            const int code = (int)codes[b], kind = exists ? code % 4 : 3;
+            double *const row = q + 5 * b;
+            if (!doubts[b] || (code % 4 > 0) != exists)
+                continue;
+            for (size_t j = 0; j < 5; ++j)
+                row[j] = isfinite(values[5 * b + j]) ? values[5 * b + j] : 0.0;
+            int fine = inverse_kinematics_refined(T, k, row) <= (kind < 3 ? 1e-07 : 3e-11);
+            for (size_t other = 0; fine && other < 4; ++other) {
+                const double tolerance = kinds[other] == 1 && kind == 1 ? 1e-7 : 3e-5;
+                const int apart = kinds[other] ? inverse_kinematics_apart(T, q + 5 * other, row, tolerance) : 5;
+                if (kinds[other] && apart == 0)
+                    fine = 0;
+                else if (!exists && settled[other] && apart <= 2) /* joints that turn about one axis */
+                    fine = free[b] = 0;
+            }
+            kinds[b] = fine ? kind : 0;
+            settled[b] = fine && exists && kind == 3 && memcmp(row, values + 5 * b, 5 * sizeof *row) == 0;
+        }
+}
+
+static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    inverse_kinematics_angles(near, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
+}
+
+/* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
+static int inverse_kinematics_is_finite(const double *T)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 12; ++i)
+        sum += fabs(T[i]);
+    return sum <= 1e30;
+}
+
+/* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
+   the other joints turned, too, differently in each branch. */
+int thumb_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
+    double start[5], values[24];
+    const double *const codes = values + 20;
+    int kinds[4], doubts[4], free[4], settled[4] = {0}, lacking = 1;
+    if (!inverse_kinematics_is_finite(T)) {
+        for (size_t j = 0; j < 20; ++j)
+            q[j] = NAN;
+        for (size_t b = 0; status && b < 4; ++b)
+            status[b] = 0;
+        return 0;
+    }
+    for (size_t j = 0; j < 5; ++j)
+        start[j] = near ? near[j] : 0.0;
+    inverse_kinematics_values(T, start, k, values);
+    int count = inverse_kinematics_result(values, 1, q, status);
+    if (count >= 0)
+        return count;
+    memcpy(q, values, 20 * sizeof *q);
+    for (size_t b = 0; b < 4; ++b) {
+        doubts[b] = codes[b] >= 4.0;
+        free[b] = codes[b] >= 7.0;
+        kinds[b] = doubts[b] ? 0 : (int)codes[b];
+    }
+    for (size_t i = 0; lacking; ++i) {
+        inverse_kinematics_checked(T, k, values, doubts, q, kinds, free, settled);
+        if (i == sizeof places / sizeof *places)
+            break;
+        lacking = 0;
+        for (size_t b = 0; b < 4; ++b)
+            lacking += doubts[b] = free[b] && !kinds[b];
+        for (size_t j = 0; j < 5; ++j)
+            start[j] = places[i];
+        if (lacking)
+            inverse_kinematics_values(T, start, k, values);
+        for (size_t j = 0; j < 20 && i > 1; ++j)
+            if (inverse_kinematics_revolute[j % 5])
+                values[j] += 1.3 * (double)(i * (j / 5 + 1) * (j % 5 + 2));
+    }
+    count = 0;
+    for (size_t b = 0; b < 4; ++b) {
+        for (size_t j = 0; j < 5 && !kinds[b]; ++j)
+            q[5 * b + j] = NAN;
+        if (status)
+            status[b] = kinds[b];
+        count += kinds[b] > 0;
+    }
+    return count;
+}
+
+enum { inverse_kinematics_lanes = 32 };
+
+static void inverse_kinematics_block(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
+{
+    double angles[4 * inverse_kinematics_lanes], sines[4 * inverse_kinematics_lanes], cosines[4 * inverse_kinematics_lanes];
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
+    sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
+        inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
+}
+
+void thumb_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
+{
+    for (size_t start = 0; start < count; start += inverse_kinematics_lanes) {
+        const size_t rows = count - start < inverse_kinematics_lanes ? count - start : inverse_kinematics_lanes;
+        double T_block[16 * inverse_kinematics_lanes], near_block[5 * inverse_kinematics_lanes], result_block[24 * inverse_kinematics_lanes];
+        load(16, T + 16 * start, rows, T_block, inverse_kinematics_lanes);
+        if (near)
+            load(5, near + 5 * start, rows, near_block, inverse_kinematics_lanes);
+        else
+            memset(near_block, 0, sizeof near_block);
+        inverse_kinematics_block(T_block, near_block, k, result_block);
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t row = start + i;
+            double *const to = q + 20 * row;
+            int *const codes = status ? status + 4 * row : NULL;
+            const int is_certain = inverse_kinematics_result(result_block + i, inverse_kinematics_lanes, to, codes) >= 0;
+            if (!is_certain || !inverse_kinematics_is_finite(T + 16 * row))
+                thumb_inverse_kinematics(T + 16 * row, near ? near + 5 * row : NULL, k, to, codes);
+        }
+    }
+}
+
+/* Each angle by the full turns that bring it nearest to `near` within the limits; the square of the distance, infinite where none does. */
+static double inverse_kinematics_distance(const double *restrict near, double *restrict q)
+{
+    static const double lower[] = {0.0, -0.4363323129985824, 0.0, -0.17453292519943295, -0.26179938779914946}, upper[] = {1.0471975511965979, 0.6108652381980153, 1.0471975511965979, 0.9599310885968813, 1.3962634015954636};
+    const double turn = 6.283185307179586, slack = 1e-9;
+    double distance = 0.0;
+    for (size_t j = 0; j < 5; ++j) {
+        if (inverse_kinematics_revolute[j]) {
+            const double fewest = ceil((lower[j] - slack - q[j]) / turn), most = floor((upper[j] + slack - q[j]) / turn);
+            const double turns = floor((near[j] - q[j]) / turn + 0.5);
+            q[j] += turn * fmin(fmax(turns, fewest), most);
+        }
+        if (!(q[j] >= lower[j] - slack && q[j] <= upper[j] + slack))
+            return INFINITY;
+        distance += (q[j] - near[j]) * (q[j] - near[j]);
+    }
+    return distance;
+}
+
+int thumb_inverse_kinematics_nearest(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q)
+{
+    double solutions[20], least = INFINITY;
+    int status[4], found = 0;
+    thumb_inverse_kinematics(T, near, k, solutions, status);
+    for (size_t j = 0; j < 5; ++j)
+        q[j] = NAN;
+    for (size_t b = 0; b < 4; ++b) {
+        const double distance = status[b] ? inverse_kinematics_distance(near, solutions + 5 * b) : INFINITY;
+        if (distance < least) {
+            least = distance;
+            found = status[b];
+            memcpy(q, solutions + 5 * b, 5 * sizeof *q);
+        }
+    }
+    return found;
 }

@@ -50,6 +50,12 @@ enum {
     thumb_jacobian_dot_constant_count = 3,
     thumb_analytic_jacobian_rpy_constant_count = 3,
     thumb_analytic_jacobian_zyz_constant_count = 3,
+    thumb_inverse_kinematics_constant_count = 14,
+    thumb_branches = 4, /**< Branches of inverse kinematics. */
+    thumb_none = 0, /**< The branch does not exist. */
+    thumb_exact = 1, /**< A solution. */
+    thumb_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
+    thumb_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
 };
 
 /**
@@ -171,6 +177,41 @@ void thumb_analytic_jacobian_zyz_batch(size_t count, const double *q, const doub
 
 /** The constants of thumb_analytic_jacobian_zyz, 3, from the parameters, 3. */
 void thumb_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Joint variables of a pose of the end effector, every branch.
+ *
+ * A reachable pose has up to 2 solutions, and no more.
+ * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
+ *
+ * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
+ * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
+ *                     have no solution with them there, they are elsewhere.
+ * @param[in]  k       14 constants from inverse_kinematics_constants().
+ * @param[out] q       joint variables, 4 x 5: a row for each branch [rad, m], not a number where a branch does not exist.
+ * @param[out] status  what each branch is, 4; may be NULL.
+ * @return the number of solutions.
+ *
+ * Closed form, all branches at once: 366 mul, 258 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 140 cases.
+ * Once per set of parameters: 4 mul, 4 add, 1 cases.
+ */
+int thumb_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
+
+/** The same for `count` poses. */
+void thumb_inverse_kinematics_batch(size_t count, const double *T, const double *near, const double *k, double *q, int *status);
+
+/**
+ * The solution nearest to a configuration, `near`, within the limits of the joints.
+ *
+ * Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least. Given
+ * joints stay as they are in `near`.
+ *
+ * @return what it is; none where no solution is within the limits, and then q is not a number.
+ */
+int thumb_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
+
+/** The constants of thumb_inverse_kinematics, 14, from the parameters, 3. */
+void thumb_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

@@ -44,7 +44,13 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 111, "add": 67, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 76, "add": 29, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 54, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "inverse_kinematics": {"mul": 366, "add": 258, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 140},
 }
+GIVEN = ()
+"""Joints whose variables inverse kinematics is given."""
+
+NONE, EXACT, BOUNDARY, SINGULAR = range(4)
+"""What a branch of inverse kinematics is: it does not exist, it is a solution, it coincides with another, some of its joints are free."""
 
 __all__ = [
     "DOF",
@@ -60,6 +66,13 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "GIVEN",
+    "NONE",
+    "EXACT",
+    "BOUNDARY",
+    "SINGULAR",
+    "inverse_kinematics",
+    "inverse_kinematics_nearest",
     "precompute",
 ]
 
@@ -184,6 +197,55 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
 
 
+def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
+    """Joint variables of a pose of the end effector, every branch.
+
+    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        params: Numbers of the free parameters; see the module's docstring.
+        given: Nothing, since all joints are solved for.
+        out: Where to write the joint variables, if not to a new array.
+        status: Whether to return, too, what each branch is, (..., 4): NONE, EXACT, BOUNDARY or SINGULAR.
+        near: Where joints are that are free at a pose, a configuration (..., 5); by default zero, or elsewhere if the
+            others have no solution with them there.
+
+    Returns:
+        q, (..., 4, 5):
+        a row for each branch [rad, m], not a number where a branch does not exist. Angles are in no particular turn. On the boundary of the
+        workspace branches coincide and one of them is listed.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+
+    Closed form, all branches at once: 366 mul, 258 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 140 cases.
+    Once per set of parameters: 4 mul, 4 add, 1 cases.
+    """
+    return _INVERSE(T, params, given, out, status, near)
+
+
+def inverse_kinematics_nearest(T, q, params=None):
+    """The solution nearest to a configuration, within the limits of the joints.
+
+    Angles are taken by the full turns that bring them nearest; the sum of the squares of the differences is least.
+
+    Args:
+        T: Pose of the end effector in the world frame, (..., 4, 4).
+        q: Where to be near, joint variables [rad, m], (..., 5).
+        params: Numbers of the free parameters; see the module's docstring.
+
+    Returns:
+        q, (..., 5), not a number where no solution is within the limits.
+
+    Raises:
+        ValueError: T is no pose, or of another shape.
+    """
+    q = _POSES.configuration(q)
+    given = q[..., list(_GIVEN_JOINTS)] if _GIVEN_JOINTS else None
+    return _nearest(inverse_kinematics(T, params, given, near=q), q)
+
+
 def precompute(params):
     """Parameters for many calls: checked once, and what a function computes from them alone is computed once.
 
@@ -207,7 +269,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5 = q
     p_lI2, p_lI3, p_lI1 = k
     c4 = cos(q4)
@@ -252,7 +314,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5 = q
     p_lI3, p_lI2, p_lI1 = k
     s2 = sin(q2)
@@ -322,7 +384,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5 = q
     p_lI3, p_lI2, p_lI1 = k
     t1 = q4 + q5
@@ -373,7 +435,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5 = q
     p_lI2, p_lI3, p_lI1 = k
     c3 = cos(q3)
@@ -416,7 +478,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5 = q
     qd1, qd2, qd3, qd4, qd5 = qd
     p_lI3, p_lI2, p_lI1 = k
@@ -498,7 +560,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5 = q
     p_lI2, p_lI3, p_lI1 = k
     c4 = cos(q4)
@@ -564,7 +626,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5 = q
     p_lI3, p_lI2, p_lI1 = k
     t1 = q4 + q5
@@ -609,6 +671,444 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, -t20*t25, t26, 0.0, 0.0,
         0.0, (s1*t13 - c1*t18)*t27, -t22*t27, 0.0, 0.0,
         0.0, t25, -t20*t26, 1.0, 1.0,
+    )
+
+
+def _inverse_kinematics_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    p_lI1, p_lI2, p_lI3 = p
+    t1 = 2.0*p_lI2
+    t2 = p_lI1*p_lI1
+    t3 = p_lI2*p_lI2
+    t4 = t2 - t3
+    t5 = p_lI3*p_lI3 + (t2 + t3)
+    t6 = less(0.0, absolute(p_lI1))
+    t7 = 1.0 - t6
+    return (
+        p_lI3, p_lI2, t1, p_lI1, t4, t5, t6, t7,
+    )
+
+
+def _inverse_kinematics(functions, k, T, near):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    near1, near2, near3, near4, near5 = near
+    p_lI3, p_lI2, k3, p_lI1, k5, k6, k7, k8 = k
+    t8 = T24 - p_lI3*T21
+    t9 = T34 - p_lI3*T31
+    t10 = T14 - p_lI3*T11
+    t11 = k3*(T11*t10 + (T21*t8 + T31*t9))
+    t12 = k3*(t9*T32 + (t8*T22 + t10*T12))
+    t13 = t11*t11 + t12*t12
+    t14 = t9*t9 + (t10*t10 - (k5 - t8*t8))
+    t15 = t13 - t14*t14
+    t16 = t14/t13
+    t17 = absolute(t13)
+    t18 = less(1e-14*t17, t15)
+    t19 = select(t18, sqrt(maximum(0.0, t15)), 0.0)/t13
+    t20 = t12*t19
+    t21 = t11*t19
+    t22 = t11*t16
+    t23 = absolute(t11)
+    t24 = t12*t16
+    t25 = absolute(t12)
+    t26 = sqrt(T34*T34 + (T24*T24 + (k6 + T14*T14)))
+    t27 = 1e-12*t26
+    t28 = t26*t27
+    t29 = 1.0 - less(t28, t23)
+    t30 = t29 - t29*less(t28, t25)
+    t31 = cos(near5)
+    t32 = select(t30, t31, t22 + t20)
+    t33 = select(t30, -t31, t22 - t20)
+    t34 = sin(near5)
+    t35 = select(t30, t34, t21 + t24)
+    t36 = select(t30, t34, t21 - t24)
+    t37 = atan2(t35, t33)
+    t38 = atan2(t36, t32)
+    t39 = t10 - p_lI2*(T11*t33 + T12*t35)
+    t40 = t8 - p_lI2*(T21*t33 + T22*t35)
+    t41 = sqrt(t39*t39 + t40*t40)
+    t42 = absolute(t39)
+    t43 = 1.0 - less(t27, t42)
+    t44 = absolute(t40)
+    t45 = t43 - t43*less(t27, t44)
+    t46 = cos(near1)
+    t47 = -t46
+    t48 = select(t45, t47, t40/t41)
+    t49 = sin(near1)
+    t50 = select(t45, t49, t39/t41)
+    t51 = (t40*t48 + t39*t50)/p_lI1
+    t52 = (t9 - p_lI2*(T31*t33 + T32*t35))/p_lI1
+    t53 = 1.5 - 0.5*(t51*t51 + t52*t52)
+    t54 = t51*t53
+    t55 = sin(near2)
+    t56 = select(k7, -t52*t53, t55)
+    t57 = t50*t56
+    t58 = t48*t56
+    t59 = T11*t57 + T21*t58
+    t60 = cos(near2)
+    t61 = select(k7, t54, t60)
+    t62 = select(k7, -t54, t60)
+    t63 = t59 + T31*t61
+    t64 = T12*t57 + T22*t58
+    t65 = t64 + T32*t61
+    t66 = t35*t35 + t33*t33
+    t67 = (t35*t63 - t33*t65)/t66
+    t68 = (t35*t65 + t33*t63)/t66
+    t69 = 1.5 - 0.5*(t67*t67 + t68*t68)
+    t70 = t67*t69
+    t71 = t68*t69
+    t72 = T23*t50 - T13*t48
+    t73 = (t9*T33 + (t10*T13 + t8*T23))/p_lI1
+    t74 = t73*t73
+    t75 = 1.5 - 0.5*(t74 + t72*t72)
+    t76 = t72*t75
+    t77 = cos(near3)
+    t78 = select(k7, t76, t77)
+    t79 = select(k7, -t76, t77)
+    t80 = t50*t61
+    t81 = sin(near3)
+    t82 = select(k7, -t73*t75, t81)
+    t83 = t48*t82
+    t84 = t83 - t78*t80
+    t85 = t70*t84 - t57*t71
+    t86 = t57*t70 + t71*t84
+    t87 = t33*t85 - t35*t86
+    t88 = absolute(p_lI3*t87 + (p_lI2*t85 + (T14 - p_lI1*t80)))
+    t89 = t48*t61
+    t90 = t50*t82
+    t91 = t90 + t78*t89
+    t92 = t58*t70 - t71*t91
+    t93 = t70*t91 + t58*t71
+    t94 = t35*t92 + t33*t93
+    t95 = absolute(p_lI2*t93 + (p_lI3*t94 - (T24 - p_lI1*t89)))
+    t96 = t56*t78
+    t97 = t61*t71 - t70*t96
+    t98 = t61*t70 + t71*t96
+    t99 = t33*t97 + t35*t98
+    t100 = maximum(absolute(T31 - t99), maximum(absolute(T11 + t87), absolute(T21 - t94)))
+    t101 = maximum(absolute(t35*t93 - (T22 + t33*t92)), maximum(absolute(t35*t85 + (T12 + t33*t86)), t100))
+    t102 = T34 + p_lI1*t56
+    t103 = maximum(absolute(p_lI3*t99 - (t102 - p_lI2*t97)), maximum(t88, t95))
+    t104 = 1e-07*t26
+    t105 = maximum(absolute(t82*t80 + (T13 + t48*t78)), maximum(absolute(t35*t97 - (T32 + t33*t98)), t101))
+    t106 = absolute(T33 - t56*t82)
+    t107 = maximum(t106, maximum(absolute(t82*t89 + (T23 - t50*t78)), t105))
+    t108 = absolute(t50*t50 - (1.0 - t48*t48))
+    t109 = 1.0 - t56*t56
+    t110 = maximum(absolute(t109 - t61*t61), maximum(t108, t107))
+    t111 = t56*t79
+    t112 = 1.0 - t82*t82
+    t113 = maximum(absolute(t71*t71 - (1.0 - t70*t70)), maximum(absolute(t112 - t78*t78), t110))
+    t114 = absolute(1.0 - t66)
+    t115 = (1.0 - t30)*(1.0 - less(t15, -1e-11*t17))
+    t116 = t18*t115
+    t117 = less(t103, t104)*(less(maximum(t114, t113), 1e-07)*(t116*(1.0 - t45)))
+    t118 = maximum(t30, maximum(k8, maximum(k8, t45)))
+    t119 = select(t115 - t116, 2.0, 1.0)
+    t120 = maximum(t30, t115)
+    t121 = 0.001*t26
+    t122 = 1.0 - less(t121, t42)
+    t123 = t26*t121
+    t124 = 1.0 - less(t123, t23)
+    t125 = 1.0 - less(1e-14*absolute(100000.0*t13), t15)
+    t126 = t125 - t125*less(t15, -1e-11*absolute(100.0*t13))
+    t127 = maximum(t126, t124 - t124*less(t123, t25))
+    t128 = maximum(k8, maximum(t127, t122 - t122*less(t121, t44)))
+    t129 = maximum(t30, t126)
+    t130 = select(t118, 3.0, t119) + 4.0*maximum(k8, t128)
+    t131 = select(t118, 8.0, 4.0*maximum(k8, maximum(k8, maximum(t45, t129))))
+    t132 = t59 - T31*t62
+    t133 = t64 - T32*t62
+    t134 = (t35*t132 - t33*t133)/t66
+    t135 = (t35*t133 + t33*t132)/t66
+    t136 = 1.5 - 0.5*(t134*t134 + t135*t135)
+    t137 = t134*t136
+    t138 = t135*t136
+    t139 = t50*t62
+    t140 = t83 - t79*t139
+    t141 = t57*t137 + t138*t140
+    t142 = t137*t140 - t57*t138
+    t143 = t35*t141 - t33*t142
+    t144 = absolute(p_lI2*t142 - (p_lI3*t143 - (T14 + p_lI1*t139)))
+    t145 = t48*t62
+    t146 = t90 + t79*t145
+    t147 = t58*t137 - t138*t146
+    t148 = t137*t146 + t58*t138
+    t149 = t35*t147 + t33*t148
+    t150 = absolute(p_lI2*t148 + (p_lI3*t149 - (T24 + p_lI1*t145)))
+    t151 = t62*t137 + t138*t111
+    t152 = t62*t138 - t137*t111
+    t153 = t35*t151 + t33*t152
+    t154 = maximum(absolute(p_lI2*t152 + (t102 + p_lI3*t153)), maximum(t144, t150))
+    t155 = maximum(absolute(T31 + t153), maximum(absolute(T11 - t143), absolute(T21 - t149)))
+    t156 = maximum(absolute(t35*t148 - (T22 + t33*t147)), maximum(absolute(t35*t142 + (T12 + t33*t141)), t155))
+    t157 = maximum(absolute(t82*t139 - (T13 - t48*t79)), maximum(absolute(t35*t152 + (T32 - t33*t151)), t156))
+    t158 = atan2(t50, -t48)
+    t159 = maximum(t106, maximum(absolute(t82*t145 - (T23 + t50*t79)), t157))
+    t160 = maximum(absolute(t109 - t62*t62), maximum(t108, t159))
+    t161 = maximum(absolute(t138*t138 - (1.0 - t137*t137)), maximum(absolute(t112 - t79*t79), t160))
+    t162 = less(t154, t104)*(t116*less(maximum(t114, t161), 1e-07))
+    t163 = t10 - p_lI2*(T11*t32 - T12*t36)
+    t164 = t8 - p_lI2*(T21*t32 - T22*t36)
+    t165 = sqrt(t163*t163 + t164*t164)
+    t166 = absolute(t163)
+    t167 = 1.0 - less(t27, t166)
+    t168 = 1.0 - less(t121, t166)
+    t169 = absolute(t164)
+    t170 = t167 - t167*less(t27, t169)
+    t171 = select(t170, t47, t164/t165)
+    t172 = select(t170, t49, t163/t165)
+    t173 = (t164*t171 + t163*t172)/p_lI1
+    t174 = maximum(k8, maximum(t127, t168 - t168*less(t121, t169)))
+    t175 = (t9 - p_lI2*(T31*t32 - T32*t36))/p_lI1
+    t176 = 1.5 - 0.5*(t173*t173 + t175*t175)
+    t177 = select(k7, -t175*t176, t55)
+    t178 = t173*t176
+    t179 = t172*t177
+    t180 = t171*t177
+    t181 = T11*t179 + T21*t180
+    t182 = select(k7, t178, t60)
+    t183 = select(k7, -t178, t60)
+    t184 = t181 + T31*t182
+    t185 = T12*t179 + T22*t180
+    t186 = t185 + T32*t182
+    t187 = t36*t36 + t32*t32
+    t188 = (t36*t184 + t32*t186)/t187
+    t189 = (t36*t186 - t32*t184)/t187
+    t190 = 1.5 - 0.5*(t188*t188 + t189*t189)
+    t191 = t188*t190
+    t192 = t189*t190
+    t193 = t172*T23 - t171*T13
+    t194 = 1.5 - 0.5*(t74 + t193*t193)
+    t195 = t193*t194
+    t196 = select(k7, -t73*t194, t81)
+    t197 = select(k7, t195, t77)
+    t198 = select(k7, -t195, t77)
+    t199 = t172*t182
+    t200 = t171*t196
+    t201 = t200 - t197*t199
+    t202 = t191*t201 - t179*t192
+    t203 = t179*t191 + t192*t201
+    t204 = t32*t202 + t36*t203
+    t205 = absolute(p_lI3*t204 + (p_lI2*t202 - (T14 - p_lI1*t199)))
+    t206 = t171*t182
+    t207 = t172*t196
+    t208 = t207 + t197*t206
+    t209 = t180*t191 - t192*t208
+    t210 = t191*t208 + t180*t192
+    t211 = t36*t209 - t32*t210
+    t212 = absolute(p_lI3*t211 - (p_lI2*t210 + (T24 - p_lI1*t206)))
+    t213 = t177*t197
+    t214 = t182*t191 + t192*t213
+    t215 = t182*t192 - t191*t213
+    t216 = t36*t214 - t32*t215
+    t217 = maximum(absolute(T31 - t216), maximum(absolute(T11 - t204), absolute(T21 - t211)))
+    t218 = maximum(absolute(t36*t210 - (T22 - t32*t209)), maximum(absolute(t36*t202 + (T12 - t32*t203)), t217))
+    t219 = T34 + p_lI1*t177
+    t220 = maximum(absolute(p_lI3*t216 - (t219 + p_lI2*t215)), maximum(t205, t212))
+    t221 = maximum(absolute(t196*t199 + (T13 + t171*t197)), maximum(absolute(t36*t215 - (T32 - t32*t214)), t218))
+    t222 = maximum(absolute(t196*t206 + (T23 - t172*t197)), t221)
+    t223 = absolute(T33 - t177*t196)
+    t224 = absolute(t172*t172 - (1.0 - t171*t171))
+    t225 = 1.0 - t177*t177
+    t226 = maximum(absolute(t225 - t182*t182), maximum(t224, maximum(t223, t222)))
+    t227 = t177*t198
+    t228 = 1.0 - t196*t196
+    t229 = maximum(absolute(t192*t192 - (1.0 - t191*t191)), maximum(absolute(t228 - t197*t197), t226))
+    t230 = absolute(1.0 - t187)
+    t231 = less(t220, t104)*(less(maximum(t230, t229), 1e-07)*(t120*(1.0 - t170)))
+    t232 = maximum(t30, maximum(k8, maximum(k8, t170)))
+    t233 = select(t232, 3.0, t119) + 4.0*maximum(k8, t174)
+    t234 = select(t232, 8.0, 4.0*maximum(k8, maximum(k8, maximum(t170, t129))))
+    t235 = t181 - T31*t183
+    t236 = t185 - T32*t183
+    t237 = (t36*t235 + t32*t236)/t187
+    t238 = (t36*t236 - t32*t235)/t187
+    t239 = 1.5 - 0.5*(t237*t237 + t238*t238)
+    t240 = t237*t239
+    t241 = t238*t239
+    t242 = t172*t183
+    t243 = t200 - t198*t242
+    t244 = t179*t240 + t241*t243
+    t245 = t240*t243 - t179*t241
+    t246 = t36*t244 + t32*t245
+    t247 = absolute(p_lI2*t245 + (p_lI3*t246 - (T14 + p_lI1*t242)))
+    t248 = t171*t183
+    t249 = t207 + t198*t248
+    t250 = t240*t249 + t180*t241
+    t251 = t180*t240 - t241*t249
+    t252 = t32*t250 - t36*t251
+    t253 = absolute(p_lI3*t252 + (p_lI2*t250 + (T24 + p_lI1*t248)))
+    t254 = t183*t241 - t240*t227
+    t255 = t183*t240 + t241*t227
+    t256 = t32*t254 - t36*t255
+    t257 = maximum(absolute(p_lI3*t256 - (t219 - p_lI2*t254)), maximum(t247, t253))
+    t258 = maximum(absolute(T31 - t256), maximum(absolute(T11 - t246), absolute(T21 + t252)))
+    t259 = maximum(absolute(t36*t250 - (T22 - t32*t251)), maximum(absolute(t36*t245 + (T12 - t32*t244)), t258))
+    t260 = maximum(absolute(t196*t242 - (T13 - t171*t198)), maximum(absolute(t36*t254 + (T32 + t32*t255)), t259))
+    t261 = atan2(t172, -t171)
+    t262 = maximum(absolute(t196*t248 - (T23 + t172*t198)), t260)
+    t263 = maximum(absolute(t225 - t183*t183), maximum(t224, maximum(t223, t262)))
+    t264 = maximum(absolute(t241*t241 - (1.0 - t240*t240)), maximum(absolute(t228 - t198*t198), t263))
+    t265 = less(t257, t104)*(t120*less(maximum(t230, t264), 1e-07))
+    t266 = select(less(0.0, t158), 3.141592653589793, -3.141592653589793)
+    t267 = select(less(0.0, t261), 3.141592653589793, -3.141592653589793)
+    return (
+        t261, atan2(t177, t183), atan2(t196, t198), -atan2(t238, t237), t38, t261 - t267, atan2(t177, t182),
+        atan2(t196, t197), atan2(t189, -t188), t38, t158, atan2(t56, t62), atan2(t82, t79), atan2(t135, -t134),
+        -t37, t158 - t266, atan2(t56, t61), atan2(t82, t78), -atan2(t68, t67), -t37, select(t265, t233, t234),
+        select(t231, t233, t234), select(t162, t130, t131), select(t117, t130, t131),
+    )
+
+
+def _inverse_kinematics_step_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    t1 = p_lI1*p_lI1
+    t2 = p_lI2*p_lI2
+    t3 = p_lI3*p_lI3
+    return (
+        p_lI1, p_lI2, p_lI3, t1, t2, t3,
+    )
+
+
+def _inverse_kinematics_step(functions, k, q, T, damping):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
+    (damping1,) = damping
+    p_lI1, p_lI2, p_lI3, k4, k5, k6 = k
+    s1 = sin(q1)
+    c3 = cos(q3)
+    t4 = s1*c3
+    c1 = cos(q1)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t5 = c2*s3
+    t6 = t4 + c1*t5
+    t7 = c1*c3
+    t8 = t7 - s1*t5
+    t9 = q4 + q5
+    t10 = cos(t9)
+    t11 = sin(t9)
+    s2 = sin(q2)
+    t12 = c3*t11
+    t13 = c2*t10 - s2*t12
+    t14 = s2*s3
+    t15 = s3*t11
+    t16 = c2*t12 + s2*t10
+    t17 = c1*t15 + s1*t16
+    t18 = s1*t15 - c1*t16
+    t19 = t13*t8 - t14*t17
+    t20 = t13*t6 - t14*t18
+    t21 = t6*T13 - t8*T23 - (t19*T11 + t20*T21 + (t18*T12 - t17*T22))
+    c4 = cos(q4)
+    t22 = p_lI3*t10
+    t23 = p_lI2*c4 + t22
+    t24 = p_lI3*t11
+    t25 = p_lI1 + c3*t23
+    s4 = sin(q4)
+    t26 = p_lI2*s4 + t24
+    t27 = c2*t25 - s2*t26
+    t28 = s3*t23
+    t29 = s1*t27 + c1*t28
+    t30 = sqrt(k4 + (k5 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t31 = select(less(0.0, t30), t30, 1.0)
+    t32 = (t29 + T14)/t31
+    t33 = c1*t27 - s1*t28
+    t34 = 1.0/t31
+    t35 = t29*t34
+    t36 = t27*t34
+    t37 = t33*t34
+    t38 = (t33 - T24)/t31
+    t39 = t21 - t32*t37 + t38*t35
+    t40 = damping1 + (2.0 + (t37*t37 + t35*t35))
+    t41 = s2*t25 + c2*t26
+    t42 = s1*t41*t34
+    t43 = c1*t41*t34
+    t44 = (t41 + T34)/t31
+    t45 = t37*t42 - t35*t43
+    t46 = t45/t40
+    t47 = t6 + T23
+    t48 = t17*t6 - t18*t8
+    t49 = t19 - T21
+    t50 = t14*T23 + t6*T33 - (t48*T21 + t19*T31 + (t13*T22 + t18*T32))
+    t51 = t18 - T22
+    t52 = t8 + T13
+    t53 = t20 + T11
+    t54 = t48 + T31
+    t55 = t17 - T12
+    t56 = t8*T33 + t14*T13 + (t20*T31 - t48*T11 - (t17*T32 + t13*T12))
+    t57 = t13 + T32
+    t58 = c1*t50 - s1*t56 + t32*t42 + t38*t43 - t44*t36 + t39*t46
+    t59 = damping1 + (t42*t42 + t43*t43 + t36*t36 + 2.0*(c1*c1 + s1*s1))
+    t60 = t59 - t45*t46
+    t61 = s1*c2
+    t62 = t7 - s3*t61
+    t63 = t62*t23*t34
+    t64 = c1*c2
+    t65 = t4 + s3*t64
+    t66 = s2*c3
+    t67 = t65*t23*t34
+    t68 = t14*t23*t34
+    t69 = s1*s2
+    t70 = c1*s2
+    t71 = t37*t63 + t35*t67 + 2.0*c2
+    t72 = t71/t40
+    t73 = t42*t63 - t43*t67 + t36*t68 - 2.0*(c1*t69 - s1*t70) - t45*t72
+    t74 = t73/t60
+    t75 = t62*t50 - t65*t56 + t14*t21
+    t76 = t69*t50 + t70*t56 + c2*t21 - t32*t63 + t38*t67 + t44*t68
+    t77 = t76 - t39*t72 + t74*t58
+    t78 = t63*t63 + t67*t67 + t68*t68 + 2.0*(t69*t69 + t70*t70 + c2*c2)
+    t79 = damping1 + t78 - t71*t72 - t73*t74
+    t80 = c3*t61 + c1*s3
+    t81 = c3*t64 - s1*s3
+    t82 = 2.0*(c1*t62 + s1*t65)
+    t83 = (t80*t26 + t69*t23)*t34
+    t84 = (t81*t26 + t70*t23)*t34
+    t85 = (t66*t26 - c2*t23)*t34
+    t86 = (t80*t24 + t69*t22)*t34
+    t87 = (t81*t24 + t70*t22)*t34
+    t88 = 2.0*(t69*t62 - t70*t65 + c2*t14)
+    t89 = (t66*t24 - c2*t22)*t34
+    t90 = 2.0*t14
+    t91 = t37*t83 - t35*t84 - t90
+    t92 = t90 - (t37*t86 - t35*t87)
+    t93 = t91/t40
+    t94 = t92/t40
+    t95 = t42*t83 + t43*t84 - t36*t85 + t82 - t45*t93
+    t96 = t82 + (t42*t86 + t43*t87 - t36*t89) + t45*t94
+    t97 = t95/t60
+    t98 = t96/t60
+    t99 = t63*t83 - t67*t84 - t68*t85 - t88 - t71*t93 - t73*t97
+    t100 = t88 - (t63*t86 - t67*t87 - t68*t89) - t71*t94 + t73*t98
+    t101 = t99/t79
+    t102 = t100/t79
+    t103 = t75 + t32*t83 + t38*t84 + t44*t85 + t39*t93 - t97*t58
+    t104 = t103 + t101*t77
+    t105 = 2.0*(t62*t62 + t65*t65 + t14*t14)
+    t106 = t14 - T33
+    t107 = damping1 + (t83*t83 + t84*t84 + t85*t85 + t105) - t91*t93
+    t108 = t105 + (t83*t86 + t84*t87 + t85*t89) + t91*t94 - t95*t98
+    t109 = t107 - t95*t97 - t99*t101
+    t110 = t108 + t99*t102
+    t111 = t110/t109
+    t112 = t75 + t32*t86 + t38*t87 + t44*t89 - t39*t94 - t98*t58
+    t113 = damping1 + (t105 + (t86*t86 + t87*t87 + t89*t89)) - t92*t94
+    t114 = (t112 - t102*t77 - t111*t104)/(t113 - t96*t98 - t100*t102 - t110*t111)
+    t115 = t104/t109 - t111*t114
+    t116 = t77/t79 + t101*t115 - t102*t114
+    t117 = t58/t60 + t74*t116 - t97*t115 - t98*t114
+    t118 = q1 + (t39/t40 + t46*t117 - t72*t116 + t93*t115 - t94*t114)
+    t119 = t32*t32 + t38*t38 + t44*t44 + t53*t53 + t49*t49 + t54*t54
+    t120 = t119 + t55*t55 + t51*t51 + t57*t57 + t52*t52 + t47*t47
+    t121 = sqrt(t120 + t106*t106) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t122 = t121 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t123 = t122 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t124 = maximum(0.0, t123 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
+    return (
+        t118, q2 + t117, q3 + t116, q4 + t115, q5 + t114, t124,
     )
 
 
@@ -768,6 +1268,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -788,6 +1289,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -970,7 +1489,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -1144,8 +1700,438 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+# Inverse kinematics.
+
+_POSE_SHAPE = "(4, 4) or (..., 4, 4)"
+_POSE_ENTRIES = 16
+_CHECKED = 4096
+"""Poses that are checked at once."""
+
+_ORTHOGONAL = 1e-6
+"""Most by which columns of a rotation may differ from orthonormal ones."""
+_FAR = 1e30
+"""No arm reaches so far [m], and powers of what is farther are no numbers."""
+
+
+class _Poses:
+    """What inverse kinematics takes, and the words in which it refuses anything else."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def entries(self, T):
+        """Poses (..., 4, 4) as rows of their entries, (..., 16), checked."""
+        try:
+            array = np.asarray(T)
+        except ValueError:
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got rows of unequal length") from None
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: T must be real numbers; got dtype {array.dtype}")
+        self.check_shape(array.shape)
+        batch = array.shape[:-2]
+        entries = array.astype(np.float64, copy=False).reshape(*batch, _POSE_ENTRIES)
+        self._check(entries.reshape(-1, _POSE_ENTRIES), batch)
+        return entries
+
+    def check_shape(self, shape):
+        """Refuse what is no batch of 4x4 matrices."""
+        if tuple(shape[-2:]) != (4, 4):
+            raise ValueError(f"{self.name}: T must have shape {_POSE_SHAPE}; got {tuple(shape)}")
+
+    def given(self, given):
+        """The variables of the given joints, (..., k)."""
+        array = np.zeros(0) if given is None else np.asarray(given)
+        if array.dtype.kind not in "fiub":
+            raise TypeError(f"{self.name}: given must be real numbers; got dtype {array.dtype}")
+        self.check_given(array.shape if given is not None or GIVEN else (0,))
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: given must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def check_given(self, shape):
+        """Refuse anything but a number for each given joint."""
+        count = len(GIVEN)
+        if shape[-1:] != (count,):
+            wanted = f"have shape ({count},) or (..., {count}), the variables of {', '.join(GIVEN)}"
+            wanted = wanted if count else "be None, since all joints are solved for"
+            raise ValueError(f"{self.name}: given must {wanted}; got shape {tuple(shape)}")
+
+    def configuration(self, q, label="q"):
+        """Joint variables, (..., DOF)."""
+        array = np.asarray(q)
+        if array.dtype.kind not in "fiub" or array.shape[-1:] != (DOF,):
+            raise ValueError(f"{self.name}: {label} must be real numbers of shape ({DOF},) or (..., {DOF}); got {array.dtype} of shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"{self.name}: {label} must be finite numbers")
+        return array.astype(np.float64, copy=False)
+
+    def _check(self, rows, batch):
+        """Refuse matrices that are no poses, block by block."""
+        for start in range(0, len(rows), _CHECKED):
+            self._check_block(rows[start : start + _CHECKED], start, batch)
+
+    def _check_block(self, rows, start, batch):
+        columns = np.ascontiguousarray(rows.T)
+        with np.errstate(invalid="ignore", over="ignore"):
+            deviation = np.zeros(len(rows))
+            for i in range(3):
+                for j in range(i, 3):
+                    dot = sum(columns[4 * k + i] * columns[4 * k + j] for k in range(3)) - float(i == j)
+                    np.maximum(deviation, np.abs(dot), out=deviation)
+            bottom = np.abs(columns[12:16] - np.array([[0.0], [0.0], [0.0], [1.0]])).max(axis=0)
+            fine = (deviation <= _ORTHOGONAL) & (bottom <= _ORTHOGONAL) & (_determinant(columns) > 0.0)
+            fine &= np.abs(columns[3]) + np.abs(columns[7]) + np.abs(columns[11]) <= _FAR
+        if not fine.all():
+            place = int(np.argmin(fine))
+            self._refuse(rows[place], start + place, batch, deviation[place], bottom[place])
+
+    def _refuse(self, row, place, batch, deviation, bottom):
+        where = f"T{[int(k) for k in np.unravel_index(place, batch)]}" if batch else "T"
+        if not np.isfinite(row).all():
+            found = "it has entries that are not finite"
+        elif bottom > _ORTHOGONAL:
+            found = f"its last row is {row[12:].tolist()}, not [0, 0, 0, 1]"
+        elif deviation > _ORTHOGONAL:
+            found = f"the columns of its rotation are {deviation:.1e} from orthonormal (allowed: {_ORTHOGONAL:g})"
+        elif max(map(abs, row[3:12:4])) > _FAR / 3:
+            found = f"its position is {max(map(abs, row[3:12:4])):.0e} m away (allowed: {_FAR:g})"
+        else:
+            found = "its rotation mirrors: the determinant is -1"
+        raise ValueError(f"{self.name}: {where} is no pose: {found}")
+
+
+def _is_pose(m):
+    """Whether the 16 entries of a matrix, floats, are those of a pose, as `_Poses` checks it."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *bottom = m
+    most = max(abs(a * a + d * d + g * g - 1.0), abs(b * b + e * e + h * h - 1.0), abs(c * c + f * f + i * i - 1.0))
+    most = max(most, abs(a * b + d * e + g * h), abs(a * c + d * f + g * i), abs(b * c + e * f + h * i))
+    return most <= _ORTHOGONAL and bottom == _BOTTOM and _determinant(m) > 0.0 and abs(x) + abs(y) + abs(z) <= _FAR
+
+
+_BOTTOM = [0.0, 0.0, 0.0, 1.0]
+
+
+def _determinant(m):
+    """Of the rotation of poses, by their entries."""
+    first = m[0] * (m[5] * m[10] - m[6] * m[9])
+    return first - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8])
+
+
+_REVOLUTE = np.array([kind == "revolute" for kind in JOINT_TYPES])
+_LOWER = np.array([-np.inf if pair is None else pair[0] for pair in LIMITS])
+_UPPER = np.array([np.inf if pair is None else pair[1] for pair in LIMITS])
+_SLACK = 1e-9
+"""By so much a joint may be beyond its limits, for rounding [rad, m]."""
+
+
+def _within_limits(solutions, q):
+    """Each angle by the full turns that bring it nearest to `q` within the limits; not a number where none does."""
+    turn = 2.0 * math.pi
+    with np.errstate(invalid="ignore"):
+        turns = np.round((q - solutions) / turn)
+        fewest = np.ceil((_LOWER - _SLACK - solutions) / turn)
+        most = np.floor((_UPPER + _SLACK - solutions) / turn)
+        turned = solutions + np.where(_REVOLUTE, turn * np.minimum(np.maximum(turns, fewest), most), 0.0)
+        inside = (turned >= _LOWER - _SLACK) & (turned <= _UPPER + _SLACK)
+    return np.where(inside.all(axis=-1, keepdims=True), turned, np.nan)
+
+
+def _nearest(solutions, q):
+    """Of (..., branches, n) the branch nearest to (..., n), the sum of squares of the differences being least."""
+    turned = _within_limits(solutions, q[..., None, :])
+    distances = np.square(turned - q[..., None, :]).sum(axis=-1)
+    best = np.argmin(np.where(np.isnan(distances), np.inf, distances), axis=-1)
+    return np.take_along_axis(turned, best[..., None, None], axis=-2)[..., 0, :]
+
+
+_ORIGIN = (0.0,) * DOF
+_ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
+"""Where free joints are tried, where the others have no solution with them where the caller has them; after two times the
+others are turned, too, differently in each branch."""
+
+_CLOSED = 1e-07
+"""Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
+
+_REPRODUCED = 3e-11
+"""Likewise of one with free joints, or that was found near a branch that does not exist."""
+
+_ROUNDING = 1e-13
+"""An error that no further step makes smaller."""
+
+_SAME = (1e-7, 3e-5)
+"""Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
+
+
+class _Step(_Function):
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+
+    def __init__(self, kernel, hoisted=None, needs=()):
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+
+    def refined(self, q, poses, parameters):
+        """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
+
+        The damping grows where a step makes the error larger, and falls slowly where it makes it a little smaller, as it does
+        near double roots; who gains less than a tenth in eight steps is given up.
+        """
+        damping, fall = np.full((len(q), 1), 1e-12), np.full((len(q), 1), 0.1)
+        ahead = self._steps(q, poses, damping, parameters)
+        error = ahead[:, DOF].copy()
+        before, refused = error.copy(), np.zeros(len(q), dtype=int)
+        for count in range(1, 64):
+            moving = np.flatnonzero((error > _ROUNDING) & (refused < 8))
+            if not moving.size:
+                break
+            damping[moving] *= fall[moving]
+            chosen = _rows(parameters, moving)
+            found = self._steps(ahead[moving, :DOF], poses[moving], damping[moving], chosen)
+            better = found[:, DOF] < error[moving]
+            kept, lost = moving[better], moving[~better]
+            fall[kept, 0] = np.where(found[better, DOF] < 0.1 * error[kept], 0.02, 0.5)
+            q[kept], error[kept], refused[kept] = ahead[kept, :DOF], found[better, DOF], 0
+            ahead[kept] = found[better]
+            refused[lost] += 1
+            damping[lost] = np.maximum(4.0 * damping[lost] / fall[lost], 1e-4)
+            fall[lost] = 0.5
+            if lost.size:
+                ahead[lost] = self._steps(q[lost], poses[lost], damping[lost], _rows(parameters, lost))
+            if count % 8 == 0:
+                refused[error > 0.9 * before] = 8
+                before = error.copy()
+        return q, error
+
+    def _steps(self, q, poses, damping, parameters):
+        """Where steps lead, angles without full turns, and the errors before them."""
+        result = np.empty((len(q), DOF + 1))
+        self._fill([q, poses, damping, *parameters], result)
+        ahead = result[:, :DOF]
+        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        return result
+
+    def twice(self, elsewhere, constants, q, pose):
+        """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
+        ahead = self.kernel(elsewhere.functions, constants, q, pose, (1e-12,))
+        for _ in range(2):
+            found = self.kernel(elsewhere.functions, constants, ahead[:DOF], pose, (1e-12,))
+            better = found[DOF] < ahead[DOF]
+            q = [elsewhere.namespace.where(better, new, old) for new, old in zip(ahead, q)]
+            ahead = [elsewhere.namespace.where(better, new, old) for new, old in zip(found, ahead)]
+        return q, ahead[DOF]
+
+
+def _rows(groups, places):
+    """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
+    return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+class _Inverse(_Function):
+    """Inverse kinematics: its kernel gives the joint variables of all branches, and then what each branch is.
+
+    To the status of a branch 4 is added where digits are lost, so that it has to be checked; 4 alone is a branch that may
+    exist after all, 8 one that exists with joints elsewhere that are free.
+    """
+
+    def __init__(self, name, branches, kernel, step, hoisted=None, needs=()):
+        super().__init__(name, ("T", "given", "near") if GIVEN else ("T", "near"), (branches * (DOF + 1),), kernel, hoisted, needs)
+        self.poses = _Poses(name)
+        self.result = _Signature(name, (), (branches, DOF))
+        self.branches = branches
+        self.step = step
+
+    def __call__(self, T, params, given, out, status, near=None):
+        parameters = self.signature.parameters(params)
+        plain = type(T) is np.ndarray and T.dtype is _DOUBLE and T.shape == (4, 4) and given is None and out is None and near is None
+        if plain and not GIVEN and not parameters.extent and not parameters.libraries:
+            entries = T.ravel().tolist()
+            if _is_pose(entries):
+                try:
+                    return self._one_pose(entries, parameters, status)
+                except (ValueError, ArithmeticError):
+                    pass  # a division by zero at a pose that has other formulas
+        taken = [value for value in (given, near) if value is not None]
+        elsewhere = _elsewhere(self.signature.name, (T, *taken, *parameters.libraries))
+        if elsewhere is not None:
+            return self._on_library(elsewhere, T, given, near, parameters, out, status)
+        arrays = [self.poses.entries(T), self.poses.given(given)][: 1 + bool(GIVEN)]
+        arrays.append(np.zeros(DOF) if near is None else self.poses.configuration(near, "near"))
+        return self._poses(arrays, parameters, out, status)
+
+    def _one_pose(self, entries, parameters, status):
+        """One pose, on Python's floats."""
+        values = self.kernel(_FLOATS, self._constants(parameters), entries, _ORIGIN)
+        count = self.result.size
+        if max(values[count:]) >= 4.0:
+            rows = np.array([values])
+            with np.errstate(all="ignore"):
+                self._check([entries, list(_ORIGIN), list(self._constants(parameters))], rows, parameters, ())
+            values = rows[0].tolist()
+        q = np.array(values[:count]).reshape(self.result.shape)
+        for branch, code in enumerate(values[count:]):
+            if not code:
+                q[branch] = np.nan
+        return (q, np.array(values[count:], dtype=np.uint8)) if status else q
+
+    def _poses(self, arrays, parameters, out, status):
+        """A batch of poses (..., 16), and of given joints."""
+        batch = self.signature.batch(arrays, parameters.extent)
+        if out is not None:
+            self.result.check_out(out, batch)
+        values = np.empty((*batch, self.signature.size))
+        count = self.result.size
+        if values.size:
+            groups = [_group(array, batch) for array in arrays]
+            given = [np.asarray(value) for value in self._given(parameters)]
+            groups += self._parameter_groups(parameters, given, batch)
+            rows = values.reshape(-1, self.signature.size)
+            with np.errstate(all="ignore"):
+                self._fill(groups, rows)
+                self._check(groups, rows, parameters, batch)
+        q = np.empty((*batch, *self.result.shape)) if out is None else out
+        q[...] = values[..., :count].reshape(*batch, *self.result.shape)
+        codes = values[..., count:]
+        if not codes.all():
+            q[codes == 0.0] = np.nan
+        return (q, codes.astype(np.uint8)) if status else q
+
+    def _check(self, groups, rows, parameters, batch):
+        """Check branches in doubt; where free joints leave no solution for the others, they are tried elsewhere."""
+        codes = rows[:, self.result.size :]
+        doubtful = np.flatnonzero((codes >= 4.0).any(axis=1))
+        if not doubtful.size:
+            return
+        given = [np.asarray(value) for value in self.step._given(parameters)]
+        constants = _rows(self.step._parameter_groups(parameters, given, batch), doubtful)
+        groups, found = _rows(groups, doubtful), rows[doubtful]
+        poses = np.broadcast_to(np.asarray(groups[0]), (len(found), _POSE_ENTRIES))
+        doubts = found[:, self.result.size :] >= 4.0
+        free = found[:, self.result.size :] >= 4.0 + SINGULAR
+        settled = np.zeros_like(free)
+        self._refine(poses, found, doubts, free, settled, constants)
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        for time, place in enumerate(_ELSEWHERE):
+            lacking = free & (found[:, self.result.size :] == NONE)
+            stuck = np.flatnonzero(lacking.any(axis=1))
+            if not stuck.size:
+                break
+            moved, other = _rows(groups, stuck), np.empty((len(stuck), rows.shape[1]))
+            moved[len(self.signature.arguments) - 1] = [place] * DOF
+            self._fill(moved, other)
+            other[:, : self.result.size] += (time if time > 1 else 0.0) * turns.ravel()
+            lacking = lacking[stuck]
+            joints = np.repeat(lacking, DOF, axis=1)
+            other = np.where(np.concatenate([joints, lacking], axis=1), other, found[stuck])
+            again, known = free[stuck], settled[stuck]
+            self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
+            found[stuck], free[stuck] = other, again
+        rows[doubtful] = found
+
+    def _refine(self, poses, rows, doubtful, free, settled, constants):
+        """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
+
+        Branches whose free joints may be where they are get settled; another posture with these elsewhere is not listed.
+        """
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        codes %= 4.0
+        doubts = np.where(doubtful, np.where(codes > 0.0, 1, 2), 0)
+        place, branch = np.nonzero(doubtful)
+        exists = codes[place, branch] > 0.0
+        start = np.nan_to_num(q[place, branch])
+        found, error = self.step.refined(start.copy(), poses[place], _rows(constants, place))
+        kinds = np.where(exists, codes[place, branch], SINGULAR)
+        fine = error <= np.where(kinds == SINGULAR, _REPRODUCED, _CLOSED)
+        q[place, branch] = found
+        codes[place, branch] = np.where(fine, kinds, NONE)
+        settled[place, branch] = fine & exists & (kinds == SINGULAR) & (found == start).all(axis=1)
+        self._list_once(q, codes, doubts, free, settled, np.abs(poses[:, 3:12:4]).sum(axis=1))
+
+    def _list_once(self, q, codes, doubts, free, settled, size):
+        """Of solutions that are one, one is kept: the one that is least in doubt."""
+        if len(q) < 100 and not self._may_be_one(q, codes > 0.0, size):
+            return
+        found = doubts == 2
+        for later in range(1, self.branches):
+            for before in range(later):
+                both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
+                if both.any():
+                    a, b = q[:, before], q[:, later]
+                    apart = np.abs(a - b)
+                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
+                    same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
+                    first = doubts[:, before] > doubts[:, later]
+                    codes[same & first, before] = NONE
+                    codes[same & ~first, later] = NONE
+                    two = both & ~same & ((apart > _SAME[1]).sum(axis=1) <= 2)  # joints that turn about one axis
+                    for one, other in ((before, later), (later, before)):
+                        elsewhere = two & settled[:, one] & found[:, other]
+                        codes[elsewhere, other] = NONE
+                        free[elsewhere, other] = False
+
+    def _may_be_one(self, q, exists, size):
+        """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
+        apart = np.abs(q[:, :, None] - q[:, None])
+        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
+        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
+        return bool(np.triu(alike, 1).any())
+
+    def _on_library(self, elsewhere, T, given, near, parameters, out, status):
+        """The kernel on arrays of another library, in which no value is looked at."""
+        if out is not None:
+            raise ValueError(f"{self.signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
+        namespace = elsewhere.namespace
+        array = elsewhere.array(T)
+        self.poses.check_shape(array.shape)
+        arrays = [namespace.reshape(array, (*array.shape[:-2], _POSE_ENTRIES))]
+        if GIVEN or given is not None:
+            arrays.append(elsewhere.array(given if given is not None else ()))
+            self.poses.check_given(arrays[-1].shape)
+        arrays.append(elsewhere.array(near if near is not None else _ORIGIN))
+        batch = self.signature.batch(arrays, parameters.extent)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value) for value in self._given(parameters)]
+            constants = self.hoisted(elsewhere.functions, numbers) if self.hoisted else ()
+        else:
+            constants = self._constants(parameters)
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
+        values = self.kernel(elsewhere.functions, constants, *groups)
+        count = self.result.size
+        codes = elsewhere.arranged(values[count:], batch, self.result.shape[:1])
+        q = elsewhere.arranged(values[:count], batch, self.result.shape)
+        if parameters.extent or parameters.libraries:
+            numbers = [elsewhere.array(value)[..., None] for value in self.step._given(parameters)]
+            constants = self.step.hoisted(elsewhere.functions, numbers) if self.step.hoisted else ()
+        else:
+            constants = self.step._constants(parameters)
+        pose = [entry[..., None] for entry in groups[0]]
+        mended, error = self.step.twice(elsewhere, constants, [q[..., i] for i in range(DOF)], pose)
+        q = namespace.where((codes >= 4)[..., None], namespace.stack(mended, axis=-1), q)
+        fine = (codes < 4) | (error <= max(1e-7, 100.0 * float(namespace.finfo(q.dtype).eps)))
+        codes = namespace.where(fine & (codes < 8), codes % 4, elsewhere.array(0.0))
+        q = namespace.where(codes[..., None] > 0, q, elsewhere.array(np.nan))
+        return (q, codes) if status else q
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -1222,3 +2208,22 @@ _FUNCTIONS = {
         ),
     ),
 }
+
+_GIVEN_JOINTS = ()
+_POSES = _Poses("inverse_kinematics_nearest")
+_INVERSE = _Inverse(
+    name="inverse_kinematics",
+    branches=4,
+    kernel=_inverse_kinematics,
+    step=_Step(
+        kernel=_inverse_kinematics_step,
+        hoisted=_inverse_kinematics_step_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    hoisted=_inverse_kinematics_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
