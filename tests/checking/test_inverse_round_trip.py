@@ -36,8 +36,13 @@ OTHERS = (
 )
 
 
+MARKS = [pytest.mark.sweep if k % 3 == 0 else pytest.mark.release for k in range(len(OTHERS))]
+
+
 @pytest.mark.parametrize("form", ["text", "latex", "python"])
-@pytest.mark.parametrize("robot", [*USUAL, *(pytest.param(name, marks=pytest.mark.sweep) for name in OTHERS)])
+@pytest.mark.parametrize(
+    "robot", [*USUAL, *(pytest.param(name, marks=mark) for name, mark in zip(OTHERS, MARKS, strict=True))]
+)
 def test_what_is_shown_is_right_and_complete(robot: str, form: str) -> None:
     model = Model(load(robot))
     lines = derivation_lines(model.inverse, form, Notation.of(model.robot))

@@ -25,9 +25,10 @@ SWEPT = (
     "thumb",
     "kuka-kr5",
 )
+MARKS = [pytest.mark.sweep] * 3 + [pytest.mark.release] * (len(SWEPT) - 3)
 
 
-@pytest.fixture(params=[*USUAL, *(pytest.param(name, marks=pytest.mark.sweep) for name in SWEPT)])
+@pytest.fixture(params=[*USUAL, *(pytest.param(name, marks=mark) for name, mark in zip(SWEPT, MARKS, strict=True))])
 def figure(request: pytest.FixtureRequest, browser: Any, tmp_path: Path) -> Iterator[Figure]:
     made = Figure(browser, tmp_path, Robot.load(request.param))
     yield made
