@@ -322,7 +322,8 @@ def count_text(graph: SolutionGraph) -> str:
     """
     most = graph.count or graph.leaves
     solutions = "one solution" if most == 1 else f"up to {most} solutions"
-    return f"A reachable pose has {solutions}{', and no more' if graph.complete else ' in closed form'}."
+    proof = ", and no more" if graph.complete else " in closed form"
+    return f"A reachable pose has {solutions}{proof} but where joints are free."
 
 
 def _without_given(interface: Interface) -> Interface:

@@ -46,7 +46,7 @@ def aspects_text(found: Aspects, write: Callable[[Any], str]) -> list[str]:
 
 def _counted(found: Aspects, joints: list[str]) -> str:
     """How many aspects, in words."""
-    what = "sets of configurations that no singularity parts"
+    what = "sets of configurations that no singularity divides"
     if found.count is None:
         group = next(group for group in found.groups if group.parts is None)
         named = listed(joints[k] for k in group.joints)
@@ -77,7 +77,7 @@ def _crossing(found: Aspects, joints: list[str]) -> list[str]:
             "meets no singularity was found, which does not prove that there is none",
         ]
     where = f"at {poses} random poses every solution lies in an aspect of its own"
-    return [f"{where}: the arm changes posture through singularities only"]
+    return [f"{where}: between these the arm changes posture through singularities only"]
 
 
 def aspects_parts(found: Aspects) -> dict[str, Any]:

@@ -227,7 +227,7 @@ def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
         "count": found.count,
         "complete": found.complete,
         "why_not": found.graph.why_not,
-        "conditions_zero": [write(condition.left) for condition in found.conditions],
+        "conditions": [{"left": write(c.left), "right": write(c.right)} for c in found.conditions],
         "definitions": {write(line.symbol): write(line.value) for line in found.definitions},
         "sums": {write(name): write(total) for total, name in found.sums.items()},
         "steps": steps,
