@@ -126,7 +126,7 @@ class _Part:
             entries = and_list(_, [self._math(pose[i, j]) for i, j in self.found.graph.places])
             yield Paragraph(
                 _(
-                    "Given are of the pose $%(end)s$ of the end effector the entries %(entries)s; all values of the "
+                    "Of the pose $%(end)s$ of the end effector the entries %(entries)s are given; all values of the "
                     "joint variables are wanted with which the arm reaches them.",
                     end=bold("T").tex,
                     entries=entries,
@@ -205,7 +205,7 @@ class _Part:
         )
         if found.is_explicit and found.graph.leaves > found.count:
             words += " " + _(
-                "Of the %(leaves)s choices of signs some miss the pose; they are told by putting them into $%(end)s$.",
+                "Of the %(leaves)s choices of signs some miss the pose; putting them into $%(end)s$ tells which.",
                 leaves=found.graph.leaves,
                 end=bold("T").tex,
             )
@@ -238,7 +238,7 @@ class _Part:
         if wrist and len(names) <= 3:
             words, task = _("The wrist centre:"), _("Find the wrist centre from the pose.")
             if found.robot.joints[0].d != ZERO:
-                words = _("The wrist centre, seen from where the arm begins to move:")
+                words = _("The wrist centre, less base and the constant offset of joint 1:")
         else:
             words = _("Without base, tool and what is constant at both ends of the arm the pose is:")
             task = _("Take base, tool and what is constant at both ends of the arm off the pose.")
