@@ -2,7 +2,8 @@
 
 Random configurations give poses by the independent recursion. The configuration must be among the solutions of its
 pose, modulo full turns, unless joints are free or branches coincide there; every solution must lead to the pose again;
-solutions must differ; and a pose out of reach must have none. One pose and a batch of them must agree.
+solutions must differ; and a pose out of reach must have none. One pose and a batch of them must agree, and a task
+without orientation must have the same solutions whatever that is.
 """
 
 from __future__ import annotations
@@ -88,6 +89,13 @@ def inverse_errors(
         one, code = model.inverse(poses[1:2], q[1:2, given], samples.parameters)
         if not np.array_equal(code[0], status[1]) or not np.allclose(one[0], found[1], atol=SAME, equal_nan=True):
             raise VerificationError(f"{where} gives one pose other solutions than a batch", remedy=remedy)
+        if all(j == 3 for _, j in places):
+            other = np.roll(poses, 1, axis=0)
+            for i, j in places:
+                other[:, i, j] = poses[:, i, j]
+            one, code = model.inverse(other, q[:, given], samples.parameters)
+            if not np.array_equal(code, status) or not np.allclose(one, found, atol=SAME, equal_nan=True):
+                raise VerificationError(f"{where} depends on more of the pose than its task", remedy=remedy)
         if all(joint.is_revolute for joint in robot.joints) and (0, 3) in places:
             away = poses[:2].copy()
             away[:, :3, 3] += FAR * max(1.0, _reach(poses))

@@ -10,8 +10,10 @@ coefficients are found by interpolation. All is done at once, for all equations,
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -31,6 +33,8 @@ _SPECIAL_POSES = 32
 
 _ANGLE_NODES, _LENGTH_NODES = 6, 4
 """Values of a change: five (three) determine a polynomial of degree 2, one more checks it."""
+
+_PLACE = re.compile(r"W\[(\d),(\d)\]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +80,7 @@ class Evidence:
     Attributes:
         equations: Cut and entry of every equation.
         effects: Change -> its effect.
+        other: W at the same poses but for other numbers in place of the entries of T that are not told.
         allowed: For each equation whether it needs nothing of the pose but what is given.
         values: Numbers of the parameters and of constants.
     """
@@ -107,7 +112,8 @@ class Evidence:
         reached = self._table(links, cuts, self.pose)
         anywhere = reached if special else self._table(links, cuts, self._elsewhere())
         self.effects = {change: self._effect(reached, anywhere, k) for k, change in enumerate(self.changes)}
-        self.allowed = self._allowed(links, cuts, allowed)
+        self.other = self._changed(links, allowed) if self.untold(allowed) else self.pose
+        self.allowed = self._allowed(links, cuts)
         self._numbers: dict[str, Array] = {}
 
     # -- the samples
@@ -221,16 +227,18 @@ class Evidence:
         """Random numbers in place of W, zero, one or equal where those of W always are."""
         known: dict[tuple[int, ...], Residue] = {}
 
-        def _drawn(value: Residue) -> Residue:
+        def _drawn(power: int, value: Residue) -> Residue:
             key = tuple(int(x) for x in self._plain(value))
             if len(set(key)) == 1 and key[0] in (0, 1, self.prime - 1):
                 return value
-            if key not in known:
-                known[key] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
-                known[tuple((self.prime - x) % self.prime for x in key)] = -known[key]
-            return known[key]
+            if (power, *key) not in known:
+                drawn = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
+                known[(power, *((self.prime - x) % self.prime for x in key))] = -drawn
+                known[(power, *key)] = drawn
+            return known[(power, *key)]
 
-        return self.pose.mapped(_drawn)
+        ratios, lengths, areas = (self.pose.mapped(partial(_drawn, power)) for power in (0, 1, 2))
+        return Atoms(ratios.rotation, lengths.position, lengths.back, areas.square, lengths.moment, areas.reflection)
 
     def _effect(self, reached: Array, anywhere: Array, place: int) -> Effect:
         """Coefficients of the equations in one change."""
@@ -253,21 +261,34 @@ class Evidence:
         depends = np.any(others[:, :, span] != others[:, :, :1], axis=(1, 2))
         return Effect(depends, np.where(np.all(check == values[:, :, size], axis=1), degrees, 3), fitted)
 
-    def _allowed(self, links: Links[Residue], cuts: Sequence[Cut], given: frozenset[tuple[int, int]]) -> Array:
-        """Which equations do not change with the entries of T that are not given."""
-        if len(given) == 12:
-            return np.ones(len(self.equations), dtype=bool)
+    def _changed(self, links: Links[Residue], given: frozenset[tuple[int, int]]) -> Atoms[Residue]:
+        """W with other numbers in place of the entries of T that are not told."""
         entries = self._entries()
         for place in self.untold(given):
             entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
         rotation = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
         end = Frame((rotation[0], rotation[1], rotation[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
         inner = links.base.inverse @ end @ links.tool.inverse
-        deep = self.pose.moment is not None
-        other = self._table(links, cuts, frame_atoms(inner, links.zero, deep=deep))
-        same = self._table(links, cuts, self.pose) == other
+        return frame_atoms(inner, links.zero, deep=self.pose.moment is not None)
+
+    def _allowed(self, links: Links[Residue], cuts: Sequence[Cut]) -> Array:
+        """Which equations do not change with the entries of T that are not told."""
+        if self.other is self.pose:
+            return np.ones(len(self.equations), dtype=bool)
+        same = self._table(links, cuts, self.pose) == self._table(links, cuts, self.other)
         unchanged: Array = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
         return unchanged
+
+    def is_told(self, name: str) -> bool:
+        """Whether an entry of W or an invariant needs nothing of the pose but what is given.
+
+        Args:
+            name: The name of its generator.
+        """
+        place = _PLACE.fullmatch(name)
+        if place is not None:
+            name = f"p[{place[1]}]" if place[2] == "4" else f"R[{place[1]},{place[2]}]"
+        return bool(np.all(self._plain(self.pose.entry(name)) == self._plain(self.other.entry(name))))
 
     def _entries(self) -> dict[tuple[int, int], Residue]:
         """The entries of T by row and column, from 0."""

@@ -9,7 +9,7 @@ import numpy as np
 from derive.algebra.ring import Polynomial
 from derive.mechanics.vectors import Frame, Matrix, dot, hat, matmul, multiply, outer, transpose
 from derive.model.inverse.evidence import Evidence
-from derive.model.inverse.pool import Atoms, Links
+from derive.model.inverse.pool import Atoms, Links, dimension
 from derive.model.inverse.unknowns import InverseDomain
 from derive.robot.expression import Expression
 
@@ -42,7 +42,7 @@ class Pose:
         deep: bool = False,
     ) -> None:
         self._domain, self._evidence, self._constants = domain, evidence, constants
-        self._known: list[tuple[tuple[int, ...], Polynomial]] = []
+        self._known: list[tuple[int, bool, tuple[int, ...], Polynomial]] = []
         self.definitions: dict[str, Polynomial] = {}
         self.constant: dict[str, Polynomial] = {}
         places = [(i, j) for j in range(4) for i in range(3)]
@@ -51,7 +51,8 @@ class Pose:
         inner = links.base.inverse @ end @ links.tool.inverse
         self._known.clear()
         flat = {(i, j): inner.position[i] if j == 3 else inner.rotation[i][j] for i, j in places}
-        pose = self._frame({(i, j): self._entry(f"W[{i + 1},{j + 1}]", flat[i, j]) for i, j in places})
+        told = sorted(places, key=lambda place: not evidence.is_told(f"W[{place[0] + 1},{place[1] + 1}]"))
+        pose = self._frame({(i, j): self._entry(f"W[{i + 1},{j + 1}]", flat[i, j]) for i, j in told})
         r, p = pose.rotation, pose.position
         plain = [(f"p[{i + 1}]", flat[i, 3] - p[i]) for i in range(3) if f"W[{i + 1},4]" not in self.definitions]
         self.constant = {entry: difference for entry, difference in plain if difference}
@@ -75,23 +76,33 @@ class Pose:
         return Frame(_as_matrix(rows), (entries[0, 3], entries[1, 3], entries[2, 3]))
 
     def _entry(self, name: str, value: Polynomial | None) -> Polynomial:
-        """An entry: zero, plus or minus one, plus or minus an earlier one, what it is if that is short, or its name."""
+        """An entry: zero, plus or minus one, plus or minus an earlier one, what it is if that is short, or its name.
+
+        An earlier one has the same dimension, and what is told by the task is not written by what is not.
+        """
         ring, p = self._domain.ring, self._evidence.prime
         residues = self._evidence.number(name, self._constants)
         for number in (0, 1, -1):
             if np.all(residues == number % p):
                 return ring.number(number)
-        for known, polynomial in self._known:
-            if np.all(residues == known):
-                return polynomial
-            if np.all(residues == (p - np.array(known)) % p):
-                return -polynomial
+        power, told = _power(name), name[0] == "T" or self._evidence.is_told(name)
+        for own_power, own_told, known, polynomial in self._known:
+            if own_power == power and (own_told or not told):
+                if np.all(residues == known):
+                    return polynomial
+                if np.all(residues == (p - np.array(known)) % p):
+                    return -polynomial
         if value is None or not _is_short(value):
             if value is not None:
                 self.definitions[name] = value
             value = ring.generator(name)
-        self._known.append((tuple(int(x) for x in residues), value))
+        self._known.append((power, told, tuple(int(x) for x in residues), value))
         return value
+
+
+def _power(name: str) -> int:
+    """The power of length that an entry of T or W or an invariant has."""
+    return int(name.endswith(",4]")) if name[0] in "TW" else dimension(name)
 
 
 def _is_short(p: Polynomial) -> bool:

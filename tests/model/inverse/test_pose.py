@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+import pytest
+
+from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.formulas import Derivation
+from derive.model.inverse.numeric_chain import NumericChain
 from derive.model.inverse.pose import Pose
+from derive.model.inverse.solve import solve
 from derive.robot.robot import Robot
 
 
@@ -33,3 +39,22 @@ def test_what_is_defined_comes_after_what_it_needs() -> None:
         used = {other for other, degree in zip(value.ring.names, value.degrees(), strict=True) if degree}
         assert used & set(definitions) <= known
         known.add(name)
+
+
+@pytest.mark.parametrize(
+    ("joints", "task"),
+    [
+        ("{type: revolute, a: 0.5}, {type: revolute, a: 0.5}", "[x, y]"),
+        ("{type: revolute, d: 0.3, alpha: pi/2}, {type: revolute, a: 0.5}, {type: revolute, a: 0.5}", "position"),
+        ("{type: revolute, d: 0.3, alpha: pi/2}, {type: revolute, a: 1}", "[x, z]"),
+        ("{type: revolute, d: 1, alpha: pi/2}, {type: revolute, a: 1}, {type: revolute, a: 1}", "position"),
+    ],
+)
+def test_equal_lengths_do_not_make_a_position_depend_on_the_orientation(joints: str, task: str) -> None:
+    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{joints}]\ninverse: {{task: {task}}}\n")
+    solver = InverseSolver.of(robot, solve(robot))
+    pose = NumericChain.of(robot).pose_and_jacobian(np.full((1, robot.n), 0.7))[0][0]
+    found = solver.solve(pose)
+    pose[:3, :3] = [[0, 0.6, 0.8], [1, 0, 0], [0, 0.8, -0.6]]
+    assert found.status.any()
+    assert solver.solve(pose).q == pytest.approx(found.q, nan_ok=True)
