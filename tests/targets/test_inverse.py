@@ -380,6 +380,30 @@ def test_at_poses_of_right_angles_every_language_has_solutions_and_all_lead_ther
         assert np.abs(model.forward_kinematics(there) - pose).max(initial=0.0) < 1e-7
 
 
+OFFSET_SHOULDER = """
+name: offset-shoulder
+convention: modified
+joints:
+  - {type: revolute, d: 0.3}
+  - {type: revolute, alpha: -pi/2, d: 0.1}
+  - {type: revolute, a: 0.4}
+  - {type: revolute, alpha: -pi/2, d: 0.4}
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, alpha: -pi/2}
+"""
+
+
+def test_javascript_has_the_solutions_of_numpy_at_poses_of_right_angles() -> None:
+    robot = Robot.from_text(OFFSET_SHOULDER)
+    model, script = model_of(robot), JavaScriptModel(robot, program_of(robot))
+    q = np.random.default_rng(1).choice([0, np.pi / 2, -np.pi / 2, np.pi, 0.7], (150, 6))
+    poses = model.forward_kinematics(q)
+    status = model.inverse_kinematics(poses, status=True)[1]
+    matrices = json.dumps(poses.tolist())
+    found = script.value(f"{matrices}.map((T) => Array.from(model.inverseKinematics(T).status))")
+    assert found == status.tolist()
+
+
 def test_readme_says_what_there_is_and_why_not() -> None:
     text = render_readme(source_of(elbow(), program_of(elbow())))["README.md"]
     assert "## Inverse kinematics" in text

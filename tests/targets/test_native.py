@@ -161,6 +161,30 @@ def test_both_models_answer_or_refuse_alike(models: Models, case: str) -> None:
         assert_same(found, wanted)
 
 
+@pytest.mark.parametrize("batch", [(), (1,), (0,), (2, 3)])
+def test_both_models_solve_batches_of_every_shape(models: Models, batch: tuple[int, ...]) -> None:
+    (q,) = values(models.numpy, "forward_kinematics", *batch)
+    poses = models.numpy.forward_kinematics(q, params=PARAMETERS)
+    near = np.zeros((*batch, models.numpy.DOF))
+    for options in ({}, {"near": near}):
+        found, status = models.native.inverse_kinematics(poses, params=PARAMETERS, status=True, **options)
+        wanted, codes = models.numpy.inverse_kinematics(poses, params=PARAMETERS, status=True, **options)
+        assert (found.shape, status.shape) == (wanted.shape, codes.shape)
+        assert np.array_equal(status, codes)
+        assert np.allclose(found, wanted, rtol=0, atol=1e-9, equal_nan=True)
+    nearest = models.native.inverse_kinematics_nearest(poses, q, params=PARAMETERS)
+    assert nearest.shape == models.numpy.inverse_kinematics_nearest(poses, q, params=PARAMETERS).shape == q.shape
+
+
+@pytest.mark.parametrize("shape", [(16,), (2, 8), (8, 2)])
+def test_both_models_refuse_what_has_the_numbers_of_a_pose_in_another_shape(
+    models: Models, shape: tuple[int, ...]
+) -> None:
+    for model in (models.native, models.numpy):
+        with pytest.raises(ValueError, match="T"):
+            model.inverse_kinematics(np.eye(4).reshape(shape), params=PARAMETERS)
+
+
 @pytest.mark.parametrize("batch", [(), (5,), (3, 11)])
 def test_out_is_filled_and_returned_whatever_its_strides(models: Models, batch: tuple[int, ...]) -> None:
     for name in FUNCTIONS:
