@@ -27,6 +27,13 @@ from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
 
+Result = tuple[int, tuple[bool, int, int, int], Elimination]
+"""How many solutions an elimination found at the trials, and how it compares with others that found as many."""
+
+_SHARES = (0.97, 0.4)
+_INEXACT = (1e-6, 1e-3)
+"""Errors of candidates above which others are better; far from usual ones, so that no processor's rounding decides."""
+
 
 def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
     """Every way to make a regular eigenvalue problem of a loop.
@@ -41,7 +48,7 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
     for way in ways:
         groups.setdefault(way.unknowns, []).append(way)
     for unknowns, group in groups.items():
-        finish = max(group, key=lambda way: _determined(loop, way))
+        finish = max(group, key=lambda way: float(f"{_determined(loop, way):.3g}"))  # equal ones differ by rounding
         for hidden in unknowns:
             straight = tuple(joint for joint in unknowns if _is_straight(loop, pose, group, joint))
             reductions = [_reduction(loop, way, hidden, straight) for way in group]
@@ -142,16 +149,21 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
         for option in options[: POLICY.options]:
             found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
             doubts = int(found.doubtful.sum()) > POLICY.trials // 10
-            # coarse, so that the choice depends on no processor's rounding
-            digits = int(math.log10(min(max(found.error, 1e-16), 1e16)) / 4)
-            order = (-found.certain, doubts, option.eigenvalues, len(option.reductions), digits)
-            results.append((order, option))
-        if results and not min(results, key=lambda each: each[0])[0][1]:
+            inexact = sum(found.error > bound for bound in _INEXACT)
+            results.append((found.certain, (doubts, option.eigenvalues, len(option.reductions), inexact), option))
+        ranked = _ranked(results)
+        if ranked and not ranked[0][1][0]:
             break
     best: dict[tuple[int, int], Elimination] = {}
-    for _, option in sorted(results, key=lambda each: each[0]):
+    for _, _, option in _ranked(results):
         best.setdefault((option.start, option.hidden), option)
     return tuple(best.values())
+
+
+def _ranked(results: Sequence[Result]) -> list[Result]:
+    """The best first: what finds nearly all solutions that any does, then what finds many; the rest is rounding."""
+    most = max((certain for certain, _, _ in results), default=0)
+    return sorted(results, key=lambda each: (sum(each[0] < share * most for share in _SHARES), each[1]))
 
 
 def general_formula(

@@ -1,6 +1,9 @@
 """The eliminations that an arm has, and those that serve it best."""
 
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -9,6 +12,7 @@ from derive.model.inverse.elimination_choice import eliminations, find_general
 from derive.model.inverse.numeric_chain import NumericChain
 from tests.inverse.arms import PUBLISHED
 from tests.model.inverse.test_closure import pose_of, random_loop
+from tests.places import ROOT
 
 
 @pytest.mark.parametrize("types", ["RRRRRR", "RRPRRR"])
@@ -38,3 +42,29 @@ def test_an_arm_of_two_joints_has_no_elimination():
         np.array([True, True]), np.ones(2), np.array(loop.gaps[:2]), loop.gaps[2], np.full((2, 2), (-math.pi, math.pi))
     )
     assert find_general(chain) == ()
+
+
+CHOICE = """
+from derive.model.inverse.elimination_choice import find_general
+from derive.model.inverse.numeric_chain import NumericChain
+from tests.inverse.arms import PUBLISHED
+from tests.places import ROOT
+for case in PUBLISHED:
+    if case.name in ("crx-10ia", "jaco"):
+        print(find_general(NumericChain.of(case.robot())))
+"""
+
+
+@pytest.mark.sweep
+def test_no_rounding_of_a_processor_decides_which_elimination_is_taken() -> None:
+    """Kernels of OpenBLAS for other processors round otherwise; where the variable means nothing all are the same."""
+    found = set()
+    for processor in ("Haswell", "Prescott", "SkylakeX"):
+        environment = os.environ | {
+            "OPENBLAS_CORETYPE": processor,
+            "OPENBLAS_NUM_THREADS": "1",
+            "PYTHONPATH": str(ROOT),
+        }
+        command = [sys.executable, "-c", CHOICE]
+        found.add(subprocess.run(command, env=environment, capture_output=True, text=True, check=True, cwd=ROOT).stdout)
+    assert len(found) == 1
