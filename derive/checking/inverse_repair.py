@@ -138,7 +138,7 @@ class Repairer:
         for made in candidates:
             self._tried += 1
             if self._tried > MAX_TRIED:
-                return None
+                break
             changed = self._printed.changed(line, formula, made[-1].formula)
             lines = [changed.lines[self._printed.lines.index(x)] for x in self._lines]
             with suppress(CheckError):

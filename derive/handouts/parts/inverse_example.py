@@ -134,8 +134,8 @@ def _in_floats(found: InverseKinematics, numbers: dict[str, float], q: Sequence[
     solver = InverseSolver.of(found.robot, found.graph, numbers)
     pose, _slopes = solver.chain.pose_and_jacobian(np.array(q, dtype=float))
     solved = solver.solve(pose, [q[k] for k in found.graph.given]).q
-    real = solved[np.isfinite(solved).all(axis=-1)]
-    return [Found(number, tuple(map(float, own))) for number, own in enumerate(real, 1)]
+    real = sorted(solved[np.isfinite(solved).all(axis=-1)].tolist(), key=lambda own: [round(x, 6) for x in own])
+    return [Found(number, tuple(own)) for number, own in enumerate(real, 1)]
 
 
 def _in_one_turn(angle: float) -> float:
