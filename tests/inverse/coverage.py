@@ -79,7 +79,7 @@ def _one_class(kind, cases, options):
             failures.append(_failure(case, options, f"no closed form: {error}"))
             continue
         except Exception as error:
-            failures.append(_failure(case, options, f"derivation raises {_brief(error)}"))
+            failures.append(_failure(case, options, f"derivation raises {brief(error)}"))
             continue
         worst_derivation = max(worst_derivation, time.perf_counter() - begin)
         solved += 1
@@ -90,7 +90,7 @@ def _one_class(kind, cases, options):
                 with np.errstate(all="ignore"):
                     verdict = trial.judge(poses, solver)
             except Exception as error:
-                failures.append(_failure(case, options, f"{poses.kind}: solver raises {_brief(error)}"))
+                failures.append(_failure(case, options, f"{poses.kind}: solver raises {brief(error)}"))
                 continue
             totals[poses.kind] += verdict
             if verdict.missing:
@@ -131,7 +131,7 @@ def _failure(case: ArmCase, options, what):
     return (len(case.rows), f"{place}{chosen}{extra}: {what}")
 
 
-def _brief(error):
+def brief(error):
     frame = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {str(error)[:120]} ({Path(frame.filename).name}:{frame.lineno})"
 

@@ -57,11 +57,18 @@ def solver_of(case: ArmCase):
     return run
 
 
-def generated_solver(case: ArmCase):
-    """The function of the generated NumPy module, as a user gets it by ``derive build``."""
+def generated_solver(case: ArmCase, target: str = "numpy"):
+    """The function of the generated module, as a user gets it by ``derive build``; ``count`` as above.
+
+    Args:
+        case: The arm.
+        target: ``numpy`` or ``native``.
+    """
+    robot = case.robot()
     with tempfile.TemporaryDirectory() as folder:
-        built = derive.build(case.robot(), folder, targets=["numpy"], only=True, effort="quick")
-        spec = importlib.util.spec_from_file_location("generated_inverse", built.folder / "model_numpy.py")
+        targets = ["numpy", target] if target != "numpy" else [target]
+        built = derive.build(robot, folder, targets=targets, only=True, effort="quick")
+        spec = importlib.util.spec_from_file_location(f"generated_{target}", built.folder / f"model_{target}.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
     if not hasattr(module, "inverse_kinematics"):
@@ -71,4 +78,6 @@ def generated_solver(case: ArmCase):
     def run(poses, given):
         return module.inverse_kinematics(poses, params, given if given.shape[1] else None, status=True)
 
+    graph = solve_symbolically(robot)
+    run.count = graph.count if graph.complete else 0
     return run
