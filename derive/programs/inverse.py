@@ -33,16 +33,14 @@ from derive.programs.trace import Trace, has_exact_rotations
 from derive.robot.expression import Expression, Pi
 from derive.robot.inverse_options import FREEDOMS
 from derive.robot.robot import Robot
+from derive.robot.solution_policy import POLICY
 
 DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
 nodes, or `FREE`, one that does not exist with the joints that are free where the caller has them."""
 
-CLOSED = Fraction(1, 10**7)
+CLOSED = Fraction(str(POLICY.closed))
 """A branch whose pose is farther off than this part of the arm's reach is none: the pose is not reached."""
-
-REFINED = 3e-11
-"""The same after Newton's method, of an arm with a joint for every coordinate of its task."""
 
 NEARLY_EXACT = 1e-7
 """Base and tool that are rotations to so much make poses that are accepted as such, though no formula is exact."""
@@ -307,7 +305,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
     wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
-    closed = float(CLOSED) if n - len(graph.given) < wanted else REFINED
+    closed = POLICY.closed if n - len(graph.given) < wanted else POLICY.reproduced
     return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed)
 
 

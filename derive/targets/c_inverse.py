@@ -8,6 +8,7 @@ from math import inf, isfinite
 
 from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
 from derive.robot.robot import Robot
+from derive.robot.solution_policy import POLICY
 from derive.targets.c_function import CFunction, c_function, pointers
 from derive.targets.c_search import CSearch, c_search
 from derive.targets.escape import c_comment
@@ -152,6 +153,7 @@ def _bound(value: float) -> str:
 def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, constant_count: int) -> tuple[str, ...]:
     """The lines of the comment in the header."""
     interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
+    far = POLICY.texts["far"]
     constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."
     near = (
         "where joints are that are free at a pose, a configuration; NULL for zeros. If the others",
@@ -163,7 +165,7 @@ def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, const
         interface.summary,
         "",
         inverse.summary,
-        "T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.",
+        f"T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond {far}, none exists.",
         "",
         "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
         *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),

@@ -12,6 +12,7 @@ from typing import Any
 from derive.algebra.constants import to_float
 from derive.programs.program import NEAR, Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.robot.solution_policy import POLICY
 from derive.targets.c import c_heading
 from derive.targets.escape import python_docstring
 from derive.targets.numpy import python_context
@@ -128,13 +129,13 @@ def casadi_inverse(inverse: Inverse, parameters: int) -> list[Any]:
     functions, n = [], inverse.joints
     for branch in range(inverse.branches):
         q, code = casadi.vertcat(*values[branch * n : branch * n + n]), values[inverse.branches * n + branch]
-        ahead, mended = step(q, pose, 1e-12, *params), q
+        ahead, mended = step(q, pose, POLICY.damping, *params), q
         for _ in range(2):  # as `_checked` of model_casadi.py
-            found = step(ahead[:n], pose, 1e-12, *params)
+            found = step(ahead[:n], pose, POLICY.damping, *params)
             better = found[n] < ahead[n]
             mended, ahead = casadi.if_else(better, ahead[:n], mended), casadi.if_else(better, found, ahead)
-        kind = casadi.if_else((ahead[n] <= 1e-7) * (code < 8), casadi.fmod(code, 4), 0)
-        status = casadi.if_else(casadi.norm_1(pose[:12]) <= 1e30, casadi.if_else(code < 4, code, kind), 0)
+        kind = casadi.if_else((ahead[n] <= POLICY.closed) * (code < 8), casadi.fmod(code, 4), 0)
+        status = casadi.if_else(casadi.norm_1(pose[:12]) <= POLICY.far, casadi.if_else(code < 4, code, kind), 0)
         q = casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(n, 1))
         functions.append(
             casadi.Function(f"inverse_kinematics_{branch + 1}", inputs, [q, status], names, ["q", "status"])

@@ -1,6 +1,7 @@
 """The one Jinja environment: templates hold text, loops and flags; everything else is computed before.
 
-Undefined names are errors, blocks leave no blank lines behind, and lines end with a line feed everywhere.
+Undefined names are errors, blocks leave no blank lines behind, and lines end with a line feed everywhere. The
+thresholds of inverse kinematics are ``policy`` in all of them.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+from derive.robot.solution_policy import POLICY
 
 
 def render(template: str, **context: object) -> str:
@@ -29,7 +32,7 @@ def render(template: str, **context: object) -> str:
 @cache
 def environment() -> Environment:
     """The environment of all templates."""
-    return Environment(
+    found = Environment(
         loader=FunctionLoader(_read),
         undefined=StrictUndefined,
         autoescape=False,
@@ -38,6 +41,8 @@ def environment() -> Environment:
         keep_trailing_newline=True,
         newline_sequence="\n",
     )
+    found.globals["policy"] = POLICY.texts
+    return found
 
 
 def template_folder() -> Traversable:

@@ -22,30 +22,13 @@ from derive.model.inverse.numeric_chain import Array, Entries, NumericChain, Pro
 from derive.model.inverse.walk import Run
 from derive.robot.evaluate import parameter_values
 from derive.robot.robot import Robot
+from derive.robot.solution_policy import POLICY
 
 REPRODUCED = 1e-10
 """Largest error of the pose of a solution, lengths relative to the reach."""
 
-ROUNDING = 1e-13
-"""Below it a candidate is not polished."""
-
-NO_ROTATION = 1e-6
-"""From here on R^T R differs too much from 1."""
-
-FAR = 1e30
-"""No arm reaches so far [m], and powers of what is farther are no numbers."""
-
 RESCUED = 60
 """Most steps of damped Newton from the leaves of a pose at which none is a solution."""
-
-ELSEWHERE = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
-"""Where free joints are tried, where the others have no solution with them where the caller has them."""
-
-SAME = 1e-7
-"""Candidates closer than this [rad, or lengths relative to the reach] are one solution."""
-
-DOUBLE = 3e-5
-"""Two candidates of a double root, each on the boundary, lie within this of each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,14 +113,14 @@ class InverseSolver:
             raise ValueError(f"a pose has shape (4, 4), or (..., 4, 4), not {goal.shape}")
         if not np.isfinite(goal).all():
             raise ValueError("a pose has finite entries")
-        if np.abs(goal[..., 3]).max(initial=0.0) > FAR:
+        if np.abs(goal[..., 3]).max(initial=0.0) > POLICY.far:
             raise ValueError(f"not a pose: its position is {np.abs(goal[..., 3]).max():.0e} m away")
-        if np.abs(goal[..., 3, :] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0) > NO_ROTATION:
+        if np.abs(goal[..., 3, :] - (0.0, 0.0, 0.0, 1.0)).max(initial=0.0) > POLICY.orthogonal:
             raise ValueError("not a pose: its last row is not 0, 0, 0, 1")
         turn = goal[..., :3, :3]
         away = np.abs(np.swapaxes(turn, -1, -2) @ turn - np.eye(3)).max(initial=0.0)
         turns = any(j < 3 for _, j in self.entries)
-        if turns and away > NO_ROTATION:
+        if turns and away > POLICY.orthogonal:
             raise ValueError(f"not a pose: its rotation R has |R^T R - 1| up to {away:.1e}")
         if turns and (np.linalg.det(turn) < 0).any():
             raise ValueError("not a pose: its rotation is a reflection")
@@ -155,7 +138,7 @@ class InverseSolver:
         q, status, doubt, free = self._leaves(poses, given, near)
         settled = np.zeros_like(free)
         q, status = self._checked(poses, q, status, doubt, free, settled)
-        for place in ELSEWHERE:
+        for place in POLICY.elsewhere:
             stuck = np.flatnonzero((free & (status == Status.NONE)).any(axis=1))
             if not stuck.size:
                 break
@@ -204,13 +187,13 @@ class InverseSolver:
             q[pose, row],
             Problem(self.chain, poses[pose], self.entries, self._free).residual(q[pose, row]),
         )
-        rough = np.flatnonzero((residual > ROUNDING) & (status[pose, row] > 0))
+        rough = np.flatnonzero((residual > POLICY.rounding) & (status[pose, row] > 0))
         part = Problem(self.chain, poses[pose[rough]], self.entries, self._free)
         refined[rough], residual[rough] = polish(part, refined[rough])
         residual[status[pose, row] < 0] = math.inf
         solved = np.zeros(len(poses), dtype=bool)
         solved[pose[residual <= REPRODUCED]] = True
-        settled[pose, row] |= free[pose, row] & (residual <= ROUNDING)
+        settled[pose, row] |= free[pose, row] & (residual <= POLICY.rounding)
         lost = np.flatnonzero(~solved[pose] | (doubt[pose, row] & (residual > REPRODUCED)))
         part = Problem(self.chain, poses[pose[lost]], self.entries, self._free)
         refined[lost], residual[lost] = fit(part, q[pose[lost], row[lost]], RESCUED)
@@ -231,9 +214,9 @@ class InverseSolver:
                 turns = np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
                 edge = (status[:, before] != Status.EXACT) & (status[:, later] != Status.EXACT)
                 distance = np.abs(apart - turns)
-                near = distance.max(axis=-1) < np.where(edge, DOUBLE, SAME)
+                near = distance.max(axis=-1) < np.where(edge, POLICY.double, POLICY.same)
                 status[both & near, later] = Status.NONE
-                two = both & ~near & ((distance > DOUBLE).sum(axis=-1) <= 2)  # joints that turn about one axis
+                two = both & ~near & ((distance > POLICY.double).sum(axis=-1) <= 2)  # joints that turn about one axis
                 for one, other in ((before, later), (later, before)):
                     elsewhere = two & settled[:, one] & rescued[:, other]
                     status[elsewhere, other], free[elsewhere, other] = Status.NONE, False
