@@ -53,6 +53,7 @@ class CInverse:
         lower: Lower limits of the joints, as the inside of an array.
         upper: Upper limits.
         revolute: Which joints turn, 1 or 0.
+        turning: Which of them are not given.
         given: Numbers of the given joints, from 1, and their places.
         given_array: Declares the variables of the given joints, if there are any.
         given_lines: Statements that take them from a configuration.
@@ -81,6 +82,7 @@ class CInverse:
     lower: str
     upper: str
     revolute: str
+    turning: str
     given: tuple[dict[str, str], ...]
     given_array: str
     given_lines: tuple[str, ...]
@@ -109,7 +111,7 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
     names = list(inverse.function.widths)
     inputs = [*names, *hoisted]
     limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
-    nearest = [POSE, NEAR, *hoisted]
+    joints, nearest = list(enumerate(robot.joints)), [POSE, NEAR, *hoisted]
     rows = [f"{name} + {inverse.function.widths[name]} * row" for name in names if name != NEAR]
     rows.append(f"{NEAR} ? {NEAR} + {inverse.joints} * row : NULL")
 
@@ -135,6 +137,7 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
         lower=", ".join(_bound(pair[0]) for pair in limits),
         upper=", ".join(_bound(pair[1]) for pair in limits),
         revolute=", ".join(str(int(joint.is_revolute)) for joint in robot.joints),
+        turning=", ".join(str(int(i not in inverse.given and joint.is_revolute)) for i, joint in joints),
         given=tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
         given_array=f", given[{len(inverse.given)}]" if inverse.given else "",
         given_lines=tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),

@@ -68,6 +68,7 @@ class JavaScriptInverse:
         given_count: Number of given joints.
         unpack_given: Statements that check their variables and name them.
         given_of_q: Their variables in a configuration.
+        turning: Revolute joints that are not given, from 0.
         nearest_given: What `q` says besides.
     """
 
@@ -82,6 +83,7 @@ class JavaScriptInverse:
     given_count: int
     unpack_given: tuple[str, ...]
     given_of_q: str
+    turning: str
     nearest_given: str
 
 
@@ -197,6 +199,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         "",
         *function.notes,
     )
+    turning = [i for i, joint in enumerate(robot.joints) if joint.is_revolute and i not in inverse.given]
     count, unpacked = len(inverse.given), ", ".join(entry_names(function, GIVEN, 0))
     given = f'const [{unpacked}] = finite("inverseKinematics", "given", given, {count});'
     return JavaScriptInverse(
@@ -213,6 +216,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         given_count=count,
         unpack_given=(given,) if count else (),
         given_of_q=", ".join(f"q[{i}]" for i in inverse.given),
+        turning=", ".join(map(str, turning)),
         nearest_given=f"; {words} stay there" if names else "",
     )
 

@@ -46,6 +46,13 @@ def test_every_solution_leads_to_its_pose_and_the_configuration_is_one() -> None
     np.testing.assert_allclose(one, found[0], atol=1e-9)
 
 
+def test_no_poses_have_no_solutions() -> None:
+    found, status = model_of(GENERAL).inverse_kinematics(
+        np.empty((2, 0, 4, 4)), PARAMETERS, np.empty((2, 0, 1)), status=True
+    )
+    assert (found.shape, status.shape) == ((2, 0, 16, 7), (2, 0, 16))
+
+
 @needs_compiler
 def test_c_finds_the_solutions_that_numpy_finds() -> None:
     (q, poses), compiled = poses_of(GENERAL, 40), c_model(robot_of(GENERAL), program_of(GENERAL))

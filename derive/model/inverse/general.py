@@ -69,7 +69,7 @@ class GeneralSolution:
         for index in range(len(self.eliminations)):
             chosen = None if given is None else given[open_]
             found = self.attempt(index, chain, poses[open_], chosen)
-            q = _placed(q, open_, _distinct(np.concatenate([q[open_], found.q], axis=1), chain))
+            q = _placed(q, open_, _distinct(np.concatenate([q[open_], found.q], axis=1), chain, self.given))
             open_ = open_[found.doubtful]
             if not open_.size:
                 return self._limited(chain, poses, q)
@@ -97,7 +97,7 @@ class GeneralSolution:
         place, q, goal, _ = self._starts(0, chain, poses, given, math.inf)
         q, residual = fit(goal, q, POLICY.approach)
         good = residual <= POLICY.residual
-        return _distinct(_table(place[good], q[good], len(poses)), chain)
+        return _distinct(_table(place[good], q[good], len(poses)), chain, self.given)
 
     def attempt(self, index: int, chain: NumericChain, poses: Array, given: Array | None) -> Attempt:
         """The solutions that one elimination finds.
@@ -113,8 +113,8 @@ class GeneralSolution:
         q, residual = _refined(goal, q)
         good = residual <= POLICY.residual
         sure = good & (first < POLICY.rough)
-        certain = int(np.isfinite(_distinct(_table(place[sure], q[sure], len(poses)), chain)[..., 0]).sum())
-        distinct = _distinct(_table(place[good], q[good], len(poses)), chain)
+        certain = int(np.isfinite(_distinct(_table(place[sure], q[sure], len(poses)), chain, self.given)[..., 0]).sum())
+        distinct = _distinct(_table(place[good], q[good], len(poses)), chain, self.given)
         numbers = np.isfinite(distinct[..., 0]).sum(axis=1)
         doubtful |= numbers == 0
         doubtful[place[~good & (first < POLICY.near)]] = True
@@ -258,9 +258,10 @@ def _placed(table: Array, rows: Array, new: Array) -> Array:
     return result
 
 
-def _distinct(table: Array, chain: NumericChain) -> Array:
-    """Angles in (-pi, pi], each solution once, NaN after them."""
-    turned = np.where(chain.revolute, table - 2.0 * math.pi * np.ceil((table - math.pi) / (2.0 * math.pi)), table)
+def _distinct(table: Array, chain: NumericChain, given: tuple[int, ...]) -> Array:
+    """Angles in (-pi, pi], but for those of joints that are given; each solution once, NaN after them."""
+    turning = chain.revolute & ~np.isin(np.arange(chain.n), given)
+    turned = np.where(turning, table - 2.0 * math.pi * np.ceil((table - math.pi) / (2.0 * math.pi)), table)
     apart = np.abs(turned[:, :, None] - turned[:, None])
     apart = np.where(chain.revolute, np.minimum(apart, 2.0 * math.pi - apart), apart / chain.reach)
     same = np.tril((apart < POLICY.apart).all(axis=-1), -1).any(axis=2)

@@ -118,12 +118,17 @@ class Run(Generic[N, M]):
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
         """The joint variables of a solution: angles in (-pi, pi] before their shifts are taken off, and lengths.
 
+        Joints that are given have the numbers that were given.
+
         Args:
             leaf: The solution.
         """
         plain = (self.field.angle(*numbers) if len(numbers) == 2 else numbers[0] for numbers in leaf.joints)
         shifts = map(self.field.constant, self.graph.shifts)
-        return tuple(value - shift for value, shift in zip(plain, shifts, strict=True))
+        found = [value - shift for value, shift in zip(plain, shifts, strict=True)]
+        for place, number in zip(self.graph.given, self.given, strict=True):
+            found[place] = number
+        return tuple(found)
 
     def evaluate(self, p: Polynomial, values: Mapping[str, N]) -> N:
         """The number of a polynomial, by Horner's rule in its most frequent generator.

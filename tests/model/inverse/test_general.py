@@ -8,7 +8,7 @@ import pytest
 
 from derive.model.inverse.elimination_choice import find_general
 from derive.model.inverse.fields import FloatField
-from derive.model.inverse.general import GeneralSolution, free_loop, scaled
+from derive.model.inverse.general import GeneralSolution, _distinct, free_loop, scaled
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.numeric_chain import POSE, NumericChain
 from derive.model.inverse.solve import solve
@@ -63,6 +63,12 @@ def test_every_configuration_is_among_the_solutions_of_its_pose(name):
     error = np.abs(chain.pose_and_jacobian(np.nan_to_num(found))[0] - poses[:, None]).max(axis=(2, 3))
     assert error[exists].max() < 1e-10 * max(1.0, chain.reach)
     assert not np.isnan(found[exists]).any()
+
+
+def test_joints_that_are_given_keep_their_numbers_beyond_a_turn_too():
+    chain = NumericChain.of(CASES["jaco"].robot(choice=False), {})
+    table = np.full((1, 2, chain.n), 4.0)
+    assert (_distinct(table, chain, (2,))[0, 0] == [4.0 - 2 * math.pi] * 2 + [4.0] + [4.0 - 2 * math.pi] * 3).all()
 
 
 @pytest.mark.sweep
