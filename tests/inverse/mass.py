@@ -19,7 +19,7 @@ from derive.verification.oracle.frames import forward_kinematics
 from tests.inverse import truth
 from tests.inverse.arms import CLASSES, PUBLISHED, ArmCase, random_arm
 from tests.inverse.coverage import brief
-from tests.inverse.solvers import Refused, generated_solver, solver_of
+from tests.inverse.solvers import Refused, generated_solver, solver_of, unbuilt_solver
 from tests.inverse.trial import DUPLICATE, FOUND, REGULAR, Trial
 
 FOUR = ("puma560", "ur5", "stanford", "kr5-arc")
@@ -233,7 +233,7 @@ def with_truth(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-8) 
 
 
 def run_arms(options) -> Tally:
-    """Random arms of every class in turn, each built, until the time is over."""
+    """Random arms of every class in turn until the time is over."""
     end = time.monotonic() + options.seconds if options.seconds else np.inf
     total, by_class, arms, failed = Tally(), defaultdict(Tally), defaultdict(int), defaultdict(int)
     for number in range(options.first, options.first + options.arms):
@@ -255,7 +255,7 @@ def _arm(kind: str, number: int, options) -> Tally:
     case, begin = random_arm(kind, number), time.perf_counter()
     bar = 1e-8 if "general" in kind or "offset" in kind else 1e-10
     try:
-        solver = solver_of(case) if options.walk else generated_solver(case)
+        solver = (solver_of if options.walk else generated_solver if options.build else unbuilt_solver)(case)
         found = tried(case, solver, options.poses or 200, options.seed, bar)
         if options.truth:
             found += with_truth(case, solver, options.truth, options.seed + 1, bar)[0]
@@ -285,7 +285,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--truth", type=int, default=0, help="at how many poses more all solutions are asked for")
     parser.add_argument("--seconds", type=float, help="arms: when to stop")
     parser.add_argument("--seed", type=int, default=0, help="of the poses")
-    parser.add_argument("--walk", action="store_true", help="arms: `InverseSolver`, nothing is built")
+    parser.add_argument("--build", action="store_true", help="arms: by `derive build`, all functions, verified")
+    parser.add_argument("--walk", action="store_true", help="arms: `InverseSolver`, nothing is generated")
     parser.add_argument("--native", action="store_true", help="poses, general: the compiled module, too")
     parser.add_argument("--verbose", action="store_true")
     options = parser.parse_args(arguments)

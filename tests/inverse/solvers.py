@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import tempfile
+from types import ModuleType
 
 import numpy as np
 
@@ -12,7 +13,11 @@ from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.numeric import solve
 from derive.model.inverse.numeric_chain import POSE, POSITION, NumericChain
 from derive.model.inverse.solve import solve as solve_symbolically
+from derive.programs.build import build_program
+from derive.programs.search_policy import Effort
+from derive.publish.render import Source
 from derive.robot.inverse_options import TASKS
+from derive.targets.numpy import TARGET
 from tests.inverse.arms import ArmCase
 
 ENTRIES = {"pose": POSE, "position": POSITION}
@@ -71,6 +76,20 @@ def generated_solver(case: ArmCase, target: str = "numpy"):
         spec = importlib.util.spec_from_file_location(f"generated_{target}", built.folder / f"model_{target}.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
+    return _of_module(module, robot, case)
+
+
+def unbuilt_solver(case: ArmCase):
+    """The function of the generated NumPy module, in half the time: nothing else is generated or verified."""
+    robot = case.robot()
+    program = build_program(robot, Effort.QUICK, names={"forward_kinematics"}, inverse=True)
+    text = TARGET.render(Source(robot, program, derive.__version__, TARGET.files))["model_numpy.py"]
+    module = ModuleType("generated_numpy")
+    exec(compile(text, "model_numpy.py", "exec", dont_inherit=True), module.__dict__)
+    return _of_module(module, robot, case)
+
+
+def _of_module(module, robot, case):
     if not hasattr(module, "inverse_kinematics"):
         raise Refused("no inverse_kinematics is generated")
     params = {name: case.values[name] for name in getattr(module, "PARAMETERS", ()) if name in case.values} or None

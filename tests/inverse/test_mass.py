@@ -68,8 +68,9 @@ def test_true_solutions_of_an_arm_are_all_asked_for(solved):
     assert found.solutions > found.poses == 5
 
 
-def test_random_arms_are_built_and_tried(capsys):
-    assert main(["arms", "--class", "1dof", "--first", "3", "--arms", "2", "--poses", "3"]) == 0
+@pytest.mark.parametrize("way", [[], ["--build"]], ids=["alone", "built"])
+def test_random_arms_are_generated_and_tried(way, capsys):
+    assert main(["arms", "--class", "1dof", "--first", "3", "--arms", "2", "--poses", "3", *way]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("1dof")
     assert "2 arms, 0 failed; 6 poses" in lines[0]
