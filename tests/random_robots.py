@@ -10,7 +10,9 @@ from __future__ import annotations
 import json
 import math
 import random
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -402,8 +404,14 @@ SWEPT = ("kuka-kr5", "puma560-corke", "scara-matlab", "stanford-deluca", "thumb"
 """Built-in robots of every kind, for sweeps that take long for each."""
 
 
+@cache
+def catalogue() -> Mapping[str, Robot]:
+    """The built-in robots by name, read once for all tests."""
+    return {name: Robot.load(name) for name in catalogue_names()}
+
+
 def swept_catalogue(most_joints: int = 64, usual: tuple[str, ...] = ()) -> list[Any]:
     """The built-in robots: those for every run of the tests, those of the sweep, the others before a release."""
-    names = (name for name in catalogue_names() if Robot.load(name).n <= most_joints)
+    names = (name for name, robot in catalogue().items() if robot.n <= most_joints)
     rest = {name: [pytest.mark.sweep if name in SWEPT else pytest.mark.release] for name in names}
     return [pytest.param(name, marks=[] if name in usual else marks) for name, marks in rest.items()]

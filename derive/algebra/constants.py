@@ -7,6 +7,7 @@ far is zero.
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import partial, reduce
@@ -201,6 +202,19 @@ def _settle(value: Any, scale: Any) -> Constant:
         whole = -mantissa if sign else mantissa
         return Fraction(whole) * Fraction(2) ** exponent
     return value
+
+
+def _restored(sign: int, mantissa: int, exponent: int, bits: int) -> Constant:
+    """A constant from its parts."""
+    return _CONTEXT.make_mpf((sign, mpmath.libmp.MPZ(mantissa), exponent, bits))
+
+
+def _parts(value: Any) -> tuple[Callable[..., Constant], tuple[int, ...]]:
+    """A constant as another process gets it: numbers of a private context are none that `pickle` finds by name."""
+    return _restored, tuple(map(int, value._mpf_))
+
+
+copyreg.pickle(_CONTEXT.mpf, _parts)
 
 
 def _rounded(value: Any) -> tuple[int, int, int, int]:

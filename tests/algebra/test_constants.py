@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from fractions import Fraction
 
 import pytest
@@ -77,3 +78,11 @@ def test_pi_is_known_to_its_last_bit() -> None:
 def test_numbers_that_are_none_are_refused(make: object, message: str) -> None:
     with pytest.raises(QuantityError, match=message):
         make()  # type: ignore[operator]
+
+
+def test_constants_reach_another_process_with_every_bit() -> None:
+    for value in (constants.pi(), constants.multiply(constants.cosine(Fraction(1)), Fraction(-1)), Fraction(2, 3)):
+        found = pickle.loads(pickle.dumps(value))
+        assert (type(found), constants.key_of(found)) == (type(value), constants.key_of(value))
+        assert constants.add(found, constants.multiply(value, Fraction(-1))) == 0
+        assert found == value

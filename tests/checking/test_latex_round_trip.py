@@ -18,9 +18,8 @@ from derive.model.equality import compare
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.handout_options import HandoutOptions
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from tests.random_robots import swept_catalogue
+from tests.random_robots import catalogue, swept_catalogue
 
 LONGEST = 3_000
 QUICK = ("planar-2r-perugia", "spherical-wrist")
@@ -71,7 +70,7 @@ def test_fragments_of_the_handout_are_read_back(name: str) -> None:
             assert all(finding.verdict.equal for finding in report.findings), quantity
 
 
-@pytest.mark.parametrize("name", [name for name in catalogue_names() if Robot.load(name).n <= 7])
+@pytest.mark.parametrize("name", [name for name, robot in catalogue().items() if robot.n <= 7])
 def test_printed_latex_is_read_back(name: str) -> None:
     robot = Robot.load(name)
     model, latex = Model(robot), LatexPrinter(Notation.of(robot)).latex

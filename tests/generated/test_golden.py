@@ -22,6 +22,7 @@ from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 
 GENERATED = ROOT / "generated"
+LONG = {"human-body": [pytest.mark.sweep]}
 REMEDY = "if the change is meant, run `make models`, look at the differences and commit them"
 
 
@@ -39,7 +40,9 @@ def test_every_robot_of_the_catalogue_has_its_folder_and_no_other_is_there() -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", catalogue_names()[::3])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=LONG.get(name, ())) for name in catalogue_names()[::3]]
+)
 def test_committed_models_are_byte_for_byte_what_a_build_makes(name: str) -> None:
     """Every third robot here, all of them in `make generated-check`."""
     robot = Robot.load(name)

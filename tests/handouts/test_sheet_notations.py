@@ -23,7 +23,7 @@ from derive.robot.handout_options import (
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.handouts.test_latex_writer import assert_is_clean
-from tests.random_robots import robot_text
+from tests.random_robots import robot_text, seeds
 
 WIDEST = NotationOptions(
     AngleLetter.VARTHETA, SliderLetter.Q, Functions.FULL, frames=FrameIndices.LEFT, inertia=InertiaLetter.M
@@ -50,7 +50,7 @@ def sheet(robot: Robot, options: HandoutOptions) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12, usual=5))
 def test_random_robots_in_any_notation_and_language_are_clean(seed: int, tmp_path: Path) -> None:
     """No error, no overfull box."""
     source = random.Random(1000 + seed)

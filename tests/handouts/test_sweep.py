@@ -73,7 +73,7 @@ def test_the_catalogue_in_one_language_after_another(number: int, name: str, tmp
     assert_is_clean(robot, replace(robot.handout, language=LANGUAGES[number % len(LANGUAGES)]), tmp_path)
 
 
-@pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=10))
+@pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=6))
 def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
     """One to seven joints of all kinds; language, steps and notation change from one to the next."""
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))

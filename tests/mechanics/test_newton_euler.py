@@ -16,13 +16,12 @@ from derive.mechanics.printed_newton_euler import newton_euler_base, newton_eule
 from derive.model.model import Model
 from derive.robot.description import Convention
 from derive.robot.expression import Expression, Name, multiply
-from derive.robot.load import catalogue_names
 from derive.robot.names import velocity_name
 from derive.robot.robot import Robot
-from tests.random_robots import robot_text
+from tests.random_robots import catalogue, robot_text
 
 MAX_JOINTS = 4
-CATALOGUE = [Robot.load(name) for name in catalogue_names()]
+CATALOGUE = [*catalogue().values()]
 SMALL = [robot for robot in CATALOGUE if robot.has_dynamics and robot.n <= MAX_JOINTS]
 STANDARD = [without_rotors(robot) for robot in SMALL if robot.convention is Convention.STANDARD]
 

@@ -18,9 +18,9 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, rotor_jacobians
 from tests.evaluate import evaluate
-from tests.random_robots import robot_text
+from tests.random_robots import catalogue, robot_text
 
-CATALOGUE_WITH_LINKS = [name for name in catalogue_names() if Robot.load(name).has_dynamics]
+CATALOGUE_WITH_LINKS = [name for name, robot in catalogue().items() if robot.has_dynamics]
 
 
 class Numbers:

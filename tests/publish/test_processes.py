@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import pickle
+from fractions import Fraction
 
 import pytest
 
@@ -42,6 +44,14 @@ def test_nobody_need_ask() -> None:
 @pytest.mark.parametrize("sizes", [[1, 1, 1], [90_000, 10, 20_000]], ids=["short", "long"])
 def test_results_are_in_the_order_of_the_pieces(sizes: list[int]) -> None:
     assert in_two_processes(abs, [-1, -2, -3], sizes) == [1, 2, 3]
+
+
+def test_programs_reach_another_process_whole() -> None:
+    """One that does not is made twice, in silence: pi in its inverse kinematics did not."""
+    program = build_program(Robot.load("puma560-corke"), names=(), inverse=True)
+    assert program.inverse is not None
+    assert any(not isinstance(node.value, Fraction | None) for node in program.inverse.function.tape.nodes)
+    assert pickle.loads(pickle.dumps(program)) == program
 
 
 def test_programs_do_not_depend_on_how_the_search_is_spread() -> None:

@@ -256,9 +256,9 @@ def test_threads_do_not_disturb_each_other(models: Models) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", seeds(2, usual=1))
+@pytest.mark.parametrize("seed", seeds(3, usual=1))
 def test_random_robots_give_what_the_numpy_model_gives(tmp_path: Path, seed: int) -> None:
-    robot = random_robot(random.Random(seed), 3 + seed)
+    robot = random_robot(random.Random(seed), 2 + seed)
     models = built(Robot.from_text(robot.text), tmp_path)
     for name in set(models.numpy.OPERATIONS) - {"inverse_kinematics"}:
         for batch in ((), (21,)):
@@ -301,15 +301,15 @@ def test_a_build_verifies_and_repeats_only_what_changed(tmp_path: Path) -> None:
     assert check_robot(robot, tmp_path, ["native"]).is_current
     assert build_robot(robot, tmp_path, ["native"]).unchanged
     before = library.read_bytes(), library.stat().st_mtime_ns
-    assert not build_robot(robot, tmp_path, ["native", "numpy"]).unchanged
+    assert not build_robot(robot, tmp_path, ["native", "numpy"], verified=False).unchanged
     assert (library.read_bytes(), library.stat().st_mtime_ns) == before
     library.unlink()
     assert check_robot(robot, tmp_path, ["native", "numpy"]).missing == (LIBRARY,)
-    assert not build_robot(robot, tmp_path, ["native", "numpy"]).unchanged
+    assert not build_robot(robot, tmp_path, ["native", "numpy"], verified=False).unchanged
     assert library.is_file()
     assert check_robot(robot, tmp_path, ["numpy"]).is_current
     assert check_robot(robot, tmp_path, ["numpy"], only=True).extra == (LIBRARY, "model.c", "model.h", CODE, MODULE)
-    build_robot(robot, tmp_path, ["numpy"], only=True)
+    build_robot(robot, tmp_path, ["numpy"], only=True, verified=False)
     assert not library.exists()
 
 

@@ -14,8 +14,10 @@ from itertools import product
 import numpy as np
 import pytest
 
+from derive.programs.build import build_program
 from derive.programs.functions import INTERFACES
 from derive.programs.program import Function, Program
+from derive.programs.search_policy import Effort
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
@@ -395,7 +397,7 @@ def test_names_of_users_never_collide_with_names_of_ours() -> None:
     robot = Robot.from_text(
         f"name: names\nconvention: standard\njoints:\n{joints}\ngravity: [0, -9.81, 0]\nlinks:\n{links}\n"
     )
-    model = numpy_model(robot)
+    model = numpy_model(robot, build_program(robot, Effort.QUICK))
     found = model.gravity_vector(np.full(count, 0.1), params={name: 1.0 for name in model.PARAMETERS})
     assert np.isfinite(found).all()
 

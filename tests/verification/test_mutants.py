@@ -31,11 +31,16 @@ Render = Callable[[Source], dict[str, str]]
 
 
 @pytest.mark.parametrize(
-    "render", [render_numpy, pytest.param(render_casadi, marks=pytest.mark.sweep)], ids=["numpy", "casadi"]
+    ("render", "joints"),
+    [
+        pytest.param(render_numpy, 3, id="numpy"),
+        pytest.param(render_numpy, 4, id="numpy-longer", marks=pytest.mark.sweep),
+        pytest.param(render_casadi, 4, id="casadi", marks=pytest.mark.sweep),
+    ],
 )
-def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, render: Render) -> None:
+def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, render: Render, joints: int) -> None:
     rng = random.Random(11)
-    robot = Robot.from_text(random_robot(rng, 4).text)
+    robot = Robot.from_text(random_robot(rng, joints).text)
     (file, text), *_ = render(Source(robot, build_program(robot), "0.0.0")).items()
     (tmp_path / file).write_text(text, encoding="utf-8")
     (right,) = load_models(tmp_path)

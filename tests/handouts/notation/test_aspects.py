@@ -32,10 +32,11 @@ def test_each_solution_is_listed_with_its_signs() -> None:
 
 def test_a_cuspidal_arm_is_called_so_with_the_path() -> None:
     robot = Robot.from_text(CUSPIDAL)
-    found = text(robot)
+    aspects = Model(robot).aspects
+    found = aspects_text(aspects, TextPrinter(robot, None).doprint)
     (first,) = [number for number, line in enumerate(found) if line.startswith("cuspidal")]
     assert [line.split()[0] for line in found[first + 2 :]] == ["q1", "q2", "q3"]
-    parts = json.loads(json.dumps(aspects_parts(Model(robot).aspects)))
+    parts = json.loads(json.dumps(aspects_parts(aspects)))
     assert parts["cuspidal"] is True
     assert all(len(corner) == 3 for corner in parts["path"])
 

@@ -26,14 +26,13 @@ from derive.model.model import Model
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO
 from derive.robot.handout_options import Derivation, HandoutOptions, InertiaLetter, NotationOptions
-from derive.robot.load import catalogue_names
 from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_latex
-from tests.random_robots import robot_text
+from tests.random_robots import catalogue, robot_text
 
 Array = npt.NDArray[np.float64]
 
@@ -48,8 +47,8 @@ PARTS = (
     "motion",
     "newton-euler",
 )
-WITH_LINKS = [name for name in catalogue_names() if Robot.load(name).has_dynamics]
-SHORT = [name for name in WITH_LINKS if Robot.load(name).n <= 7]
+WITH_LINKS = [name for name, robot in catalogue().items() if robot.has_dynamics]
+SHORT = [name for name in WITH_LINKS if catalogue()[name].n <= 7]
 SEEDS = range(10)
 WORST_OVERFULL = 1.0
 

@@ -24,14 +24,13 @@ from derive.robot.description import Inertia, Joint, Link, Motor
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, multiply, power, substitute
 from derive.robot.inertial_parameters import Parameter, standard_parameters
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.places import ROOT
-from tests.random_robots import RandomRobot, random_robot, robot_text
+from tests.random_robots import RandomRobot, catalogue, random_robot, robot_text
 
 BENCH = ROOT / "bench" / "robots"
-SMALL = [robot for robot in map(Robot.load, catalogue_names()) if robot.has_dynamics and robot.n <= 4]
+SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]
 LINK = "{mass: m, com: [x, y, z], inertia: {xx: a, yy: b, zz: c, xy: d, xz: e, yz: f}}"
 
 Array = npt.NDArray[np.float64]

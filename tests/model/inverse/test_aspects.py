@@ -119,6 +119,7 @@ def test_orthogonal_arms_are_cuspidal_where_the_literature_says_so(d3: float, r2
     assert_is_a_path(robot, found, slice(0, 3))
 
 
+@pytest.mark.sweep
 def test_a_crx_is_cuspidal() -> None:
     case = next(case for case in PUBLISHED if case.name == "crx-10ia")
     robot = case.robot()

@@ -14,16 +14,15 @@ from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.inertial_parameters import MAX_JOINTS, has_regressor, standard_parameters
-from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.evaluate import evaluate
 from tests.programs.recursion_values import random_state, value
-from tests.random_robots import random_robot, robot_text
+from tests.random_robots import catalogue, random_robot, robot_text
 
-SMALL = [robot for robot in map(Robot.load, catalogue_names()) if robot.has_dynamics and robot.n <= 4]
+SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot.n <= 4]
 RANDOM = [Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)) for seed in range(9)]
 
 

@@ -20,7 +20,7 @@ from tests.programs.recursion_values import STEP, State, derivative, random_stat
 from tests.random_robots import RandomRobot, random_robot, seeds
 
 TOLERANCE = 1e-11
-SEEDS = seeds(14, usual=4)
+SEEDS = seeds(14, usual=3)
 
 
 @dataclass(frozen=True)
