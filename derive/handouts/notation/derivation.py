@@ -198,7 +198,7 @@ def derivation_lines(found: InverseKinematics, form: str, notation: Notation) ->
     if form == "latex":
         return derivation_latex(found, SignLatexPrinter(notation, found).latex)
     if form == "python":
-        return derivation_python(found)
+        return _script(found)
     return derivation_text(found, SignPrinter(found.robot, notation, pose_names(found)).doprint)
 
 
@@ -259,6 +259,8 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
         lines += ["", f"{number}. {write(step.unknown)}{totals.get(step.unknown, '')}: {reason(found, step)}"]
         lines += [f"     {_equation(e, write)}" for e in step.equations if Line(e.left, e.right) not in step.lines]
         lines += [f"   {formula(line, write)}" for line in step.lines]
+        if step.kind is Kind.CONIC:
+            lines.append(f"   of the fourth degree in tan({write(step.unknown)}/2): at most {step.branches} values")
         if step.exists is not sympy.true:
             lines.append(f"   real for {_relation(step.exists, write)}")
         lines += [f"   {text}" for text in _failing(found, step, write)]
@@ -286,9 +288,14 @@ def derivation_latex(found: InverseKinematics, write: Print) -> list[str]:
         write: Writes an expression, see `SignLatexPrinter`.
     """
     rows = [_equation(condition, write).replace("=", "&=", 1) for condition in found.conditions]
-    for line in found.lines:
-        rows.append(formula(line, write, " &= ", " \\text{ or } ", " + \\pi"))
+    rows += [formula(line, write, " &= ", " \\text{ or } ", " + \\pi") for line in found.definitions]
+    for step in found.steps:
+        if not step.lines:
+            rows += [_equation(equation, write).replace("=", "&=", 1) for equation in step.equations]
+        rows += [formula(line, write, " &= ", " \\text{ or } ", " + \\pi") for line in step.lines]
     body = [f"  {row} \\\\" for row in rows]
+    if not body:
+        return [f"% {headline(found)}", *(f"% {step.unknown}: {reason(found, step)}" for step in found.steps)]
     return ["\\begin{aligned}", *body, "\\end{aligned}"]
 
 
@@ -309,6 +316,18 @@ def derivation_python(found: InverseKinematics) -> list[str]:
             parts = {}
         lines.append(f"{write(symbol)} = {write(value)}{''.join(f'  # {sign}: 1 or -1' for sign in line.signs)}")
     return lines
+
+
+def _script(found: InverseKinematics) -> list[str]:
+    """The formulas as Python, and as comments what has none: joints that are given, roots of quartics, eigenvalues."""
+    write, texts = PlainPrinter().doprint, iter(derivation_python(found))
+    lines = [next(texts) for _ in found.definitions]
+    for step in found.steps:
+        if not step.lines:
+            lines.append(f"# {write(step.unknown)}: {reason(found, step)}")
+            lines += [f"#   {_equation(equation, write)}" for equation in step.equations]
+        lines += [next(texts) for _ in step.lines]
+    return lines or [f"# {headline(found)}"]
 
 
 def headline(found: InverseKinematics) -> str:
@@ -390,6 +409,8 @@ def _place(robot: Robot, origin: Origin) -> tuple[str, str]:
             return f"of {product}, squared and added", f"entries {', '.join(places[:-1])} and {places[-1]}"
         case Form.COMPONENT:
             letter, axis = "xyz"[origin.entries[0][0] - 1], origin.last if origin.inverse else origin.first
+            if origin.first == origin.last:
+                return f"of what joint {axis} adds to the position, along its axes", f"component {letter}"
             return f"of the vector between {axes}, along those of joint {axis}", f"component {letter}"
         case Form.DISTANCE:
             return f"between {axes}", "squared distance"

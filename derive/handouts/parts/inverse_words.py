@@ -57,6 +57,12 @@ def _phrase(context: Context, form: Form, matrix: str, origins: Sequence[Origin]
             return _("entry %(entries)s of %(matrix)s", entries=entries, matrix=matrix)
         case Form.COMPONENT:
             axes = and_list(_, [f"${'xyz'[place[0] - 1]}$" for place in places])
+            if first == last:
+                return _(
+                    "component %(components)s of what joint %(joint)s adds to the position, in its frame",
+                    components=axes,
+                    joint=first,
+                )
             return _(
                 "component %(components)s of the vector between axes %(first)s and %(last)s, in the frame of joint "
                 "%(joint)s",

@@ -116,7 +116,8 @@ class Derivation:
         variables = [joint.variable for joint in robot.joints]
         self._scribe = Scribe(self._write, {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND})
         within = self._names_within_arm()
-        constants = (g.expression for g in graph.domain.generators if g.kind in _CONSTANTS)
+        zero = dict(zip(variables, graph.shifts, strict=True))  # sums of angles have the sums of their shifts
+        constants = (substitute(g.expression, zero) for g in graph.domain.generators if g.kind in _CONSTANTS)
         extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts, *constants]
         self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
         self._form = LectureForm(self._domain, style=style)
@@ -384,6 +385,8 @@ _CONSTANTS = (
     Generator.PRIME_ROOT,
     Generator.CONSTANT_SINE,
     Generator.CONSTANT_COSINE,
+    Generator.COSINE,
+    Generator.SINE,
 )
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 _SHORTHAND = ("c", "s")

@@ -89,7 +89,7 @@ def _rotation(robot: Robot, source: Source, places: tuple[int, ...], to_end: boo
 def _position(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool) -> Origin:
     """Of the position at which M ends, seen from where it begins."""
     first, standard = source.first, robot.convention is Convention.STANDARD
-    last = _end(robot, source, to_end)
+    last = _end(robot, source, to_end, along=places == (3,))
     start, squares = robot.joints[first - 1], source.entry == "p.p"
     exact = last is not None
     if squares:
@@ -104,8 +104,11 @@ def _position(robot: Robot, source: Source, places: tuple[int, ...], to_end: boo
     return Origin(Form.ENTRY if places else Form.SQUARES, first, last, tuple((row, 4) for row in rows))
 
 
-def _end(robot: Robot, source: Source, to_end: bool) -> int | None:
-    """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added."""
+def _end(robot: Robot, source: Source, to_end: bool, *, along: bool) -> int | None:
+    """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added.
+
+    Along the axis of a single joint its own length a adds nothing.
+    """
     joints, last = robot.joints, source.last
     joint = joints[last - 1]
     is_open = source.outer_right or (last == robot.n and not to_end)
@@ -114,7 +117,7 @@ def _end(robot: Robot, source: Source, to_end: bool) -> int | None:
     if robot.convention is Convention.STANDARD:
         if joint.is_revolute and (is_open or joint.d == ZERO):
             last -= 1
-        elif joint.a != ZERO:
+        elif joint.a != ZERO and not (along and source.first == last):
             return None
     elif joint.is_revolute and is_open and joint.d != ZERO:
         return None

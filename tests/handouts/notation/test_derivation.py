@@ -8,12 +8,22 @@ import pytest
 
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
-from derive.model.inverse.solutions import InverseKinematics
+from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
 from derive.model.inverse.solve import solve
 from derive.robot.expression import Number
 from derive.robot.robot import Robot
 from tests.inverse.arms import PUBLISHED
 from tests.model.inverse.test_graph import PLANAR, planar_graph
+
+ORTHOGONAL = """
+name: orthogonal
+convention: standard
+joints:
+  - {type: revolute, a: 1, alpha: -pi/2}
+  - {type: revolute, d: 1, a: 2, alpha: pi/2}
+  - {type: revolute, a: 1.5}
+inverse: {task: position}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +58,18 @@ def test_in_python_every_line_is_an_assignment_of_what_is_known(planar: InverseK
     assert {"D", "q1", "q2"} <= known
 
 
+def test_what_has_no_formula_is_said_in_python_and_latex_too() -> None:
+    robot = Robot.from_text(ORTHOGONAL)
+    found = inverse_kinematics(robot, robot.style)
+    text, latex, python = (derivation_lines(found, form, Notation.of(robot)) for form in ("text", "latex", "python"))
+    assert "   of the fourth degree in tan(q3/2): at most 4 values" in text
+    assert sum(line.endswith(r"&= 0 \\") for line in latex) == 1
+    assert [line.partition(":")[0] for line in python[:1]] == ["# q3"]
+    assert python[1].startswith("#   ")
+    assert python[1].endswith(" = 0")
+    compile("\n".join(python), "<lines>", "exec")
+
+
 @pytest.mark.sweep
 def test_a_general_arm_says_which_joints_the_eigenvalues_give_and_reaches_the_pose_of_a_configuration() -> None:
     case = next(case for case in PUBLISHED if case.name == "manseur-doty")
@@ -58,6 +80,8 @@ def test_a_general_arm_says_which_joints_the_eigenvalues_give_and_reaches_the_po
     first = next(line for line in lines if line.startswith("1. "))
     assert "by the eigenvalues of a 16x16 matrix, of equations between q" in first
     assert sum("from the eigenvector" in line for line in lines) == 2
+    assert all(line.startswith("#") for line in derivation_lines(found, "python", Notation.of(robot)))
+    assert all(line.startswith("%") for line in derivation_lines(found, "latex", Notation.of(robot)))
     assert sum("by linear equations" in line for line in lines) == 3
     q = (Fraction(1, 3), Fraction(1, 2), Fraction(-1, 5), Fraction(1), Fraction(-2, 3), Fraction(1, 7))
     columns = found.at({f"q{i}": Number(x) for i, x in enumerate(q, 1)})

@@ -5,8 +5,20 @@ from __future__ import annotations
 import sympy
 
 from derive.model.inverse.derivation import Derivation, pose_names
+from derive.model.inverse.solutions import inverse_kinematics
 from derive.robot.robot import Robot
 from tests.model.inverse.test_graph import PLANAR, planar_graph
+
+OFFSETS = """
+name: offsets
+convention: modified
+units: {angle: deg}
+joints:
+  - {type: revolute, theta: q1 - 172.22}
+  - {type: revolute, theta: q2 - 102.78, a: 0.3}
+  - {type: revolute, a: 0.25}
+"""
+"""An arm whose first two angles together have the offset -275 degrees."""
 
 
 def test_the_equations_of_a_step_hold_the_unknown_on_their_left_and_what_is_known_on_their_right() -> None:
@@ -20,6 +32,14 @@ def test_the_equations_of_a_step_hold_the_unknown_on_their_left_and_what_is_know
         (a1 * sympy.cos(q1) + a2 * sympy.cos(q1 + q2), px),
         (a1 * sympy.sin(q1) + a2 * sympy.sin(q1 + q2), py),
     ]
+
+
+def test_sums_of_angles_may_have_offsets_that_no_joint_has() -> None:
+    robot = Robot.from_text(OFFSETS)
+    found = inverse_kinematics(robot, robot.style)
+    assert found.count == 2
+    assert len(found.solutions) == 2
+    assert found.verified
 
 
 def test_the_pose_has_other_names_where_the_robot_has_these() -> None:
