@@ -196,7 +196,7 @@ def _derivation(robot: Robot, form: str, value: Any, digits: int | None) -> list
     if isinstance(value, Reach):
         return workspace_lines(value, form, notation)
     if isinstance(value, Aspects):
-        return aspects_text(value, TextPrinter(robot, notation).doprint)
+        return aspects_text(value, TextPrinter(robot, notation).doprint, digits)
     return derivation_lines(value, form, notation) if isinstance(value, InverseKinematics) else []
 
 

@@ -18,6 +18,7 @@ from derive.model.inverse.fields import BEYOND, MERGED, ZERO
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Formula, Kind
 from derive.model.inverse.numeric import Status
+from derive.model.inverse.postures import postures
 from derive.model.inverse.solve import Freedom, refusal, solve
 from derive.model.inverse.walk import Leaf, Run, pose_of
 from derive.programs.formulation_choice import Formulation
@@ -306,7 +307,14 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     step = newton_step(trace, graph, run.reach)
     wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
     closed = POLICY.closed if n - len(graph.given) < wanted else POLICY.reproduced
-    return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed)
+    return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed, _in_words(trace.robot, graph))
+
+
+def _in_words(robot: Robot, graph: SolutionGraph) -> tuple[str, ...]:
+    """What is said of each branch; nothing where there is one, or none of which anything is said."""
+    names = postures(robot, graph).names if graph.slots > 1 else ()
+    words = tuple(", ".join(part for part in name.split(", ") if not part.startswith("#")) for name in names)
+    return words if all(words) else ()
 
 
 def count_text(graph: SolutionGraph) -> str:

@@ -155,6 +155,7 @@ class Inverse:
         given: Indices of the joints that are arguments.
         summary: How many solutions there are, in words.
         closed: Error of the pose, lengths relative to the reach, up to which a branch in doubt is a solution.
+        postures: Words for the branches, in their order; empty where none hold.
     """
 
     function: Function
@@ -164,6 +165,13 @@ class Inverse:
     given: tuple[int, ...]
     summary: str
     closed: float
+    postures: tuple[str, ...] = ()
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The branches by name, in their order, as lines of a docstring; none where there are no words for them."""
+        rows = (f"{k}. {words}" for k, words in enumerate(self.postures, 1))
+        return ("Branches, in this order, which is that of `derive show`:", *rows) if self.postures else ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -179,5 +179,5 @@ def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, const
         f"@param[out] status  what each branch is, {inverse.branches}; may be NULL.",
         "@return the number of solutions.",
         "",
-        *(inverse.function.notes if isinstance(inverse, Inverse) else ()),
+        *((*map(c_comment, inverse.order), *inverse.function.notes) if isinstance(inverse, Inverse) else ()),
     )

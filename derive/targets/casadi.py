@@ -14,7 +14,7 @@ from derive.programs.program import NEAR, Function, Inverse
 from derive.programs.tape.tape import PARAMETER, evaluate
 from derive.robot.solution_policy import POLICY
 from derive.targets.c import c_heading
-from derive.targets.escape import python_docstring
+from derive.targets.escape import c_comment, python_docstring
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
 from derive.targets.templating import render
@@ -71,6 +71,7 @@ def render_casadi_c(source: Source) -> dict[str, str]:
         parameters=parameters,
         has_inverse=inverse is not None,
         given=", ".join(source.robot.joints[i].variable for i in inverse.given) if inverse else "",
+        order=tuple(map(c_comment, inverse.order)) if inverse else (),
         casadi_version=casadi.CasadiMeta.version(),
     )
     with tempfile.TemporaryDirectory(prefix="derive-") as folder:

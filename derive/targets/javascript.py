@@ -197,6 +197,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         f"@returns {{Object}} `q`, for each of {inverse.branches} branches the joint variables [rad, m], or null where",
         "it does not exist, and `status`: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
         "",
+        *map(javascript_comment, inverse.order),
         *function.notes,
     )
     turning = [i for i, joint in enumerate(robot.joints) if joint.is_revolute and i not in inverse.given]

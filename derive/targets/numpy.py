@@ -107,6 +107,7 @@ class PythonInverse:
         eliminations: How joints are found as eigenvalues, each as a call.
         solutions: The number of complex solutions, 0 where it is not known.
         signs: Factors of the joint variables, as a list.
+        order: The branches by name, in their order.
     """
 
     kernel: PythonFunction
@@ -127,6 +128,7 @@ class PythonInverse:
     eliminations: tuple[str, ...] = ()
     solutions: int = 0
     signs: str = ""
+    order: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,6 +279,7 @@ def _inverse(program: Program, robot: Robot) -> PythonInverse | None:
         nearest_given=f"; {words} stay there" if names else "",
         result=interface.result,
         notes=inverse.function.notes,
+        order=tuple(map(python_docstring, inverse.order)) if isinstance(inverse, Inverse) else (),
     )
     return found if isinstance(inverse, Inverse) else _searched(found, inverse, robot)
 

@@ -13,10 +13,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import sympy
 
+from derive.model.inverse.solutions import inverse_kinematics
 from derive.programs.build import build_program
 from derive.programs.program import Program
 from derive.programs.search_policy import Effort
+from derive.robot.evaluate import to_float
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.readme import render as render_readme
@@ -418,3 +421,26 @@ def test_the_header_names_what_a_program_needs(tmp_path: Path) -> None:
     model = c_model(elbow(), program_of(elbow()))
     for name in ("elbow_branches = ", "elbow_singular = 3", "int elbow_inverse_kinematics_nearest("):
         assert name in model.header
+
+
+def test_rows_are_the_printed_solutions_in_their_order_by_their_names() -> None:
+    robot = Robot.load("puma560-corke")
+    _, poses, _ = cases(robot, 12)
+    found, solutions = model_of(robot).inverse_kinematics(poses), inverse_kinematics(robot, robot.style).solutions
+    for pose, rows in zip(poses, found, strict=True):
+        entries = {f"r{i + 1}{j + 1}": pose[i, j] for i in range(3) for j in range(3)}
+        values = {
+            sympy.Symbol(name): x for name, x in (*entries.items(), *zip(("px", "py", "pz"), pose[:3, 3], strict=True))
+        }
+        values |= {sympy.Symbol(name): to_float(x, {}) for name, x in robot.parameters}
+        for row, solution in zip(rows, solutions, strict=True):
+            numbers = solution.numbers(values)
+            if numbers is not None and np.isfinite(row).all():
+                own = [float(numbers[sympy.Symbol(joint.variable)]) for joint in robot.joints]
+                assert np.abs(np.exp(1j * row) - np.exp(1j * np.array(own))).max() < 1e-6
+    listed = [f"{k}. {solution.name}" for k, solution in enumerate(solutions, 1)]
+    texts = (
+        render_casadi(source_of(robot, program_of(robot)))["model_casadi.py"],
+        model_of(robot).inverse_kinematics.__doc__,
+    )
+    assert all(line in text for line in listed for text in texts)

@@ -15,12 +15,13 @@ _MANY = 16
 """Solutions that are listed one by one."""
 
 
-def aspects_text(found: Aspects, write: Callable[[Any], str]) -> list[str]:
+def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None = None) -> list[str]:
     """The aspects as plain text.
 
     Args:
         found: The aspects.
         write: Writes an expression.
+        digits: Significant digits of the joint variables on a path; None for all.
     """
     if found.why_not:
         return [f"aspects are not told apart: {found.why_not}"]
@@ -34,7 +35,7 @@ def aspects_text(found: Aspects, write: Callable[[Any], str]) -> list[str]:
     if 1 < len(listed_signs) <= _MANY and len(listed_signs) == len(found.signs):
         lines += ["signs of these in each solution:" if len(found.factors) > 1 else "its sign in each solution:"]
         lines += listed_signs
-    lines += _crossing(found, joints)
+    lines += _crossing(found, joints, digits)
     known = {name for name, _ in found.inverse.robot.parameters}
     geometry = replace(found.inverse.robot, links=(), gravity=None)
     assumed = [name for name in robot_symbols(geometry) if name not in known and name in found.values]
@@ -59,17 +60,23 @@ def _signs(signs: tuple[int, ...]) -> str:
     return " ".join("+" if sign > 0 else "-" for sign in signs)
 
 
-def _crossing(found: Aspects, joints: list[str]) -> list[str]:
+def _crossing(found: Aspects, joints: list[str], digits: int | None) -> list[str]:
     """Whether the arm changes posture within an aspect."""
     poses = len(found.solutions)
     if found.crossing is not None:
         width = max(8, *map(len, joints))
-        rows = zip(joints, found.crossing.path.T, strict=True)
+        columns = [
+            [f"{value:.{digits}g}" if digits else repr(value) for value in place]
+            for place in found.crossing.path.tolist()
+        ]
+        rows = zip(
+            joints, *([cell.rjust(max(8, *map(len, cells))) for cell in cells] for cells in columns), strict=True
+        )
         least = f"{100 * found.crossing.clearance:.2g} % of its largest value"
         return [
             "cuspidal: it changes posture without meeting a singularity. On the way from one solution of a pose to",
             f"another one, straight from each column to the next, det J is never less than {least}:",
-            *(f"   {name:<{width}}{''.join(f'{value:10.4f}' for value in row)}" for name, row in rows),
+            *(f"   {name:<{width}}  {'  '.join(row)}" for name, *row in rows),
         ]
     if found.shared:
         return [

@@ -1,7 +1,7 @@
 """The target of the page's figure: a place for the end effector that the reader drags, and the arm follows.
 
 What is dragged is chosen so that the arm can follow: the position with the orientation kept, where that moves in space
-or, of a planar arm, in its plane; else the position alone. Branches have their names where words hold, as in print.
+or, of a planar arm, in its plane; else the position alone.
 """
 
 from __future__ import annotations
@@ -15,19 +15,11 @@ import numpy as np
 import sympy
 
 from derive.handouts.figure.drawing import Array
-from derive.handouts.figure.scene import upwards
 from derive.mechanics.chain import Chain, build_chain
-from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
-from derive.model.inverse.branch_names import Placed, Shape, branch_names, placed
-from derive.model.inverse.fields import FloatField
-from derive.model.inverse.graph import SolutionGraph
+from derive.mechanics.forward_kinematics import jacobian
 from derive.model.inverse.in_numbers import ArrayDomain, Numbers
-from derive.model.inverse.walk import Run
 from derive.robot.inverse_options import POSE, InverseOptions
 from derive.robot.robot import Robot
-
-LOOKED_AT = 60
-"""Random configurations at which the branches are looked at for their names."""
 
 _SMALL = 1e-7
 """Singular values below it, of a matrix whose largest one is 1, are zero."""
@@ -77,46 +69,6 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
         return Dragging(InverseOptions(("x", "y", "z")), None)
     left_out = int(np.argmax(np.abs(normal)))
     return Dragging(InverseOptions(tuple(axis for k, axis in enumerate("xyz") if k != left_out)), normal)
-
-
-def names_of_branches(
-    robot: Robot, graph: SolutionGraph, numbers: Mapping[str, float], ways: Sequence[tuple[float, float]]
-) -> tuple[str, ...]:
-    """The names of the branches of a graph, in the order of the generated function.
-
-    Args:
-        robot: The robot.
-        graph: Its graph.
-        numbers: A number for every symbol [m, rad].
-        ways: Lowest and highest value of every joint variable [rad or m].
-
-    Returns:
-        A name for each branch; empty for one that is found at none of the configurations looked at.
-    """
-    rng = np.random.default_rng(12)
-    q = [rng.uniform(low, high, LOOKED_AT) for low, high in ways]
-    chain = _chain(robot, numbers, q)
-    end = forward_kinematics(chain)
-    rows = [
-        [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
-        for row, place in zip(end.rotation, end.position, strict=True)
-    ]
-    run: Run[Any, Any] = Run(graph, FloatField(dict(numbers)), rows, [q[k] for k in graph.given])
-    seen: list[list[Placed]] = []
-    for leaf in run.leaves():
-        own = np.stack([np.broadcast_to(x, LOOKED_AT) + 0.0 for x in run.angles(leaf)])
-        real = np.broadcast_to(leaf.exists, LOOKED_AT) & np.isfinite(own).all(axis=0)
-        variables = list(own[:, real])
-        seen.append(placed(_chain(robot, numbers, variables), variables, int(real.sum())) if real.any() else [])
-    found = [k for k, arms in enumerate(seen) if arms]
-    names = [""] * len(seen)
-    if len(found) > 1:
-        up = np.array(upwards(robot, numbers))
-        shape = Shape(robot, seen[found[0]][0], up)
-        signs = [f"#{k + 1}" for k in found]
-        for k, name in zip(found, branch_names(shape, [seen[k] for k in found], signs), strict=True):
-            names[k] = name
-    return tuple(names)
 
 
 def _configurations(robot: Robot, count: int) -> Array:

@@ -18,8 +18,9 @@ from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.scene import upwards
 from derive.handouts.language import Text
 from derive.handouts.notation.notation import Notation
-from derive.handouts.page.target import Dragging, names_of_branches
+from derive.handouts.page.target import Dragging
 from derive.handouts.parts.inverse_words import branch_name
+from derive.model.inverse.postures import postures
 from derive.model.inverse.solve import solve
 from derive.programs.program import Program
 from derive.robot.description import Convention
@@ -113,9 +114,7 @@ def viewer(
     notation = notation or Notation.of(robot, robot.handout.notation)
     target = None
     if dragged is not None and inverse is not None:
-        names = names_of_branches(
-            robot, solve(robot, dragged.task.task, inverse.given), numbers, [(w.lower, w.upper) for w in ways]
-        )
+        names = postures(robot, solve(robot, dragged.task.task, inverse.given)).names
         target = _target(dragged, names, text, notation)
     script = render(
         "page/viewer.js.jinja",

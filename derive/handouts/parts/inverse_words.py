@@ -17,7 +17,7 @@ from derive.model.inverse.origins import Form, Origin
 from derive.robot.description import IDENTITY
 
 _INVERSE = Box("-1", 11.0)
-_SIGN_OF_ROOT = re.compile(r"epsilon_(\w+)=([+-])1")
+_NUMBER = re.compile(r"#(\d+)")
 _SIDE_OF_ZERO = re.compile(r"(\w+) ([<>]) 0")
 
 
@@ -139,12 +139,12 @@ def or_list(text: Text, words: Sequence[str]) -> str:
 
 
 def words_alone(name: str) -> str:
-    """The name of a branch without the signs of roots that tell it from others.
+    """The name of a branch without its number, which tells it from others where words do not.
 
     Args:
         name: As `derive.model.inverse.branch_names` gives it.
     """
-    return ", ".join(part for part in name.split(", ") if not _SIGN_OF_ROOT.fullmatch(part))
+    return ", ".join(part for part in name.split(", ") if not _NUMBER.fullmatch(part))
 
 
 def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str], str] | None = None) -> str:
@@ -157,19 +157,17 @@ def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str]
         plain: How a symbol is written in running text; None for LaTeX between dollar signs.
 
     Returns:
-        Words; what is on which side of zero, and the signs of roots, as mathematics.
+        Words; what is on which side of zero as mathematics.
     """
     words = _branch_words(text)
 
     def _of(part: str) -> str:
-        side, root = _SIDE_OF_ZERO.fullmatch(part), _SIGN_OF_ROOT.fullmatch(part)
+        side, number = _SIDE_OF_ZERO.fullmatch(part), _NUMBER.fullmatch(part)
         if side:
             symbol = notation.glyph(side[1]).box.tex.strip()
             return f"${symbol} {side[2]} 0$" if plain is None else f"{plain(symbol)} {side[2]} 0"
-        if part.startswith("#"):
-            return text("branch %(number)s", number=part[1:])
-        if root:
-            return root[2] if plain is None else root[2].replace("-", "\N{MINUS SIGN}")
+        if number:
+            return text("branch %(number)s", number=number[1])
         return words.get(part, part)
 
     return ", ".join(map(_of, name.split(", "))) if name else ""

@@ -114,7 +114,8 @@ class Derivation:
         names = pose_names(robot)
         self.pose = {place: sympy.Symbol(name) for place, name in names.items()}
         variables = [joint.variable for joint in robot.joints]
-        self._scribe = Scribe(self._write, {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND})
+        taken = {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND}
+        self._scribe = Scribe(self._write, taken, lambda p: not self._is_geometry(p))
         within = self._names_within_arm()
         zero = dict(zip(variables, graph.shifts, strict=True))  # sums of angles have the sums of their shifts
         constants = (substitute(g.expression, zero) for g in graph.domain.generators if g.kind in _CONSTANTS)

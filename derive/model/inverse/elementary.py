@@ -81,12 +81,14 @@ class Scribe:
     Attributes:
         write: Writes a polynomial.
         taken: Names that are in use: those of the robot, of the pose, and what has been named.
+        moves: Whether a polynomial holds more than parameters.
         lines: The lines so far.
         sums: Names of the sums of angles that have been found.
     """
 
     write: Write
     taken: set[str]
+    moves: Callable[[Polynomial], bool]
     lines: list[Line] = field(default_factory=list)
     sums: dict[Expr, Expr] = field(default_factory=dict)
 
@@ -179,7 +181,7 @@ class Scribe:
             known = self.named(self.ratio(c, a or -minus_b), ("D", "E", "F"), label, longest=1)
             root = sign * sympy.sqrt(1 - known**2)
             return Solved(_atan2(root, known) if a else _atan2(known, root), sympy.Abs(known) <= 1)
-        a, minus_b, common = _common(a, minus_b)
+        a, minus_b, common = self._common(a, minus_b)
         along = self.named(self.ratio(c, common), ("K", "k", "L"), label)
         square, (y, x) = self.write(a * a + minus_b * minus_b), (self.write(a), self.write(minus_b))
         if operations(square) > LONGEST_ARGUMENTS:
@@ -190,6 +192,19 @@ class Scribe:
         if is_negative(along):
             apart = -_atan2(-along, root)
         return Solved(towards - apart, square >= along**2)
+
+    def _common(self, a: Polynomial, b: Polynomial) -> tuple[Polynomial, Polynomial, Polynomial]:
+        """Two coefficients without their common factor, and that.
+
+        One that moves is kept: with its sign the two solutions would change places.
+        """
+        ring, raw = a.ring, a.raw.gcd(b.raw)
+        if self.moves(ring.wrap(raw)):
+            raw = ring.one.raw
+        a, b = ring.wrap(a.raw / raw), ring.wrap(b.raw / raw)
+        sizes = [abs(c) for p in (a, b) for _, c in p.terms()]
+        size = sizes[0] if len(set(sizes)) == 1 else Fraction(1)
+        return a * (1 / size), b * (1 / size), ring.wrap(raw) * size
 
     def two_equations(self, unknown: Expr, label: str, first: Linear, second: Linear) -> Expr:
         """A cos + B sin = C twice (type 3): one angle.
@@ -277,15 +292,6 @@ class Scribe:
         inside = self.named(self.write(half * half - a * c), ("Delta", "delta"), label)
         root = -self.write(half) + sign * sympy.sqrt(inside)
         return Solved(root if a == 1 else root / self.write(a), inside >= 0)
-
-
-def _common(a: Polynomial, b: Polynomial) -> tuple[Polynomial, Polynomial, Polynomial]:
-    """Two coefficients without their common factor, and that."""
-    ring, raw = a.ring, a.raw.gcd(b.raw)
-    a, b = ring.wrap(a.raw / raw), ring.wrap(b.raw / raw)
-    sizes = [abs(c) for p in (a, b) for _, c in p.terms()]
-    size = sizes[0] if len(set(sizes)) == 1 else Fraction(1)
-    return a * (1 / size), b * (1 / size), ring.wrap(raw) * size
 
 
 def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomial]:

@@ -47,7 +47,7 @@ class Node:
         return self.formulas[0].kind
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SolutionGraph:
     """How the joints of one arm follow from the pose.
 

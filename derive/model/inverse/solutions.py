@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import chain, combinations, product
@@ -18,13 +18,14 @@ from derive.errors import QuantityError, listed
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
-from derive.model.inverse.branch_names import Placed, Shape, Vector, branch_names, placed
+from derive.model.inverse.branch_names import Vector
 from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.derivation import Derivation, PrintedEquation, Step
 from derive.model.inverse.elementary import Line, Sign
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
 from derive.model.inverse.nodes import Kind
+from derive.model.inverse.postures import postures
 from derive.model.inverse.solve import solve
 from derive.model.matrices import aligned_latex
 from derive.model.point import DIGITS, value_of, written
@@ -33,9 +34,6 @@ from derive.robot.inverse_options import Task
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.robot.style import Style
-
-LOOKED_AT = 60
-"""Random poses at which the arm is looked at for the names of its branches."""
 
 POSES = 3
 """Random reachable poses at which the solutions are put into T."""
@@ -52,7 +50,7 @@ class Solution:
     """One branch.
 
     Attributes:
-        name: ``shoulder right, elbow up``; signs where the arm has no such words.
+        name: ``shoulder right, elbow up``; ``#3`` where words do not tell the third one from others.
         signs: The choices that lead to it.
         lines: The formulas with these choices, in order.
         joints: The joint variables, in what the lines name.
@@ -250,15 +248,26 @@ class InverseKinematics:
 
     @cached_property
     def solutions(self) -> tuple[Solution, ...]:
-        """Every branch in closed form, named; empty where the arm has none, see `is_explicit`."""
+        """Every branch in closed form, named, as generated code has them; empty where there is none (`is_explicit`)."""
         if not self.is_explicit:
             return ()
         unnamed = tuple(self._branches())
-        names = self._names(unnamed)
-        return tuple(
-            Solution(name, branch.signs, branch.lines, branch.joints)
-            for name, branch in zip(names, unnamed, strict=True)
-        )
+        if len(unnamed) == 1:
+            return unnamed
+        found = postures(self.robot, self.graph)
+        q = dict(zip(self._variables, found.q, strict=True))
+        values = self.values_at({symbol: float(x) for symbol, x in found.parameters.items()}, q, ArrayDomain)
+        places = found.places([self._joint_arrays(branch, values, q) for branch in unnamed])
+        ordered = sorted(zip(places, unnamed, strict=True), key=lambda pair: pair[0])
+        return tuple(replace(branch, name=found.names[k] or f"#{k + 1}") for k, branch in ordered)
+
+    def _joint_arrays(self, branch: Solution, values: Numbers, q: Numbers) -> Vector:
+        """The joint variables of a branch at many poses, not a number where it is not real."""
+        found = dict(values)
+        with np.errstate(all="ignore"):
+            for line in branch.lines:
+                found[line.symbol] = array_value(line.value, found)
+        return np.stack([np.broadcast_to(np.asarray(found.get(symbol, own)), own.shape) for symbol, own in q.items()])
 
     def _branches(self) -> Iterator[Solution]:
         signs = tuple(dict.fromkeys(sign for line in self.lines for sign in line.signs))
@@ -268,7 +277,7 @@ class InverseKinematics:
             own = tuple(Line(line.symbol, line.value.xreplace(put_in)) for line in self.named_lines)
             values = {line.symbol: line.value for line in own}
             joints = {q: values[q] for q in self._variables if q in values}
-            yield Solution(", ".join(f"{s}={e:+d}" for s, e in chosen.items()), chosen, own, joints)
+            yield Solution("", chosen, own, joints)
 
     # -- in numbers
 
@@ -378,47 +387,6 @@ class InverseKinematics:
             if (abs(2 * mpmath.sin(gap / 2)) if joint.is_revolute else abs(gap)) > CLOSE:
                 return False
         return True
-
-    def _names(self, branches: Sequence[Solution]) -> list[str]:
-        """Words for the branches where they hold wherever the arm is looked at, else their signs."""
-        signs = [branch.name for branch in branches]
-        if len(branches) < 2:
-            return signs
-        rng = np.random.default_rng(12)
-        known = parameter_numbers(self.robot, random.Random(12))
-        q = {
-            symbol: rng.uniform(-3, 3, LOOKED_AT) if joint.is_revolute else rng.uniform(-1, 1, LOOKED_AT)
-            for joint, symbol in zip(self.robot.joints, self._variables, strict=True)
-        }
-        values = self.values_at({symbol: float(x) for symbol, x in known.items()}, q, ArrayDomain)
-        seen = [self._placed(known, own) for own in (self._joint_arrays(branch, values, q) for branch in branches)]
-        if not all(seen):
-            return signs
-        return branch_names(Shape(self.robot, self._placed(known, q)[0], self._up()), seen, signs)
-
-    def _joint_arrays(self, branch: Solution, values: Numbers, q: Numbers) -> Numbers:
-        """The joint variables of a branch at those of many poses at which it is real."""
-        found = dict(values)
-        with np.errstate(all="ignore"):
-            for line in branch.lines:
-                found[line.symbol] = array_value(line.value, found)
-        joints = {symbol: np.broadcast_to(np.asarray(found.get(symbol, own)), own.shape) for symbol, own in q.items()}
-        real = np.all(np.isfinite(list(joints.values())), axis=0)
-        return {symbol: own[real] for symbol, own in joints.items()}
-
-    def _placed(self, values: Numbers, q: Numbers) -> list[Placed]:
-        """The arm at many configurations."""
-        variables = [q[symbol] for symbol in self._variables]
-        return placed(self._chain(values, q, ArrayDomain), variables, len(variables[0]))
-
-    def _up(self) -> Vector | None:
-        """The direction against gravity, where the robot file has one; a symbol in it counts as positive."""
-        if self.robot.gravity is None:
-            return None
-        known = dict.fromkeys(map(sympy.Symbol, robot_symbols(self.robot)), mpmath.mpf(1))
-        down = [float(value_of(expression_to_sympy(cell), known)) for cell in self.robot.gravity]
-        length = float(np.linalg.norm(down))
-        return -np.array(down) / length if length else None
 
 
 def _from_known(angle: Expr, known: Mapping[Expr, Expr]) -> Expr | None:

@@ -98,12 +98,14 @@ class Run(Generic[N, M]):
         self.results: list[dict[tuple[int, ...], list[Value[N, M]]]] = []
 
     def leaves(self) -> Iterator[Leaf[N, M]]:
-        """Every combination of branches, in order; those that exist nowhere included."""
+        """Every combination of branches, in order; last those that only formulas for special poses have."""
         self._start()
         for node in self.graph.nodes:
             self._visit(node)
         graph, homes = self.graph, [self.graph.joint_node(i) for i in range(self.graph.robot.n)]
-        for branches in product(*(range(graph.nodes[i].branches) for i in graph.choices)):
+        usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
+        every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
+        for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):
             chosen = dict(zip(graph.choices, branches, strict=True))
             values = [self._value(node, chosen) for node in graph.nodes]
             exists, boundary = self.field.truth(True), self.field.truth(False)

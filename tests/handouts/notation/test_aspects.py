@@ -36,6 +36,9 @@ def test_a_cuspidal_arm_is_called_so_with_the_path() -> None:
     found = aspects_text(aspects, TextPrinter(robot, None).doprint)
     (first,) = [number for number, line in enumerate(found) if line.startswith("cuspidal")]
     assert [line.split()[0] for line in found[first + 2 :]] == ["q1", "q2", "q3"]
+    rounded = aspects_text(aspects, TextPrinter(robot, None).doprint, 3)[first + 2 :]
+    for exact, short in zip(found[first + 2 :], rounded, strict=True):
+        assert [f"{float(value):.3g}" for value in exact.split()[1:]] == short.split()[1:]
     parts = json.loads(json.dumps(aspects_parts(aspects)))
     assert parts["cuspidal"] is True
     assert all(len(corner) == 3 for corner in parts["path"])

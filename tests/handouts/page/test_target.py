@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from derive.handouts.page.target import dragging, names_of_branches
+from derive.handouts.page.target import dragging
 from derive.handouts.page.viewer import symbol_values
-from derive.model.inverse.solve import solve
 from derive.robot.inverse_options import POSE, InverseOptions
 from derive.robot.robot import Robot
 from tests.handouts.page.viewer_page import assumed
@@ -71,13 +69,3 @@ def test_the_task_of_the_file_is_kept() -> None:
     found = dragging(robot, numbers(robot))
     assert found is not None
     assert (found.task, found.normal) == (robot.inverse, (0.0, 0.0, 1.0))
-
-
-def test_branches_have_their_names_in_the_order_of_the_generated_function() -> None:
-    robot = Robot.load("scara-perugia")
-    graph = solve(robot)
-    ways = [(-2.5, 2.5), (-2.5, 2.5), (0.0, 0.5), (-3.0, 3.0)]
-    assert sorted(names_of_branches(robot, graph, numbers(robot), ways)) == ["elbow left", "elbow right"]
-    cuspidal = Robot.from_text(HEAD)
-    assert set(names_of_branches(cuspidal, solve(cuspidal), {}, [(-1.0, 1.0)] * 2)) == {""}
-    assert np.isfinite(list(numbers(robot).values())).all()

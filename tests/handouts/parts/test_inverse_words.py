@@ -45,10 +45,10 @@ def test_every_word_of_a_branch_is_translated(language: str) -> None:
     assert written.isdisjoint(set(Word))
 
 
-def test_sides_of_zero_and_signs_are_mathematics() -> None:
+def test_sides_of_zero_are_mathematics_and_numbers_are_left_out_where_they_stand_beside() -> None:
     notation = context_of(ARM).notation
     assert branch_name(Text(), notation, "elbow up, q2 < 0") == "elbow up, $q_{2} < 0$"
-    assert branch_name(Text(), notation, "epsilon_2=+1, epsilon_3=-1") == "+, -"
     assert branch_name(Text(), notation, "elbow up, #3") == "elbow up, branch 3"
-    assert words_alone("elbow up, epsilon_2=+1") == "elbow up"
+    assert words_alone("elbow up, #2") == "elbow up"
+    assert words_alone("#2") == ""
     assert branch_name(Text(), notation, "q2 < 0", lambda symbol: f"<i>{symbol}</i>") == "<i>q_{2}</i> < 0"

@@ -28,8 +28,12 @@ def written(p: Polynomial) -> sympy.Expr:
     return sympy.Add(*terms)
 
 
+def moves(p: Polynomial) -> bool:
+    return any(p.degrees()[:2])
+
+
 def scribe() -> Scribe:
-    return Scribe(written, set(NAMES))
+    return Scribe(written, set(NAMES), moves)
 
 
 def values(by: Scribe, solved: Solved) -> list[mpmath.mpf]:
@@ -70,6 +74,13 @@ def test_both_angles_of_one_equation_satisfy_it(equation: Sequence[Polynomial]) 
         assert abs(A * mpmath.cos(angle) + B * mpmath.sin(angle) - C) < 1e-12
 
 
+def test_a_factor_that_moves_is_kept_with_its_sign_which_solution_is_which() -> None:
+    towards = [scribe().one_equation("1", (e * a * x, e * b * x, d * one)).value for e in (1, -1)]
+    assert all(sympy.Symbol("x") in value.free_symbols for value in towards)
+    assert "/x" not in str(towards[0])
+    assert "a*x" not in str(scribe().one_equation("1", (a * b, a * d, x)).value)
+
+
 TWO_EQUATIONS = {
     "turned": ((a + b, -d, x), (d, a + b, y)),
     "turned and mirrored": ((a, d, x), (d, -a, y)),
@@ -100,7 +111,7 @@ def test_lengths_satisfy_their_equation(equation: tuple[Polynomial, Polynomial, 
 
 
 def test_names_clash_with_nothing() -> None:
-    by = Scribe(written, {"D", "E", "F", "D_2"})
+    by = Scribe(written, {"D", "E", "F", "D_2"}, moves)
     assert by.name(("D", "E", "F"), "2") == "E_2"
     assert by.name(("D", "E", "F"), "2") == "F_2"
     assert by.name(("D", "E", "F"), "2") == "D_1"
