@@ -40,6 +40,9 @@ DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
 nodes, or `FREE`, one that does not exist with the joints that are free where the caller has them."""
 
+WORSE = 1000
+"""By this factor the error of a branch may be larger than that of the best one."""
+
 CLOSED = Fraction(str(POLICY.closed))
 """A branch whose pose is farther off than this part of the arm's reach is none: the pose is not reached."""
 
@@ -294,9 +297,9 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     run = Run(graph, field, pose, given, [domain.argument(NEAR, i) for i in range(n)])
     angles: list[Value] = []
     codes: list[Value] = []
-    for leaf in run.leaves():
+    leaves = list(run.leaves())
+    for leaf, exists in zip(leaves, _existing(run, leaves), strict=True):
         angles += run.angles(leaf)
-        exists = leaf.exists & _closes(trace, run, leaf) if _may_miss(graph) else leaf.exists
         codes.append(_code(field, exists, leaf))
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
@@ -338,17 +341,29 @@ def _without_given(interface: Interface) -> Interface:
     )
 
 
-def _closes(trace: Trace, run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Mask:
-    """Whether a solution of cosines and sines of angles has the pose that is asked for, but for `CLOSED` of it."""
+def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[Mask]:
+    """Which solutions exist: those whose pose is asked for, but for `CLOSED` of it, if that may be another.
+
+    Where one of them has the pose to more digits, so have the others: a wrong choice of signs is almost right
+    next to poses at which two choices are one.
+    """
+    if not _may_miss(run.graph):
+        return [leaf.exists for leaf in leaves]
+    most = CLOSED * run.reach
+    errors = [_error(run, leaf) for leaf in leaves]
+    found = [leaf.exists & Mask(error.less(most)) for leaf, error in zip(leaves, errors, strict=True)]
+    best = reduce(Value.minimum, [mask.value.select(e, most) for mask, e in zip(found, errors, strict=True)])
+    limit = (best * WORSE).maximum(Fraction(str(POLICY.reproduced)) * run.reach)
+    return [mask & Mask(e.less(limit)) for mask, e in zip(found, errors, strict=True)] if len(leaves) > 1 else found
+
+
+def _error(run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:
+    """The largest error of the pose of cosines and sines that are nearly those of angles, as a length."""
     pose, entries = pose_of(run, leaf.joints), run.graph.places
     turns = [abs(pose.rotation[i][j] - run.pose[i][j]) for i, j in entries if j < 3]
     turns += [abs(pair[0] * pair[0] + pair[1] * pair[1] - 1) for pair in leaf.joints if len(pair) == 2]
     moves = [abs(pose.position[i] - run.pose[i][j]) for i, j in entries if j == 3]
-    closes = TapeField(trace.domain).truth(True)
-    for errors, scale in ((turns, trace.domain.number(1)), (moves, run.reach)):
-        if errors:
-            closes = closes & Mask(reduce(Value.maximum, errors).less(CLOSED * scale))
-    return closes
+    return reduce(Value.maximum, [*([reduce(Value.maximum, turns) * run.reach] if turns else []), *moves])
 
 
 def _may_miss(graph: SolutionGraph) -> bool:

@@ -22,6 +22,7 @@ from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
+from tests.targets.test_inverse import model_of
 
 ARITHMETIC: dict[str, Any] = {
     "number": to_float,
@@ -190,3 +191,41 @@ def test_given_joints_are_arguments() -> None:
     graph = solve(robot, ("x", "y"), (2,))
     inverse = inverse_function(Trace(robot), graph)
     assert (inverse.given, inverse.function.arguments) == ((2,), ("T", "given", "near"))
+
+
+WITHOUT_LENGTHS = """
+name: without-lengths
+convention: standard
+joints:
+  - {type: revolute, alpha: pi/3}
+  - {type: revolute, alpha: 5*pi/18}
+  - {type: prismatic}
+  - {type: revolute}
+"""
+SHOULDER = """
+name: shoulder
+convention: modified
+joints:
+  - {type: revolute, alpha: -pi/2}
+  - {type: revolute, alpha: pi/2, theta: q2 + pi/2}
+  - {type: revolute, alpha: pi/2, a: -0.015, d: -0.105}
+  - {type: revolute, alpha: -pi/2}
+"""
+
+
+def test_an_arm_without_lengths_reaches_its_centre() -> None:
+    model = model_of(Robot.from_text(WITHOUT_LENGTHS))
+    q = np.array([[0.3, -1.2, 0.0, 0.7], [0.3, -1.2, 1e-17, 0.7], [-2.0, 0.4, 0.5, 0.1]])
+    found = model.inverse_kinematics(model.forward_kinematics(q))
+    assert np.nanmin(np.abs(found - q[:, None]).max(axis=-1), axis=1).max() < 1e-9
+
+
+def test_a_choice_of_signs_that_is_almost_right_is_none() -> None:
+    model, rng = model_of(Robot.from_text(SHOULDER)), np.random.default_rng(1)
+    q = rng.uniform(-2, 2, (60, 4))
+    q[:, 2] = np.pi * rng.integers(0, 2, 60) + 10.0 ** rng.uniform(-9, -4, 60)
+    poses = model.forward_kinematics(q)
+    found, status = model.inverse_kinematics(poses, status=True)
+    errors = np.abs(model.forward_kinematics(np.nan_to_num(found)) - poses[:, None]).max(axis=(2, 3))
+    assert (status > 0).any(axis=1).all()
+    assert errors[status > 0].max() < 1e-10

@@ -148,10 +148,11 @@ class InverseDomain(PolynomialDomain):
 
     @cached_property
     def square_reach(self) -> Polynomial:
-        """The squares of all lengths of the table and of the position."""
+        """The squares of all lengths of the table, 1 m where it has none, and of the position."""
         cells = [cell for joint in self.robot.joints for cell in (joint.a, joint.d)]
         cells += [row[3] for matrix in (self.robot.base, self.robot.tool) for row in matrix[:3]]
-        lengths = [self.constant(cell) for cell in cells] + [self.ring.generator(f"T[{k},4]") for k in (1, 2, 3)]
+        lengths = [length for length in map(self.constant, cells) if length] or [self.ring.one]
+        lengths += [self.ring.generator(f"T[{k},4]") for k in (1, 2, 3)]
         return sum((x * x for x in lengths), self.ring.zero)
 
     def unknowns(self) -> Iterator[Unknown]:
