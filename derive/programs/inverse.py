@@ -13,6 +13,7 @@ from fractions import Fraction
 from functools import reduce
 from typing import Any
 
+from derive.model.inverse.branches import starts
 from derive.model.inverse.conic import line_points
 from derive.model.inverse.fields import BEYOND, MERGED, ZERO
 from derive.model.inverse.graph import SolutionGraph
@@ -22,9 +23,9 @@ from derive.model.inverse.postures import postures
 from derive.model.inverse.solve import Freedom, refusal, solve
 from derive.model.inverse.walk import Leaf, Run, pose_of
 from derive.programs.formulation_choice import Formulation
-from derive.programs.inverse_search import search_function
+from derive.programs.inverse_search import MOTIONS, search_function
 from derive.programs.newton_step import newton_step
-from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Interface, Inverse, InverseSearch
+from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Around, Function, Interface, Inverse, InverseSearch
 from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
@@ -308,9 +309,33 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     widths = {POSE: POSE_ENTRIES, **given_width, NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
-    wanted = sum(FREEDOMS.get(row, 1) for row in graph.task)
-    closed = POLICY.closed if n - len(graph.given) < wanted else POLICY.reproduced
-    return Inverse(function, step, len(codes), n, graph.given, count_text(graph), closed, _in_words(trace.robot, graph))
+    is_short = n - len(graph.given) < sum(FREEDOMS.get(row, 1) for row in graph.task)
+    closed = POLICY.closed if is_short else POLICY.reproduced
+    names = _in_words(trace.robot, graph)
+    return Inverse(
+        function, step, len(codes), n, graph.given, count_text(graph), closed, around(graph, is_short), names
+    )
+
+
+def around(graph: SolutionGraph, is_short: bool) -> Around:
+    """Where solutions that are alone are looked for where others are free.
+
+    Args:
+        graph: Says which joints are solved for.
+        is_short: Whether these are fewer than the dimensions of the task.
+
+    Returns:
+        Numbers; those of joints that are given are zero.
+    """
+    joints = range(graph.robot.n)
+    spread = starts(graph.robot.n).tolist() if is_short else []
+    return Around(
+        motions=MOTIONS,
+        starts=tuple(tuple(0.0 if k in graph.given else row[k] for k in joints) for row in spread),
+        nudge=tuple(
+            0.0 if k in graph.given else round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in joints
+        ),
+    )
 
 
 def _in_words(robot: Robot, graph: SolutionGraph) -> tuple[str, ...]:

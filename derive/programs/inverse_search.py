@@ -17,6 +17,7 @@ from derive.model.inverse.general import GeneralSolution
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.numeric_chain import POSE, POSITION
+from derive.model.inverse.rigid_motion import BESIDE
 from derive.programs.formulation_choice import Formulation
 from derive.programs.program import GIVEN, NEAR, POSE_ENTRIES, Elimination, Function, Interface, InverseSearch, Way
 from derive.programs.program import POSE as POSE_ARGUMENT
@@ -30,6 +31,9 @@ FRAME_ENTRIES = 12
 
 MOST_SOLUTIONS = 16
 """Configurations that an arm of six joints can have; so many rows has the result where their number is not known."""
+
+MOTIONS = tuple(tuple(entry for row in motion for entry in row) for motion in BESIDE)
+"""By which singular poses are brought beside, row by row; lengths in the unit."""
 
 INTERFACE = Interface(
     "inverse_kinematics",
@@ -106,6 +110,7 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
         count=solution.count if solution else 0,
         summary=_summary(graph, solution),
         reason=_reason(graph, solution),
+        motions=MOTIONS,
     ), ""
 
 

@@ -28,8 +28,8 @@ INTERFACE = Interface(
     (Q, POSE, DAMPING),
     ("n",),
     "q",
-    "A configuration nearer to a pose, and how far the first one is from it.",
-    "joint variables [rad, m], and the error of the pose, lengths relative to the reach",
+    "A configuration nearer to a pose, how far the first one is from it, and the unit of length.",
+    "joint variables [rad, m], the error of the pose, lengths relative to the reach, and the reach [m]",
 )
 
 
@@ -42,8 +42,8 @@ def newton_step(trace: Trace, graph: SolutionGraph, reach: Value) -> Function:
         reach: The size of the arm and of the pose.
 
     Returns:
-        The function; its results are the n joint variables and the error of the configuration that it is given, the
-        square root of the sum of the squares of e, less what T itself is off a pose.
+        The function; its results are the n joint variables, the error of the configuration that it is given, the
+        square root of the sum of the squares of e, less what T itself is off a pose, and the unit of length.
     """
     joints = [k for k in range(trace.n) if k not in graph.given]
     unit = trace.domain.number(0).less(reach).select(reach, 1)
@@ -53,8 +53,8 @@ def newton_step(trace: Trace, graph: SolutionGraph, reach: Value) -> Function:
     results = trace.arguments(Q)
     for joint, step in zip(joints, solved(matrix, [fit.slope(k) for k in joints]), strict=True):
         results[joint] = results[joint] - (step if trace.chain.joints[joint].revolute else unit * step)
-    tape = cut(*bake(trace.graph, [value.ref for value in (*results, fit.error)], trace.choice.numbers))
-    return Function(INTERFACE, (trace.n + 1,), tape, "damped Newton", widths={POSE: POSE_ENTRIES, DAMPING: 1})
+    tape = cut(*bake(trace.graph, [value.ref for value in (*results, fit.error, unit)], trace.choice.numbers))
+    return Function(INTERFACE, (trace.n + 2,), tape, "damped Newton", widths={POSE: POSE_ENTRIES, DAMPING: 1})
 
 
 class _Fit:

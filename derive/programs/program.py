@@ -141,6 +141,21 @@ class Function:
 
 
 @dataclass(frozen=True, slots=True)
+class Around:
+    """Where solutions that are alone are looked for where others are free (`derive.model.inverse.branches`).
+
+    Attributes:
+        motions: Rows of motions A, one after the other, by which poses T are brought beside, A T; lengths in the unit.
+        starts: What is added to the joints of branches, in half turns and units; none where poses beside are enough.
+        nudge: What is added to a solution that comes back to itself if it is alone, in radians and units.
+    """
+
+    motions: tuple[tuple[float, ...], ...]
+    starts: tuple[tuple[float, ...], ...]
+    nudge: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Inverse:
     """Inverse kinematics of one robot.
 
@@ -149,12 +164,13 @@ class Inverse:
             then the code of each branch: its `derive.model.inverse.numeric.Status`, and more where it is to be checked
             (`derive.programs.inverse`).
         step: Its tape takes a configuration, a pose and a damping; its outputs are a configuration that is nearer to
-            the pose, and how far the first one is from it (`derive.programs.newton_step`).
+            the pose, how far the first one is from it, and the unit of length (`derive.programs.newton_step`).
         branches: How many there are.
         joints: Number of joints.
         given: Indices of the joints that are arguments.
         summary: How many solutions there are, in words.
         closed: Error of the pose, lengths relative to the reach, up to which a branch in doubt is a solution.
+        around: Where further solutions are looked for.
         postures: Words for the branches, in their order; empty where none hold.
     """
 
@@ -165,6 +181,7 @@ class Inverse:
     given: tuple[int, ...]
     summary: str
     closed: float
+    around: Around
     postures: tuple[str, ...] = ()
 
     @property
@@ -235,6 +252,7 @@ class InverseSearch:
         count: The number of complex solutions of a generic pose; 0 where it is not known.
         summary: How many solutions there are and how they are found, in words.
         reason: Why there are no formulas.
+        motions: By which singular poses are brought beside, as `Around` has them.
     """
 
     function: Function
@@ -246,6 +264,7 @@ class InverseSearch:
     count: int
     summary: str
     reason: str
+    motions: tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)

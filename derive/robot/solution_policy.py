@@ -21,6 +21,8 @@ class SolutionPolicy:
         double: Likewise where one of them merges with others, as double roots cost half of the digits.
         damping: Of a step of Newton's method that is all but undamped.
         elsewhere: Where free joints are tried, where the others have no solution with them where the caller has them.
+        nudge: How far a solution is moved that is of a continuum, or double, if it does not come back.
+        back: How near one that stands alone comes; double ones come no nearer than the root of what is rounding.
         turn: The others are turned, too, by multiples of it, after two times [rad].
     """
 
@@ -32,6 +34,8 @@ class SolutionPolicy:
     same: float = 1e-7
     double: float = 3e-5
     damping: float = 1e-12
+    nudge: float = 1e-5
+    back: float = 1e-8
     elsewhere: tuple[float, ...] = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0)
     turn: float = 1.3
 

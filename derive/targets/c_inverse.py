@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
+from derive.programs.program import NEAR, POSE, Around, Inverse, InverseSearch
 from derive.robot.robot import Robot
 from derive.robot.solution_policy import POLICY
 from derive.targets.c_function import CFunction, c_function, pointers
@@ -43,6 +43,7 @@ class CInverse:
         branches: Number of branches.
         size: Joint variables of all branches.
         closed: Error of the pose of a branch in doubt up to which it is a solution.
+        around: Where further solutions are looked for.
         loads: The arguments that are read.
         declaration: Parameters of the public function.
         batch_declaration: Of that of a batch.
@@ -59,6 +60,9 @@ class CInverse:
         given_lines: Statements that take them from a configuration.
         nearest_call: Arguments of the call of the first function in the third.
         start_call: Arguments of a call with the free joints elsewhere.
+        alone_declaration: Parameters of what looks for further solutions: the inputs.
+        alone_call: Arguments of a call of it.
+        beside_call: Arguments of a call at a pose beside.
         row_call: Inputs of a call for one row of a batch.
         documentation: Lines of the comment of the first.
         search: What the solver takes of the arm, where there is no program.
@@ -72,6 +76,7 @@ class CInverse:
     branches: int
     size: int
     closed: str
+    around: Around | None
     loads: tuple[Load, ...]
     declaration: str
     batch_declaration: str
@@ -88,6 +93,9 @@ class CInverse:
     given_lines: tuple[str, ...]
     nearest_call: str
     start_call: str
+    alone_declaration: str
+    alone_call: str
+    beside_call: str
     row_call: str
     documentation: tuple[str, ...]
     search: CSearch | None
@@ -127,6 +135,7 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
         branches=inverse.branches,
         size=inverse.branches * inverse.joints,
         closed=repr(inverse.closed) if isinstance(inverse, Inverse) else "",
+        around=inverse.around if isinstance(inverse, Inverse) else None,
         loads=tuple(Load(name, inverse.function.widths[name], name == NEAR) for name in function.used),
         declaration=_declared(inputs, "restrict "),
         batch_declaration=f"size_t count, {_declared(inputs, 'restrict ')}",
@@ -143,6 +152,9 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> CInverse:
         given_lines=tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
         nearest_call=", ".join([*inputs, "solutions", "status"]),
         start_call=", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
+        alone_declaration=pointers(inputs, "q", "restrict "),
+        alone_call=", ".join("start" if name == NEAR else name for name in [*inputs, "q"]),
+        beside_call=", ".join([*("moved" if name == POSE else name for name in inputs), "values"]),
         row_call=", ".join([*rows, *hoisted]),
         documentation=_inverse_documentation(inverse, robot, function.constant_count),
         search=c_search(inverse, robot) if isinstance(inverse, InverseSearch) else None,

@@ -33,6 +33,7 @@ class CSearch:
         columns: Most unknown products.
         size: Most eigenvalues.
         most: Solutions that are kept.
+        motions: By which poses are brought beside singular ones, each as the inside of an array.
     """
 
     eliminations: tuple[str, ...]
@@ -50,6 +51,7 @@ class CSearch:
     columns: int
     size: int
     most: int
+    motions: tuple[str, ...]
 
 
 def c_search(search: InverseSearch, robot: Robot) -> CSearch:
@@ -80,6 +82,7 @@ def c_search(search: InverseSearch, robot: Robot) -> CSearch:
         columns=max(_LEAST, *(max(sum(each.rows), _products(each)) for each in search.eliminations)),
         size=max(_LEAST, size),
         most=max(search.branches, 8 * size),
+        motions=tuple(map(_listed, search.motions)),
     )
 
 

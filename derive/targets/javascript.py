@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Program, joint_lines
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Around, Function, Program, joint_lines
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_name, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
@@ -65,6 +65,7 @@ class JavaScriptInverse:
         near_entries: Lines of those of ``near``.
         size: Joint variables of all branches.
         closed: Error of the pose of a branch in doubt up to which it is a solution.
+        around: Where further solutions are looked for.
         given_count: Number of given joints.
         unpack_given: Statements that check their variables and name them.
         given_of_q: Their variables in a configuration.
@@ -80,6 +81,7 @@ class JavaScriptInverse:
     near_entries: tuple[str, ...]
     size: int
     closed: str
+    around: Around
     given_count: int
     unpack_given: tuple[str, ...]
     given_of_q: str
@@ -214,6 +216,7 @@ def _inverse(program: Program, robot: Robot) -> JavaScriptInverse:
         near_entries=wrapped(entry_names(function, NEAR, 0)),
         size=inverse.branches * inverse.joints,
         closed=repr(inverse.closed),
+        around=inverse.around,
         given_count=count,
         unpack_given=(given,) if count else (),
         given_of_q=", ".join(f"q[{i}]" for i in inverse.given),

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from derive.programs.program import (
     ARGUMENTS,
+    Around,
     Elimination,
     Function,
     Inverse,
@@ -95,6 +96,7 @@ class PythonInverse:
         count: How many solutions there are.
         branches: Number of branches.
         closed: Error of the pose of a branch in doubt up to which it is a solution.
+        around: Where further solutions are looked for.
         given_names: Names of the given joints, quoted, as the inside of a tuple.
         given_joints: Their indices, as the inside of a tuple.
         given_argument: What stands behind ``T`` in a list of arguments.
@@ -116,6 +118,7 @@ class PythonInverse:
     count: str
     branches: int
     closed: str
+    around: Around | None
     given_names: str
     given_joints: str
     given_argument: str
@@ -270,6 +273,7 @@ def _inverse(program: Program, robot: Robot) -> PythonInverse | None:
         count=inverse.summary,
         branches=inverse.branches,
         closed=repr(inverse.closed) if isinstance(inverse, Inverse) else "",
+        around=inverse.around if isinstance(inverse, Inverse) else None,
         given_names=_tuple([python_string(name) for name in names]) if names else "",
         given_joints=_tuple([str(i) for i in inverse.given]) if names else "",
         given_argument=", given" if names else "",

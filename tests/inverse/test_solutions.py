@@ -12,7 +12,7 @@ from tests.inverse.arms import CLASSES, HARD, PUBLISHED, random_arm
 from tests.inverse.coverage import main
 from tests.inverse.solvers import generated_solver, numeric_solver, solver_of
 from tests.inverse.trial import Poses, Trial
-from tests.inverse.truth import smallest_singular_value
+from tests.inverse.truth import by_many_starts, smallest_singular_value
 
 ARMS = {case.name: case for case in PUBLISHED}
 USUAL = ("planar-2r-position", "elbow-offset-position", "scara-rrpr", "stanford")
@@ -80,6 +80,32 @@ def test_generated_code_has_solutions_of_poses_that_were_lost_once(kind, number,
     poses.true[0] = np.empty((0, case.arm.n))
     with np.errstate(all="ignore"):
         verdict = trial.judge(poses, generated_solver(case))
+    assert verdict.is_clean, verdict.missing
+    assert verdict.residual < 1e-10
+
+
+LOST_BESIDE_OTHERS = [
+    ("6R-offset", 20, [-3 * np.pi / 2, 0, -np.pi / 2, 0, np.radians(-35), 2.530727]),
+    ("6R-offset", 21, [-np.pi / 2, -np.pi / 2, 0, np.pi / 2, 0, np.pi]),
+    ("5dof", 11, [0, -np.pi / 2, 0, -np.pi / 2, 0.519]),
+    ("5dof", 17, [0.165268, 0, 2.24137, 1.112214, -np.pi / 2]),
+    ("hard", 1, [np.pi, 0, -np.pi / 2, -np.pi / 2, np.pi, 0]),
+]
+"""Singular poses at which solutions that stand alone were lost once: beside many others, or on sheets of their own."""
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("make", [solver_of, generated_solver])
+@pytest.mark.parametrize(("kind", "number", "q"), LOST_BESIDE_OTHERS)
+def test_solutions_that_stand_alone_at_a_singular_pose_are_found(kind, number, q, make):
+    case = HARD[number] if kind == "hard" else random_arm(kind, number)
+    trial, q = Trial(case, 1), np.array(q)
+    found = by_many_starts(trial.chain, q, starts=150)
+    alone = found[smallest_singular_value(trial.chain, found) > 1e-4]
+    assert len(alone) > 1
+    poses = Poses(q[None], forward_kinematics(case.arm, q[None]), np.empty((1, 0)), [alone], "singular")
+    with np.errstate(all="ignore"):
+        verdict = trial.judge(poses, make(case))
     assert verdict.is_clean, verdict.missing
     assert verdict.residual < 1e-10
 

@@ -12,7 +12,7 @@ from derive.algebra.constants import to_float
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.solve import solve
 from derive.model.inverse.walk import Run
-from derive.programs.inverse import Mask, inverse_function, solved
+from derive.programs.inverse import Mask, around, inverse_function, solved
 from derive.programs.program import NEAR, POSE, Inverse, InverseSearch
 from derive.programs.tape.graph import ONE, ZERO, Graph
 from derive.programs.tape.tape import PARAMETER, Op, evaluate
@@ -21,6 +21,7 @@ from derive.programs.trace import Trace
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.robot.solution_policy import POLICY
 from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
 from tests.targets.test_inverse import model_of
 
@@ -229,3 +230,14 @@ def test_a_choice_of_signs_that_is_almost_right_is_none() -> None:
     errors = np.abs(model.forward_kinematics(np.nan_to_num(found)) - poses[:, None]).max(axis=(2, 3))
     assert (status > 0).any(axis=1).all()
     assert errors[status > 0].max() < 1e-10
+
+
+def test_starts_are_for_arms_with_fewer_joints_than_dimensions_and_given_joints_stay():
+    short, whole = solve(Robot.load("planar-3r")), solve(Robot.load("planar-3r"), ("x", "y"), (2,))
+    assert len(around(short, True).starts) > 10
+    found = around(whole, True)
+    assert all(row[2] == 0 and row[0] and row[1] for row in found.starts)
+    assert found.nudge[2] == 0
+    assert all(found.nudge[:2])
+    assert around(whole, False).starts == ()
+    assert min(map(abs, found.nudge[:2])) > 10 * POLICY.back

@@ -34,7 +34,8 @@ def program_of(name: str, task: Task | None, given: tuple[int, ...]) -> tuple[Ro
 def stepped(robot: Robot, step: Function, q: np.ndarray, pose: np.ndarray, damping: float) -> tuple[np.ndarray, float]:
     """Where a step leads, and the error before it."""
     inputs = {"q": list(q), POSE: list(pose.ravel()), DAMPING: [damping], PARAMETER: list(numbers_of(robot).values())}
-    *ahead, error = (float(value) for value in evaluate(step.tape, inputs, ARITHMETIC))
+    *ahead, error, unit = (float(value) for value in evaluate(step.tape, inputs, ARITHMETIC))
+    assert unit > 0
     return np.array(ahead), error
 
 

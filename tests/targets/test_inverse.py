@@ -23,6 +23,7 @@ from derive.robot.evaluate import to_float
 from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.readme import render as render_readme
+from tests.inverse.arms import random_arm
 from tests.targets.c_models import c_model, needs_compiler
 from tests.targets.generated_models import load, numpy_model, source_of
 from tests.targets.javascript_model import JavaScriptModel
@@ -381,6 +382,30 @@ def test_at_poses_of_right_angles_every_language_has_solutions_and_all_lead_ther
         results = [[np.array(value) for value in branch(pose)] for branch in module.inverse_kinematics]
         there = np.array([joints[:, 0] for joints, code in results if code > 0])
         assert np.abs(model.forward_kinematics(there) - pose).max(initial=0.0) < 1e-7
+
+
+@needs_compiler
+def test_every_language_has_solutions_that_stand_alone_beside_infinitely_many() -> None:
+    case = random_arm("5dof", 17)
+    robot = case.robot()
+    model, compiled = model_of(robot), c_model(robot, program_of(robot))
+    pose = model.forward_kinematics(np.array([np.radians(55), np.pi, -np.pi / 2, -2.342869, np.pi]), case.values)
+    script = JavaScriptModel(robot, program_of(robot))
+    call = f"model.inverseKinematics({json.dumps(pose.tolist())}, {json.dumps(case.values)})"
+    ways = {
+        "numpy": model.inverse_kinematics(pose, case.values),
+        "c": compiled.inverse(pose[None], pose[None, :0, 0], case.values)[0][0],
+        "javascript": np.array([row or [np.nan] * 5 for row in script.value(f"{call}.q")]),
+    }
+    alone = [
+        [0.959931, 0, 1.570796],
+        [0.959931, np.pi, -1.570796],
+        [1.393032, 0, 2.003897],
+        [-2.53632, np.pi, 1.925454],
+    ]
+    for way, found in ways.items():
+        apart = np.abs(np.exp(1j * found[:, None, :3]) - np.exp(1j * np.array(alone))).max(axis=2)
+        assert (np.nanmin(apart, axis=0) < 2e-3).all(), way
 
 
 OFFSET_SHOULDER = """

@@ -8,8 +8,8 @@ exceeds the number of solutions), and of candidates that coincide one is kept.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -19,8 +19,10 @@ from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.numeric import Status, fit, polish, solve
 from derive.model.inverse.numeric_chain import Array, Entries, NumericChain, Problem
+from derive.model.inverse.rigid_motion import BESIDE, beside
 from derive.model.inverse.walk import Run
 from derive.robot.evaluate import parameter_values
+from derive.robot.inverse_options import FREEDOMS
 from derive.robot.robot import Robot
 from derive.robot.solution_policy import POLICY
 
@@ -29,6 +31,16 @@ REPRODUCED = 1e-10
 
 RESCUED = 60
 """Most steps of damped Newton from the leaves of a pose at which none is a solution."""
+
+STARTS = 24
+"""Configurations from which solutions are looked for, too, where an arm has fewer joints than its task has dimensions:
+poses beside are out of its reach."""
+
+NEIGHBOURS = 40
+"""Most steps of damped Newton from a solution of a pose beside, or from such a configuration."""
+
+ALONE = 1e-5
+"""Smallest singular value of the derivatives at a solution that is none of a continuum."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +149,7 @@ class InverseSolver:
     def _closed(self, poses: Array, given: Array, near: Array | None) -> Branches:
         q, status, doubt, free = self._leaves(poses, given, near)
         settled = np.zeros_like(free)
+        suspect = doubt | free
         q, status = self._checked(poses, q, status, doubt, free, settled)
         for place in POLICY.elsewhere:
             stuck = np.flatnonzero((free & (status == Status.NONE)).any(axis=1))
@@ -148,6 +161,10 @@ class InverseSolver:
             still, known = free[stuck], settled[stuck]
             q[stuck], status[stuck] = self._checked(poses[stuck], *tried, lacking & there[2], still, known)
             free[stuck] = still
+        unsure = np.flatnonzero((suspect & ((status == Status.NONE) | (status == Status.SINGULAR))).any(axis=1))
+        if unsure.size:
+            for place, branch, found, alone in self._from_beside(poses[unsure], given[unsure]):
+                self._add(poses, q, status, unsure[place], branch, found, alone)
         return Branches(np.where((status == Status.NONE)[..., None], np.nan, self._folded(q)), status)
 
     def _leaves(
@@ -204,6 +221,41 @@ class InverseSolver:
         status[pose, row] = np.where(residual <= REPRODUCED, np.abs(status[pose, row]), Status.NONE)
         return q, self._once(poses, q, status, rescued, free, settled)
 
+    def _from_beside(self, poses: Array, given: Array) -> Iterator[tuple[int, int, Array, bool]]:
+        """Solutions by those of poses a little beside, at which nothing is special.
+
+        Returns:
+            The number of the pose, that of the branch, the configuration, and whether it is none of a continuum.
+        """
+        goal = Problem(self.chain, poses, self.entries, self._free)
+        tables = [self._leaves(beside(poses, which, goal.unit), given, None)[0] for which in range(len(BESIDE))]
+        if self._free.sum() < sum(FREEDOMS.get(row, 1) for row in self.graph.task):
+            spread = starts(self.chain.n) * np.where(self.chain.revolute, math.pi, goal.unit[:, None])[:, None]
+            tables.append(np.where(self._free, spread, tables[0][:, :1]))
+        q = np.concatenate(tables, axis=1)
+        place, branch = (each.ravel() for each in np.indices(q.shape[:2]))
+        part = Problem(self.chain, poses[place], self.entries, self._free)
+        found, residual = fit(part, q.reshape(-1, self.chain.n), NEIGHBOURS)
+        reached = np.flatnonzero(residual <= REPRODUCED)
+        slopes = replace(part, poses=part.poses[reached]).errors(found[reached])[1]
+        alone = np.linalg.svd(slopes, compute_uv=False)[..., -1] > ALONE
+        return zip(place[reached].tolist(), branch[reached].tolist(), found[reached], alone.tolist(), strict=True)
+
+    def _add(self, poses: Array, q: Array, status: Array, row: int, branch: int, found: Array, alone: bool) -> None:
+        """Add a solution that is not listed, in the place of its branch where that is none.
+
+        One of a continuum is added where there is nothing else.
+        """
+        apart = (q[row] - found) / Problem(self.chain, poses[row], self.entries, self._free).scale
+        apart -= np.where(self.chain.revolute, 2 * math.pi * np.round(apart / (2 * math.pi)), 0.0)
+        listed = status[row] != Status.NONE
+        again = (listed & (np.abs(apart).max(axis=-1) < POLICY.double)).any() or listed.all()
+        if listed.any() and (again or not alone):
+            return
+        place = branch % len(listed)
+        place = place if not listed[place] else int(listed.argmin())
+        q[row, place], status[row, place] = found, Status.EXACT if alone else Status.SINGULAR
+
     def _once(self, poses: Array, q: Array, status: Array, rescued: Array, free: Array, settled: Array) -> Array:
         """The status of candidates, `Status.NONE` for those that repeat an earlier one."""
         scale = Problem(self.chain, poses, self.entries, self._free).scale
@@ -240,6 +292,22 @@ class InverseSolver:
     def _folded(self, q: Array) -> Array:
         turns = 2 * math.pi * np.ceil((q - math.pi) / (2 * math.pi))
         return q - np.where(self.chain.revolute & self._free, turns, 0.0)
+
+
+def starts(joints: int) -> Array:
+    """Configurations that fill the joint space evenly, in half turns and units of length (Roberts's sequence).
+
+    Args:
+        joints: How many joints.
+
+    Returns:
+        (STARTS, joints) between -1 and 1.
+    """
+    ratio = 2.0
+    for _ in range(60):
+        ratio = (1.0 + ratio) ** (1.0 / (joints + 1))
+    steps = np.outer(np.arange(1, STARTS + 1), ratio ** -np.arange(1.0, joints + 1.0))
+    return np.round(2.0 * ((0.5 + steps) % 1.0) - 1.0, 3)
 
 
 def _real_numbers(name: str, value: npt.ArrayLike) -> Array:

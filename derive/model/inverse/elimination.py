@@ -61,6 +61,7 @@ class EliminationPolicy:
         approach: Most steps from poor candidates at poses with infinitely many solutions.
         near: Error of a pose before refinement below which a candidate should have become a solution.
         rough: Error before refinement above which a candidate that became a solution was a lucky start.
+        alone: Smallest singular value of the derivatives at a solution that is none of a continuum.
     """
 
     rank: float = 1e-9
@@ -77,6 +78,7 @@ class EliminationPolicy:
     approach: int = 60
     near: float = 1e-4
     rough: float = 1e-6
+    alone: float = 1e-5
 
 
 POLICY = EliminationPolicy()

@@ -21,7 +21,7 @@ from derive.model.inverse.closure import Loop
 from derive.model.inverse.elimination import POLICY, EigenProblem, Elimination
 from derive.model.inverse.numeric import fit
 from derive.model.inverse.numeric_chain import POSE, POSITION, Entries, NumericChain, Problem
-from derive.model.inverse.rigid_motion import motion_by
+from derive.model.inverse.rigid_motion import BESIDE, beside, motion_by
 from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
@@ -65,19 +65,38 @@ class GeneralSolution:
         Returns:
             (poses, k, n), those that exist first and NaN after them; k is the largest number of solutions met.
         """
-        q, open_ = np.full((len(poses), 0, chain.n), np.nan), np.arange(len(poses))
-        for index in range(len(self.eliminations)):
-            chosen = None if given is None else given[open_]
-            found = self.attempt(index, chain, poses[open_], chosen)
-            q = _placed(q, open_, _distinct(np.concatenate([q[open_], found.q], axis=1), chain, self.given))
-            open_ = open_[found.doubtful]
-            if not open_.size:
-                return self._limited(chain, poses, q)
-        empty = open_[~np.isfinite(q[open_, :1, 0]).any(axis=1)]
+        q, open_ = self._eliminated(chain, poses, given)
+        chosen = None if given is None else given[open_]
+        for which in range(len(BESIDE)):
+            if open_.size:
+                more = self._from_beside(which, chain, poses[open_], chosen)
+                q = _placed(q, open_, _distinct(np.concatenate([q[open_], more], axis=1), chain, self.given))
+        empty = open_[~np.isfinite(q[open_, :, 0]).any(axis=1)]
         if empty.size:
             chosen = None if given is None else given[empty]
             q = _placed(q, empty, self._approached(chain, poses[empty], chosen))
         return self._limited(chain, poses, q)
+
+    def _eliminated(self, chain: NumericChain, poses: Array, given: Array | None) -> tuple[Array, Array]:
+        """The solutions by one elimination after the other, and the poses at which all leave a doubt."""
+        q, open_ = np.full((len(poses), 0, chain.n), np.nan), np.arange(len(poses))
+        for index in range(len(self.eliminations)):
+            if open_.size:
+                found = self.attempt(index, chain, poses[open_], None if given is None else given[open_])
+                q = _placed(q, open_, _distinct(np.concatenate([q[open_], found.q], axis=1), chain, self.given))
+                open_ = open_[found.doubtful]
+        return q, open_
+
+    def _from_beside(self, which: int, chain: NumericChain, poses: Array, given: Array | None) -> Array:
+        """Solutions that are alone, by those of poses a little beside: no elimination fails there."""
+        goal = Problem(chain, poses)
+        found, _ = self._eliminated(chain, beside(poses, which, goal.unit), given)
+        place, branch = np.nonzero(np.isfinite(found[..., 0]))
+        goal = Problem(chain, poses[place], self.entries, np.isin(np.arange(chain.n), self.given, invert=True))
+        q, residual = _newton(goal, found[place, branch], POLICY.approach)
+        alone = np.linalg.svd(goal.errors(q)[1], compute_uv=False)[..., -1] > POLICY.alone
+        good = alone & (residual <= POLICY.residual)
+        return _table(place[good], q[good], len(poses))
 
     def _limited(self, chain: NumericChain, poses: Array, q: Array) -> Array:
         """No more solutions than there are; where more were met some are of a continuum, and isolated ones go first."""

@@ -27,6 +27,21 @@ Array = npt.NDArray[Any]
 FEATURES = 35
 """Numbers of a rigid motion in which all these maps are linear."""
 
+BESIDE = (
+    (
+        (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006),
+        (0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064),
+        (0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    ),
+    (
+        (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144),
+        (0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108),
+        (-0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+    ),
+)
+"""Motions by a thousandth and by three hundredths of a radian and of the unit of length, along nothing in particular:
+solutions that are alone are found at a singular pose from those of the poses where these bring it."""
+
 
 def pose_features(frame: Array) -> Array:
     """The numbers 1, R, t, R^T t, t.t, t x R, (t.t) R - 2 t (R^T t)^T of a rigid motion x -> R x + t.
@@ -225,3 +240,18 @@ def motion_by(revolute: bool, value: Array) -> Array:
         value: Angles or displacements, floats.
     """
     return joint_motion(True, np.cos(value), np.sin(value)) if revolute else joint_motion(False, value)
+
+
+def beside(poses: Array, which: int, unit: Array) -> Array:
+    """Poses a little beside others, to which nothing special leads: A T.
+
+    Args:
+        poses: (..., 4, 4) T.
+        which: Which of `BESIDE` is A.
+        unit: (...) unit of length of each pose.
+    """
+    motion = np.array(BESIDE[which])
+    result = poses.copy()
+    result[..., :3, :] = motion[:, :3] @ poses[..., :3, :]
+    result[..., :3, 3] += unit[..., None] * motion[:, 3]
+    return result

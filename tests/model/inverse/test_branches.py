@@ -8,12 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from derive.model.inverse.branches import InverseSolver
+from derive.model.inverse.branches import STARTS, InverseSolver, starts
 from derive.model.inverse.numeric import Status
 from derive.model.inverse.solve import solve
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
+from tests.inverse.arms import random_arm
 
 
 @cache
@@ -119,3 +120,30 @@ def test_what_else_a_caller_gives_is_refused_in_words():
         solver.solve(np.eye(4), near=[0.0, np.nan, 0.0, 0.0, 0.0, 0.0])
     with pytest.raises(ValueError, match=r"given joints of \(3,\) beside poses of \(2,\)"):
         solver.solve(np.stack([np.eye(4)] * 2), given=np.zeros((3, 0)))
+
+
+def test_solutions_that_stand_alone_beside_infinitely_many_are_listed():
+    case = random_arm("5dof", 17)
+    robot = case.robot()
+    solver = InverseSolver.of(robot, solve(robot), case.values)
+    pose = forward_kinematics(case.arm, np.array([np.radians(55), np.pi, -np.pi / 2, -2.342869, np.pi]))
+    found = solver.solve(pose)
+    there = found.q[found.status != Status.NONE]
+    assert np.abs(forward_kinematics(case.arm, there) - pose).max() < 1e-10
+    alone = [
+        [0.959931, 0, 1.570796],
+        [0.959931, np.pi, -1.570796],
+        [1.393032, 0, 2.003897],
+        [-2.53632, np.pi, 1.925454],
+    ]
+    apart = np.abs(np.exp(1j * there[:, None, :3]) - np.exp(1j * np.array(alone))).max(axis=2)
+    assert (apart.min(axis=0) < 2e-3).all()
+
+
+def test_starts_fill_the_joint_space_evenly():
+    for joints in (1, 3, 5):
+        table = starts(joints)
+        assert table.shape == (STARTS, joints)
+        assert np.abs(table).max() <= 1
+        assert np.abs(table.mean(axis=0)).max() < 0.15
+        assert ((table > 0).sum(axis=0) >= STARTS // 3).all()

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from derive.model.inverse.rigid_motion import (
+    BESIDE,
     axis_action,
+    beside,
     frame_action,
     inverse_features,
     point_action,
@@ -44,3 +46,16 @@ def test_actions_of_motions_one_after_the_other_are_multiplied(action):
     back = action(inverse_features(pose_features(first)))
     np.testing.assert_allclose(back @ one, np.eye(len(one)), atol=1e-12)
     np.testing.assert_allclose(back, action(pose_features(rigid_inverse(first))), atol=1e-12)
+
+
+def test_poses_beside_are_poses_at_a_small_distance_that_grows_with_the_unit():
+    frames = random_frames(np.random.default_rng(5), 4)
+    unit = np.array([1.0, 2.0, 10.0, 1e-3])
+    for which in range(len(BESIDE)):
+        moved = beside(frames, which, unit)
+        turn = moved[:, :3, :3] @ frames[:, :3, :3].transpose(0, 2, 1)
+        np.testing.assert_allclose(turn @ turn.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (4, 3, 3)), atol=1e-15)
+        shift = moved[:, :3, 3] - (turn @ frames[:, :3, 3:])[..., 0]
+        np.testing.assert_allclose(shift / unit[:, None], np.broadcast_to(shift[0], (4, 3)), atol=1e-12)
+        assert 1e-4 < np.abs(turn - np.eye(3)).max() < 0.1
+        assert (moved[:, 3] == (0, 0, 0, 1)).all()
