@@ -1,6 +1,7 @@
 """The drawing of an arm in several configurations over each other: one line for each, with the numbers of its branches.
 
-Configurations whose links cover each other, such as those of a wrist that is flipped or not, are one line.
+Configurations whose links cover each other, such as those of a wrist that is flipped or not, are one line; of many
+lines half stand in a drawing beside the other half.
 """
 
 from __future__ import annotations
@@ -28,7 +29,12 @@ COLORS: tuple[Color, ...] = (
 )
 """Told apart by readers who see few colours; after them lines are dashed, too."""
 
-_WIDTH = 300.0
+_MOST = 4
+"""Lines over each other; more are two drawings side by side."""
+
+_WIDTH, _HALF = 300.0, 210.0
+"""Width of one drawing, and of each of two [pt]."""
+
 _TALLEST = min(HEIGHT, 230.0)
 _ROOM = 40.0
 """Room for arrows and numbers at both sides [pt]."""
@@ -69,22 +75,36 @@ def branches_drawing(
         return None
     view = _view(scenes[0])
     flat = [[view.flat(point) for point in lines[group[0]]] for group in groups]
-    spread = np.ptp(np.array([point for line in flat for point in line]), axis=0)
-    scale = min((room - 2 * _ROOM) / extent for room, extent in zip((_WIDTH, _TALLEST), spread, strict=True) if extent)
+    low, high = (f(np.array([point for line in flat for point in line]), axis=0) for f in (np.min, np.max))
+    half = -(-len(groups) // 2) if len(groups) > _MOST else len(groups)
+    width = _WIDTH if half == len(groups) else _HALF
+    rooms = zip((width, _TALLEST), high - low, strict=True)
+    scale = min((room - 2 * _ROOM) / extent for room, extent in rooms if extent)
     paper = Paper()
-    shown = [[(scale * x, scale * y) for x, y in line] for line in flat]
-    for index, (group, places) in enumerate(zip(groups, shown, strict=True)):
+    for first in range(0, len(groups), half):
+        chosen = range(first, min(first + half, len(groups)))
+        aside = (first // half) * (scale * float(high[0] - low[0]) + 2 * _ROOM)
+        shown = [[(scale * x + aside, scale * y) for x, y in flat[k]] for k in chosen]
+        dots = [[view.flat(joint.anchor * scale) for joint in scenes[groups[k][0]].joints] for k in chosen]
+        texts = [",".join(names[branch] for branch in groups[k]) for k in chosen]
+        _draw_arms(paper, shown, [[(x + aside, y) for x, y in own] for own in dots], texts)
+        _draw_ends(paper, view, scenes[0], frames[0][-1], scale, aside)
+    return moved(paper.items, 3.0, title)
+
+
+def _draw_arms(
+    paper: Paper, lines: Sequence[Sequence[Point]], dots: Sequence[Sequence[Point]], texts: Sequence[str]
+) -> None:
+    """Arms over each other, each in its colour with its text beside it."""
+    for index, (places, centers) in enumerate(zip(lines, dots, strict=True)):
         color, dashed = COLORS[index % len(COLORS)], index >= len(COLORS)
         paper.draw(Path(tuple(places), stroke=color, width=1.5, dashed=dashed))
-        for joint in scenes[group[0]].joints:
-            paper.draw(_dot(view.flat(joint.anchor * scale), color))
-    _draw_ends(paper, view, scenes[0], frames[0][-1], scale)
-    for index, (group, places) in enumerate(zip(groups, shown, strict=True)):
-        text = ",".join(names[k] for k in group)
-        others = [point for other in shown if other is not places for point in _along(other, 20)]
+        for center in centers:
+            paper.draw(_dot(center, color))
+    for index, (places, text) in enumerate(zip(lines, texts, strict=True)):
+        others = [point for other in lines if other is not places for point in _along(other, 20)]
         place, direction = _apart(places, others)
         paper.label(text, around(place, direction, 9.0, label_width(text)), COLORS[index % len(COLORS)])
-    return moved(paper.items, 3.0, title)
 
 
 def _line(scene: Scene) -> list[Array]:
@@ -120,14 +140,17 @@ def _dot(center: Point, color: Color) -> Path:
     return Path(corners, closed=True, stroke=color, fill=(1.0, 1.0, 1.0), width=0.8)
 
 
-def _draw_ends(paper: Paper, view: View, scene: Scene, end: Sequence[Sequence[float]], scale: float) -> None:
+def _draw_ends(
+    paper: Paper, view: View, scene: Scene, end: Sequence[Sequence[float]], scale: float, aside: float
+) -> None:
     """The ground below the base, and the axes of the pose that all reach."""
     x, y = view.flat(scene.places[0] * scale)
+    x += aside
     paper.draw(Path(((x - 12, y - 5), (x + 12, y - 5)), stroke=DIMENSION, width=1.2))
     pose = np.array(end)
     for letter in (0, 2):
-        tip = view.flat(pose[:3, 3] * scale + _ARROW * pose[:3, letter])
-        start = view.flat(pose[:3, 3] * scale)
+        ends = (pose[:3, 3] * scale, pose[:3, 3] * scale + _ARROW * pose[:3, letter])
+        start, tip = ((u + aside, v) for u, v in map(view.flat, ends))
         if math.dist(start, tip) > 4.0:
             paper.arrow(start, tip, AXIS_COLORS[letter], 0.9)
 

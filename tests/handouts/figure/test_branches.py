@@ -42,3 +42,12 @@ def test_configurations_that_cover_each_other_are_one_line_with_both_numbers() -
 
 def test_an_arm_that_looks_the_same_in_all_of_them_is_not_drawn() -> None:
     assert drawn((0.2, 0.9), (0.2, 0.9)) is None
+
+
+def test_many_lines_are_two_drawings_side_by_side_in_the_order_of_the_numbers() -> None:
+    few, many = (lines(drawn(*((0.4 * k, 0.9) for k in range(count)))) for count in (4, 6))
+    assert len({line.points[0] for line in few}) == 1
+    left, right = sorted({line.points[0] for line in many})
+    assert [line.points[0] for line in many] == [left] * 3 + [right] * 3
+    assert max(x for line in many[:3] for x, _ in line.points) < min(x for line in many[3:] for x, _ in line.points)
+    assert [line.stroke for line in many[:3]] == [line.stroke for line in many[3:]]
