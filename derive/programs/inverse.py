@@ -299,9 +299,11 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     angles: list[Value] = []
     codes: list[Value] = []
     leaves = list(run.leaves())
-    for leaf, exists in zip(leaves, _existing(run, leaves), strict=True):
+    existing = _existing(run, leaves)
+    lost = ~reduce(Mask.__or__, existing)
+    for leaf, exists in zip(leaves, existing, strict=True):
         angles += run.angles(leaf)
-        codes.append(_code(field, exists, leaf))
+        codes.append(_code(field, exists, leaf, lost))
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else _without_given(INTERFACE)
@@ -396,11 +398,11 @@ def _may_miss(graph: SolutionGraph) -> bool:
     return not graph.complete or graph.leaves != graph.count or graph.robot.n - len(graph.given) < 6
 
 
-def _code(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask]) -> Value:
-    """The status of a branch, and whether it is to be checked."""
+def _code(field: TapeField, exists: Mask, leaf: Leaf[Value, Mask], lost: Mask) -> Value:
+    """The status of a branch, and whether it is to be checked: where none exists, every one that has lost digits."""
     singular = field.truth(False)
     for free in leaf.free:
         singular = singular | free
     kind = singular.value.select(Status.SINGULAR, leaf.boundary.value.select(Status.BOUNDARY, Status.EXACT))
-    none = singular.value.select(FREE, DOUBTFUL * leaf.doubt.value)
+    none = singular.value.select(FREE, DOUBTFUL * (leaf.doubt | (leaf.ill & lost)).value)
     return exists.value.select(kind + DOUBTFUL * leaf.ill.value, none)

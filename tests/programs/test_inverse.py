@@ -23,6 +23,7 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.solution_policy import POLICY
 from derive.verification.oracle.frames import Arm, forward_kinematics, numeric_arm
+from tests.inverse.arms import PUBLISHED
 from tests.targets.test_inverse import model_of
 
 ARITHMETIC: dict[str, Any] = {
@@ -241,3 +242,16 @@ def test_starts_are_for_arms_with_fewer_joints_than_dimensions_and_given_joints_
     assert all(found.nudge[:2])
     assert around(whole, False).starts == ()
     assert min(map(abs, found.nudge[:2])) > 10 * POLICY.back
+
+
+UR5 = next(case for case in PUBLISHED if case.name == "ur5").robot()
+
+
+@pytest.mark.sweep
+def test_next_to_poses_that_are_singular_twice_there_is_a_solution() -> None:
+    """With elbow and wrist straight the sum of three angles loses the digits that the elbow needs."""
+    model, rng = model_of(UR5), np.random.default_rng(2)
+    q = rng.uniform(-3, 3, (2000, 6))
+    q[:, [2, 4]] = np.pi * rng.integers(0, 2, (2000, 2)) + 10.0 ** rng.uniform(-10, -4, (2000, 1))
+    found = model.inverse_kinematics(model.forward_kinematics(q))
+    assert np.isfinite(found[..., 0]).any(axis=1).all()
