@@ -429,8 +429,8 @@ def product_text(robot: Robot, origin: Origin) -> str:
     """
     before = [f"A_{i}^-1" for i in range(origin.first - 1, 0, -1)]
     after = [f"A_{i}^-1" for i in range(robot.n, origin.last, -1)]
-    base = [] if robot.base == IDENTITY else ["base^-1"]
-    tool = [] if robot.tool == IDENTITY else ["tool^-1"]
+    base = [] if origin.has_base or robot.base == IDENTITY else ["base^-1"]
+    tool = [] if origin.has_tool or robot.tool == IDENTITY else ["tool^-1"]
     text = " ".join((*before, *base, "T", *tool, *after))
     if origin.inverse:
         return f"({text})^-1" if " " in text else "T^-1"

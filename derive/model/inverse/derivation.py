@@ -346,7 +346,8 @@ class Derivation:
 
     def _origins(self, source: Source) -> tuple[Origin, ...]:
         sources = (source, source.also) if source.also else (source,)
-        return tuple(origin(self._robot, each, to_end=self._graph.to_end) for each in sources)
+        graph = self._graph
+        return tuple(origin(self._robot, each, to_end=graph.to_end, from_base=graph.from_base) for each in sources)
 
     def _whole(self, unknown: Unknown, a: Polynomial, b: Polynomial) -> Expr:
         """A cos + B sin as any other sum is written, ``a1*c1 + a2*c12``."""

@@ -73,6 +73,7 @@ class Evidence:
         cuts: The cuts of the pool.
         allowed: The entries of T that are given, (row, column) from 1.
         keep_tool: See `Links`.
+        keep_base: Likewise.
         deep: Whether the higher invariants are taken too.
         special: Whether the joints of the poses are at zero and at right angles more often than not.
         seed: Of the random numbers.
@@ -92,6 +93,7 @@ class Evidence:
         allowed: frozenset[tuple[int, int]],
         *,
         keep_tool: bool = False,
+        keep_base: bool = False,
         deep: bool = False,
         special: bool = False,
         seed: int = 1,
@@ -105,7 +107,7 @@ class Evidence:
         self._steps = [self._random.randrange(1, self.prime) for _ in range(_LENGTH_NODES - 1)]
         self.equations = [(cut, entry) for cut in cuts for entry in (*ENTRIES, *(HIGHER if deep else ()))]
         self._layout()
-        links = Links(self.robot, self.residues, self._motion, keep_tool)
+        links = Links(self.robot, self.residues, self._motion, keep_tool, keep_base)
         whole = Pool(links, identity_atoms(links, deep=deep)).sides(Cut(0, self.robot.n - 1))[0]
         self.pose = whole.mapped(self._at_poses)
         self.end = links.base @ Frame(self.pose.rotation, self.pose.position) @ links.tool

@@ -98,6 +98,8 @@ class Derivation:
         self._gather(allowed, keep_tool=not all(turned), deep=deep)
         if self.to_end and any(turned) and all(column == 3 for _, column in self.evidence.untold(allowed)):
             self._gather(allowed, keep_tool=False, deep=deep)
+        if self._base_mixes(allowed):
+            self._gather(allowed, keep_tool=self.to_end, keep_base=True, deep=deep)
         self.pose = Pose(self.domain, self.links, self.evidence, self.constants, allowed, deep=deep)
         self.pool = Pool(self.links, self.pose.atoms)
         self.search = Search(self.evidence, given)
@@ -105,12 +107,29 @@ class Derivation:
         self.nodes: list[Node] = []
         self.homes: dict[Unknown, int] = {}
 
-    def _gather(self, allowed: frozenset[tuple[int, int]], *, keep_tool: bool, deep: bool) -> None:
-        """The equations; they reach to the end effector where its orientation is not told, else to the last joint."""
+    def _gather(
+        self, allowed: frozenset[tuple[int, int]], *, keep_tool: bool, keep_base: bool = False, deep: bool
+    ) -> None:
+        """The equations; they reach to the end effector where its orientation is not told, else to the last joint.
+
+        They begin at the first joint, but in the world where the base mixes what the task tells with what it does not.
+        """
         self.to_end = keep_tool
-        self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, keep_tool)
-        evidence = partial(Evidence, self.sampled, list(self.links.cuts()), allowed, keep_tool=keep_tool, deep=deep)
+        kept = {"keep_tool": keep_tool, "keep_base": keep_base}
+        self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, **kept)
+        evidence = partial(Evidence, self.sampled, list(self.links.cuts()), allowed, deep=deep, **kept)
         self.evidence, self._special = evidence(), partial(evidence, special=True)
+
+    def _base_mixes(self, allowed: frozenset[tuple[int, int]]) -> bool:
+        """Whether the base turns an entry that is told and one of its column that is not into each other."""
+        untold = set(self.evidence.untold(allowed))
+        rotation = self.links.base.rotation
+        return any(
+            (i, j) in untold and any((k + 1, j + 1) in allowed and rotation[i][m] and rotation[k][m] for k in range(3))
+            for i in range(3)
+            for j in range(4)
+            for m in range(3)
+        )
 
     @cached_property
     def special(self) -> Evidence:
@@ -291,6 +310,7 @@ class Derivation:
             tuple(self.nodes),
             self.shifts,
             to_end=self.to_end,
+            from_base=self.links.start is not None,
         )
 
     # -- nodes

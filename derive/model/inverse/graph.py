@@ -66,6 +66,7 @@ class SolutionGraph:
         complete: Whether that number is certain.
         why_not: Why there is no closed form; empty where there is one.
         to_end: Whether the last matrix of the equations ends at the end effector, whose orientation is not told.
+        from_base: Whether the first one begins in the world, for a task that tells some rows of a turned base.
     """
 
     robot: Robot
@@ -81,6 +82,7 @@ class SolutionGraph:
     complete: bool = False
     why_not: str = ""
     to_end: bool = False
+    from_base: bool = False
 
     @property
     def is_closed(self) -> bool:

@@ -8,7 +8,7 @@ between cut and frame do no more than turn by right angles; else the equation is
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from derive.algebra.angles import decompose
@@ -46,6 +46,8 @@ class Origin:
         entries: Rows and columns, from 1; of a component its number alone.
         inverse: Whether they are those of the inverse of the product; whether a component is in the frame of the last
             axis.
+        has_base: Whether the product begins with the base.
+        has_tool: Whether it ends with the tool.
     """
 
     form: Form
@@ -53,49 +55,55 @@ class Origin:
     last: int
     entries: tuple[tuple[int, ...], ...]
     inverse: bool = False
+    has_base: bool = False
+    has_tool: bool = False
 
 
-def origin(robot: Robot, source: Source, *, to_end: bool) -> Origin:
+def origin(robot: Robot, source: Source, *, to_end: bool, from_base: bool = False) -> Origin:
     """The origin of an equation.
 
     Args:
         robot: The robot.
         source: The cut, and the entry or invariant.
         to_end: Whether the last cut is at the end effector, as for tasks without orientation.
+        from_base: Whether the first one is in the world, as for tasks that tell some rows of a turned base.
     """
     name, places = source.entry, tuple(map(int, re.findall(r"\d", source.entry)))
+    in_world = from_base and source.first == 1
     match name[0]:
         case "R":
-            return _rotation(robot, source, places, to_end)
+            found = _rotation(robot, source, places, to_end, in_world)
         case "m" | "k":
-            return Origin(Form.MOMENT, source.first, source.last, (places,))
+            found = Origin(Form.MOMENT, source.first, source.last, (places,))
         case "p":
-            return _position(robot, source, places, to_end)
-    return _back(robot, source, places)
+            found = _position(robot, source, places, to_end, in_world)
+        case _:
+            found = _back(robot, source, places, in_world)
+    return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)
 
 
-def _rotation(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool) -> Origin:
+def _rotation(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
     row, column = places
     standard = robot.convention is Convention.STANDARD
     if standard and not (to_end and source.last == robot.n):
         column = _turned(robot.joints[source.last - 1].alpha, column)
-    elif not standard:
+    elif not standard and not in_world:
         row = _turned(robot.joints[source.first - 1].alpha, row)
     if row and column:
         return Origin(Form.ENTRY, source.first, source.last, ((row, column),))
     return Origin(Form.DIRECTIONS, source.first, source.last, (places,))
 
 
-def _position(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool) -> Origin:
+def _position(robot: Robot, source: Source, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
     """Of the position at which M ends, seen from where it begins."""
     first, standard = source.first, robot.convention is Convention.STANDARD
     last = _end(robot, source, to_end, along=places == (3,))
     start, squares = robot.joints[first - 1], source.entry == "p.p"
     exact = last is not None
-    if squares:
+    if squares and not in_world:
         exact &= start.d == ZERO or not (start.is_revolute and (source.outer_left or first == 1))
     rows = places or ((1, 2, 3) if squares else (1, 2))
-    if not standard:
+    if not standard and not in_world:
         exact &= start.a == ZERO or (not squares and source.entry != "p.xy")
         rows = tuple(_turned(start.alpha, row) for row in rows)
     if not exact or not all(rows) or last is None:
@@ -126,17 +134,17 @@ def _end(robot: Robot, source: Source, to_end: bool, *, along: bool) -> int | No
     return last
 
 
-def _back(robot: Robot, source: Source, places: tuple[int, ...]) -> Origin:
+def _back(robot: Robot, source: Source, places: tuple[int, ...], in_world: bool) -> Origin:
     """Of the position at which M begins, seen from where it ends."""
     first, last, standard = source.first, source.last, robot.convention is Convention.STANDARD
     begin, end = robot.joints[first - 1], robot.joints[last - 1]
-    cuts_off = begin.is_revolute and begin.d != ZERO and (source.outer_left or first == 1)
+    cuts_off = not in_world and begin.is_revolute and begin.d != ZERO and (source.outer_left or first == 1)
     rows = places or (1, 2)
     if standard:
         exact = not cuts_off and (end.a == ZERO or bool(places))
         rows = tuple(_turned(end.alpha, row) for row in rows)
     else:
-        exact = not cuts_off and begin.a == ZERO
+        exact = not cuts_off and (begin.a == ZERO or in_world)
     if not exact or not all(rows):
         return Origin(Form.COMPONENT if places else Form.DISTANCE, first, last, (places,), inverse=True)
     return Origin(Form.ENTRY if places else Form.SQUARES, first, last, tuple((row, 4) for row in rows), inverse=True)

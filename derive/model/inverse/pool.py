@@ -229,16 +229,23 @@ class Links(Generic[S]):
         motion: Cosine and sine, or displacement, of a joint about (along) its own axis, from its index and that of
             the joint at which sums of angles begin: the first joint of M, 0 left of it, -1 right of it.
         keep_tool: Whether the end effector is where M ends, not the last joint.
+        keep_base: Whether the world is where M begins, not the first joint.
 
     Attributes:
-        base: What lies before the first joint motion.
+        base: What lies before the first joint motion, where M does not begin with it.
+        start: The same where it does, else None.
         tool: What lies after the last one.
         twists: What lies before each joint's own motion, after the offset of the joint before it.
         offsets: What lies along (about) the axis of each joint.
     """
 
     def __init__(
-        self, robot: Robot, domain: Domain[S], motion: Callable[[int, int], tuple[S, ...]], keep_tool: bool = False
+        self,
+        robot: Robot,
+        domain: Domain[S],
+        motion: Callable[[int, int], tuple[S, ...]],
+        keep_tool: bool = False,
+        keep_base: bool = False,
     ) -> None:
         chain = build_chain(replace(robot, links=(), gravity=None), domain)
         self.zero, self.one, self.n, self.motion = chain.zero, chain.one, chain.n, motion
@@ -253,6 +260,9 @@ class Links(Generic[S]):
             self.offsets[-1], self.tool = self.offsets[-1] @ self.tool, unit
         else:
             self.offsets[-1], self.tool = unit, self.offsets[-1] @ self.tool
+        self.start = self.base if keep_base else None
+        if keep_base:
+            self.base = unit
 
     def cuts(self) -> Iterator[Cut]:
         """All cuts, those of short M first."""
@@ -284,6 +294,8 @@ class Links(Generic[S]):
             atoms: What is right of the joint before it.
             joint: The joint that is taken off.
         """
+        if joint == 0 and self.start is not None:
+            atoms = atoms.without_before(self.start)
         numbers = self.motion(joint, 0)
         if len(numbers) == 1:
             atoms = atoms.moved_before((self.zero, self.zero, -numbers[0]))
@@ -349,7 +361,8 @@ class Pool(Generic[S]):
     def _inside(self, first: int, last: int) -> Atoms[S]:
         links = self.links
         if first == last:
-            return links.moved(self._unit, first, first)
+            begin = self._unit if first or links.start is None else self._unit.after(links.start)
+            return links.moved(begin, first, first)
         before = self.inside(first, last - 1)
         step = links.twists[last] if last - 1 == first else links.offsets[last - 1] @ links.twists[last]
         return links.moved(before.after(step), last, first)

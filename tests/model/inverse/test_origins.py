@@ -8,6 +8,7 @@ import mpmath
 import pytest
 import sympy
 
+from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.inverse.nodes import Source
 from derive.model.inverse.origins import Form, Origin, origin
 from derive.model.model import Model
@@ -34,10 +35,22 @@ joints:
   - {type: prismatic}
 inverse: {task: position}
 """
+TURNED = """
+name: turned
+convention: standard
+base: [[2/3, -1/3, 2/3, 1/10], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]
+tool: [[1, 0, 0, 1/5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+joints:
+  - {type: revolute, a: a2}
+  - {type: revolute, a: a3}
+  - {type: revolute, a: d3}
+inverse: {task: [x, y, phi]}
+"""
 ARMS = {
     "standard": Robot.load("puma560-corke"),
     "modified": Robot.from_text(CRAIG),
     "scara": Robot.from_text(SCARA),
+    "turned": Robot.from_text(TURNED),
 }
 TOLERANCE = mpmath.mpf(10) ** -20
 
@@ -64,6 +77,10 @@ def numbers(model: Model, rng: random.Random) -> dict[sympy.Expr, mpmath.mpf]:
     return {symbol: mpmath.mpf(rng.randint(-300, 300)) / 101 for symbol in model.q}
 
 
+def frame(rows) -> sympy.Matrix:
+    return sympy.Matrix(4, 4, [expression_to_sympy(cell) for row in rows for cell in row])
+
+
 def valued(matrix: sympy.Matrix, known: dict[sympy.Expr, mpmath.mpf]) -> sympy.Matrix:
     return sympy.Matrix(*matrix.shape, [value_of(entry, dict(known)) for entry in matrix])
 
@@ -83,12 +100,15 @@ def test_an_equation_is_the_difference_of_the_entries_that_are_compared(arm: Rob
             for line in found.definitions:
                 known[line.symbol] = value_of(line.value, dict(known))
             matrices = [sympy.eye(4), *(valued(model.A(i), known) for i in range(1, arm.n + 1))]
+            ends = [valued(frame(rows), {}) for rows in (arm.base, arm.tool)]
             for equation in (equation for step in found.steps for equation in step.equations):
-                (place,) = equation.origins
-                if place.form is Form.ENTRY:
-                    left = sympy.prod(matrices[: place.first], start=sympy.eye(4))
-                    right = sympy.prod(matrices[place.last + 1 :], start=sympy.eye(4))
-                    inside = sympy.prod(matrices[place.first : place.last + 1], start=sympy.eye(4))
+                place, *eliminated = equation.origins
+                if place.form is Form.ENTRY and not eliminated:
+                    base, first = (sympy.eye(4), ends[0]) if place.has_base else (ends[0], sympy.eye(4))
+                    tool, last = (sympy.eye(4), ends[1]) if place.has_tool else (ends[1], sympy.eye(4))
+                    left = sympy.prod(matrices[: place.first], start=base)
+                    right = sympy.prod(matrices[place.last + 1 :], start=sympy.eye(4)) * tool
+                    inside = sympy.prod(matrices[place.first : place.last + 1], start=first) * last
                     ((row, column),) = place.entries
                     gap = (inside - left.inv() * pose * right.inv())[row - 1, column - 1]
                     difference = value_of(equation.left - equation.right, dict(known))

@@ -11,6 +11,7 @@ import pytest
 
 from derive.errors import QuantityError
 from derive.mechanics.floats import value_at
+from derive.model.inverse.branches import InverseSolver
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.solve import solve
@@ -19,6 +20,7 @@ from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Number
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.verification.oracle.frames import forward_kinematics, numeric_arm
 
 
 def order(graph: SolutionGraph) -> list[str]:
@@ -233,3 +235,43 @@ def test_the_constant_of_a_given_slide_may_be_an_argument() -> None:
     rows = ["{type: prismatic, a: 0.1}", "{type: prismatic, q: x2, d: d2 + x2, alpha: pi}", "{type: revolute, a: 0.3}"]
     graph = solve(Robot.from_text(text + "".join(f"  - {row}\n" for row in rows)))
     assert (graph.given, graph.count, graph.complete) == ((1,), 1, True)
+
+
+TURNED = {
+    "planar": (
+        "standard",
+        "base: [[2/3, -1/3, 2/3, 0.1], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]\n",
+        ["{type: revolute, a: 0.5}", "{type: revolute, a: 0.4}", "{type: revolute, a: 0.2}"],
+        "[x, y, phi]",
+    ),
+    "slide": (
+        "modified",
+        "",
+        ["{type: prismatic, alpha: 7*pi/12}", "{type: revolute, a: -0.25, alpha: pi/2}", "{type: revolute, a: 0.3}"],
+        "[x, z]",
+    ),
+    "height": (
+        "standard",
+        "base: [[cos(0.4), 0, sin(0.4), 0], [0, 1, 0, 0], [-sin(0.4), 0, cos(0.4), 0.3], [0, 0, 0, 1]]\n",
+        ["{type: revolute, a: 0.3, alpha: pi/3}"],
+        "[z]",
+    ),
+}
+"""Bases that turn what the task tells and what it does not into each other."""
+
+
+@pytest.mark.parametrize("name", TURNED)
+def test_some_rows_of_a_turned_base_are_solved_by_formulas(name: str) -> None:
+    convention, base, rows, task = TURNED[name]
+    joints = "".join(f"  - {row}\n" for row in rows)
+    robot = Robot.from_text(
+        f"name: turned\nconvention: {convention}\n{base}inverse: {{task: {task}}}\njoints:\n{joints}"
+    )
+    graph = solve(robot)
+    assert graph.is_closed
+    assert graph.complete
+    arm, given = numeric_arm(robot), list(graph.given)
+    q = np.random.default_rng(5).uniform(-1.5, 1.5, (20, robot.n))
+    found = InverseSolver.of(robot, graph).solve(forward_kinematics(arm, q), q[:, given]).q
+    assert np.nanmin(np.abs(found - q[:, None]).max(axis=-1), axis=1).max() < 1e-10
+    assert (np.isfinite(found[..., 0]).sum(axis=1) <= graph.count).all()
