@@ -154,6 +154,12 @@ class Around:
     starts: tuple[tuple[float, ...], ...]
     nudge: tuple[float, ...]
 
+    @property
+    def texts(self) -> dict[str, tuple[str, ...]]:
+        """Their rows as generated code has them, with commas; `nudge` is one row."""
+        rows = {"motions": self.motions, "starts": self.starts, "nudge": (self.nudge,)}
+        return {name: tuple(", ".join(map(str, row)) for row in own) for name, own in rows.items()}
+
 
 @dataclass(frozen=True, slots=True)
 class Inverse:
