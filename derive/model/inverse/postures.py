@@ -101,10 +101,11 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
     field = FloatField({str(symbol): float(value) for symbol, value in known.items()})
     run: Run[Any, Any] = Run(graph, field, rows, [q[k] for k in graph.given])
     branches = []
-    for leaf in run.leaves():
-        own = np.stack([np.broadcast_to(x, LOOKED_AT) + 0.0 for x in run.angles(leaf)])
-        real = np.broadcast_to(leaf.exists, LOOKED_AT) & np.isfinite(own).all(axis=0)
-        branches.append(np.where(real, own, np.nan))
+    with np.errstate(all="ignore"):  # where a branch does not exist its numbers are any
+        for leaf in run.leaves():
+            own = np.stack([np.broadcast_to(x, LOOKED_AT) + 0.0 for x in run.angles(leaf)])
+            real = np.broadcast_to(leaf.exists, LOOKED_AT) & np.isfinite(own).all(axis=0)
+            branches.append(np.where(real, own, np.nan))
     return Postures(_names(robot, known, q, branches), known, q, tuple(branches))
 
 

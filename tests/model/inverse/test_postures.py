@@ -12,9 +12,10 @@ from derive.model.inverse.elementary import Line
 from derive.model.inverse.in_numbers import ArrayDomain, array_value
 from derive.model.inverse.postures import LOOKED_AT, postures
 from derive.model.inverse.solutions import InverseKinematics, inverse_kinematics
+from derive.model.inverse.solve import solve
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from tests.inverse.arms import PUBLISHED
+from tests.inverse.arms import PUBLISHED, random_arm
 from tests.model.inverse.test_graph import PLANAR, planar_graph
 
 USUAL = ("planar-3r", "scara-perugia", "spherical-wrist", "stanford-deluca")
@@ -68,3 +69,9 @@ def test_an_arm_with_one_solution_has_no_names() -> None:
     inverse = inverse_kinematics(robot, robot.style)
     assert postures(robot, inverse.graph).names == ("",)
     assert [solution.name for solution in inverse.solutions] == [""]
+
+
+def test_branches_that_do_not_exist_raise_no_warning() -> None:
+    robot = random_arm("5dof", 2).robot()
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        assert len(postures(robot, solve(robot)).branches) > 1
