@@ -147,7 +147,8 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
         turned, goal = loop.rotated(start, pose) if start else (loop, pose)
         options = sorted(eliminations(turned, goal, start), key=lambda each: each.eigenvalues)
         for option in options[: POLICY.options]:
-            found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
+            with np.errstate(over="ignore", invalid="ignore"):  # joints that are nowhere near a solution
+                found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
             doubts = int(found.doubtful.sum()) > POLICY.trials // 10
             inexact = sum(found.error > bound for bound in _INEXACT)
             results.append((found.certain, (doubts, option.eigenvalues, len(option.reductions), inexact), option))

@@ -4,13 +4,14 @@ import math
 import os
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
 
 from derive.model.inverse.elimination_choice import eliminations, find_general
 from derive.model.inverse.numeric_chain import NumericChain
-from tests.inverse.arms import PUBLISHED
+from tests.inverse.arms import PUBLISHED, random_arm
 from tests.model.inverse.test_closure import pose_of, random_loop
 from tests.places import ROOT
 
@@ -68,3 +69,10 @@ def test_no_rounding_of_a_processor_decides_which_elimination_is_taken() -> None
         command = [sys.executable, "-c", CHOICE]
         found.add(subprocess.run(command, env=environment, capture_output=True, text=True, check=True, cwd=ROOT).stdout)
     assert len(found) == 1
+
+
+@pytest.mark.sweep
+def test_joints_that_are_nowhere_near_a_solution_are_tried_in_silence() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert find_general(NumericChain.of(random_arm("6DOF-P-other", 1505).robot()))
