@@ -225,12 +225,13 @@ def free_loop(
 
 
 def _refined(problem: Problem, q: Array) -> tuple[Array, Array]:
-    """Newton steps on the whole pose: two for all, more for those that have not arrived."""
+    """Newton steps on the whole pose: two for all, more for those that have not arrived, most for near ones."""
     q, residual = _newton(problem, q, 2)
-    late = np.flatnonzero((residual > 1e-13) & (residual < 0.3))
-    if late.size:
-        part = replace(problem, poses=problem.poses[late])
-        q[late], residual[late] = _newton(part, q[late], POLICY.steps)
+    for steps, most in ((POLICY.steps, 0.3), (POLICY.approach, 1e-8)):
+        late = np.flatnonzero((residual > 1e-13) & (residual < most))
+        if late.size:
+            part = replace(problem, poses=problem.poses[late])
+            q[late], residual[late] = _newton(part, q[late], steps)
     return q, residual
 
 
