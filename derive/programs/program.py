@@ -194,7 +194,8 @@ class Inverse:
     def order(self) -> tuple[str, ...]:
         """The branches by name, in their order, as lines of a docstring; none where there are no words for them."""
         rows = (f"{k}. {words}" for k, words in enumerate(self.postures, 1))
-        return ("Branches, in this order, which is that of `derive show`:", *rows) if self.postures else ()
+        head = "Branches, in this order; `derive show ROBOT inverse --format json` has their signs:"
+        return (head, *rows) if self.postures else ()
 
 
 @dataclass(frozen=True, slots=True)
