@@ -371,8 +371,8 @@ def _without_given(interface: Interface) -> Interface:
 def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> list[Mask]:
     """Which solutions exist: those whose pose is asked for, but for `CLOSED` of it, if that may be another.
 
-    Where one of them has the pose to more digits, so have the others: a wrong choice of signs is almost right
-    next to poses at which two choices are one.
+    Where one of them has the pose to more digits, so have the others: a wrong choice of signs is almost right next to
+    poses at which two choices are one. Those that have lost digits on the way are checked instead.
     """
     if not _may_miss(run.graph):
         return [leaf.exists for leaf in leaves]
@@ -381,7 +381,10 @@ def _existing(run: Run[Value, Mask], leaves: Sequence[Leaf[Value, Mask]]) -> lis
     found = [leaf.exists & Mask(error.less(most)) for leaf, error in zip(leaves, errors, strict=True)]
     best = reduce(Value.minimum, [mask.value.select(e, most) for mask, e in zip(found, errors, strict=True)])
     limit = (best * WORSE).maximum(Fraction(str(POLICY.reproduced)) * run.reach)
-    return [mask & Mask(e.less(limit)) for mask, e in zip(found, errors, strict=True)] if len(leaves) > 1 else found
+    if len(leaves) == 1:
+        return found
+    right = [leaf.ill | Mask(error.less(limit)) for leaf, error in zip(leaves, errors, strict=True)]
+    return [mask & each for mask, each in zip(found, right, strict=True)]
 
 
 def _error(run: Run[Value, Mask], leaf: Leaf[Value, Mask]) -> Value:

@@ -255,3 +255,30 @@ def test_next_to_poses_that_are_singular_twice_there_is_a_solution() -> None:
     q[:, [2, 4]] = np.pi * rng.integers(0, 2, (2000, 2)) + 10.0 ** rng.uniform(-10, -4, (2000, 1))
     found = model.inverse_kinematics(model.forward_kinematics(q))
     assert np.isfinite(found[..., 0]).any(axis=1).all()
+
+
+CONIC = """
+name: conic
+convention: modified
+base: [[2/3, -1/3, 2/3, -0.361], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]
+tool: [[2/3, -1/3, 2/3, 0], [2/3, 2/3, -1/3, 0.671], [-1/3, 2/3, 2/3, 0.502], [0, 0, 0, 1]]
+joints:
+  - {type: revolute, alpha: -pi/2, theta: q1 + 7*pi/36}
+  - {type: revolute, a: -0.6, d: 0.21}
+  - {type: revolute, a: 0.436, theta: q3 + 7*pi/36}
+  - {type: revolute, alpha: pi/2, d: 0.249, theta: q4 + pi}
+  - {type: revolute, a: 0.638, alpha: -pi/2}
+  - {type: revolute, alpha: -pi/2, theta: q6 - pi/2}
+inverse: {task: [x, z], given: [q2, q3, q5, q6]}
+"""
+"""Two joints at a quartic: at the pose of the test three of its roots are near each other, and one is not."""
+
+
+def test_a_solution_that_has_lost_more_digits_than_another_is_checked_not_dropped() -> None:
+    model = model_of(Robot.from_text(CONIC))
+    q = np.array(
+        [1.562502459623249, 0.232427656493978, 2.536934967848191, 1.04966957, 2.847566218114313, -0.547344406959437]
+    )
+    found = model.inverse_kinematics(model.forward_kinematics(q), given=q[[1, 2, 4, 5]])
+    assert np.isfinite(found).all()
+    assert np.abs(found[:, 0] - 2.75855005).min() < 1e-7
