@@ -798,9 +798,9 @@ void anthropomorphic_arm_inverse_kinematics_constants(const double *restrict par
     const double p_a3 = params[1];
     const double t1 = 0.0 < fabs(p_a2);
     const double t2 = 1.0 - t1;
-    k[0] = p_a3;
-    k[1] = p_a2;
-    k[2] = t1;
+    k[0] = p_a2;
+    k[1] = t1;
+    k[2] = p_a3;
     k[3] = p_a2*p_a2 + p_a3*p_a3;
     k[4] = t2;
     inverse_kinematics_step_constants(params, k + 5);
@@ -906,6 +906,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[lanes] = q2 - t57;
     result[2 * lanes] = q3 - t56;
     result[3 * lanes] = t35;
+    result[4 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -939,46 +940,46 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double k3 = k[2 * k_lanes];
     const double k4 = k[3 * k_lanes];
     const double k5 = k[4 * k_lanes];
-    const double t1 = 1.5 - 0.5*(T13*T13 + T23*T23);
-    const double t2 = T13*t1;
-    const double t3 = T23*t1;
-    const double t4 = T24 - k1*T21;
-    const double t5 = T14 - k1*T11;
-    const double t6 = (t4*t2 - t5*t3)/k2;
-    const double t7 = T34 - k1*T31;
-    const double t8 = t7/k2;
-    const double t9 = 1.5 - 0.5*(t6*t6 + t8*t8);
-    const double t10 = k3 > 0.0 ? t8*t9 : sa1;
-    const double t11 = k3 > 0.0 ? t6*t9 : ca1;
-    const double t12 = T21*t4 + (T31*t7 + T11*t5);
-    const double t13 = t4*T22 + (t7*T32 + t5*T12);
-    const double t14 = t12*t12 + t13*t13;
-    const double t15 = k2*t12/t14;
-    const double t16 = k2*t13/t14;
-    const double t17 = fabs(t14);
-    const double t18 = 1.5 - 0.5*(t15*t15 + t16*t16);
-    const double t19 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)));
-    const double t20 = t19*t19;
-    const double t21 = 1e-12*t20 < t17;
-    const double t22 = t21 > 0.0 ? -t16*t18 : sa2;
-    const double t23 = t21 > 0.0 ? t15*t18 : ca2;
-    const double t24 = t3*t11;
-    const double t25 = t3*t10;
-    const double t26 = t23*t24 - t22*t25;
-    const double t27 = t2*t11;
-    const double t28 = t2*t10;
-    const double t29 = t23*t27 - t22*t28;
-    const double t30 = t11*t22 + t10*t23;
-    const double t31 = maximum(fabs(T31 - t30), maximum(fabs(T11 + t26), fabs(T21 - t29)));
-    const double t32 = maximum(fabs(t23*t28 + (T22 + t22*t27)), maximum(fabs(t23*t25 - (T12 - t22*t24)), t31));
-    const double t33 = maximum(fabs(k1*t26 + (T14 + k2*t24)), fabs(k1*t29 - (T24 - k2*t27)));
-    const double t34 = maximum(fabs(T13 - t2), maximum(fabs(t10*t22 + (T32 - t11*t23)), t32));
-    const double t35 = maximum(fabs(t2*t2 - (1.0 - t3*t3)), maximum(fabs(T33), maximum(fabs(T23 - t3), t34)));
-    const double t36 = maximum(fabs(t22*t22 - (1.0 - t23*t23)), maximum(fabs(t10*t10 - (1.0 - t11*t11)), t35));
-    const double t37 = maximum(fabs(k1*t30 - (T34 - k2*t10)), t33) < 1e-07*t19;
-    const double t38 = maximum(k5, 1.0 - t21);
-    const double t39 = (t38 > 0.0 ? 3.0 : 1.0) + 4.0*maximum(k5, 1.0 - (0.001*t20 < t17));
-    const double t40 = (t36 < 1e-07)*t37 > 0.0 ? t39 : (t38 > 0.0 ? 8.0 : 4.0*t38);
+    const double t1 = T34 - k3*T31;
+    const double t2 = t1/k1;
+    const double t3 = T24 - k3*T21;
+    const double t4 = 1.5 - 0.5*(T13*T13 + T23*T23);
+    const double t5 = T13*t4;
+    const double t6 = T23*t4;
+    const double t7 = T14 - k3*T11;
+    const double t8 = (t3*t5 - t7*t6)/k1;
+    const double t9 = 1.5 - 0.5*(t8*t8 + t2*t2);
+    const double t10 = k2 > 0.0 ? t2*t9 : sa1;
+    const double t11 = k2 > 0.0 ? t8*t9 : ca1;
+    const double t12 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)));
+    const double t13 = t12*t12;
+    const double t14 = T21*t3 + (T31*t1 + T11*t7);
+    const double t15 = t3*T22 + (t1*T32 + t7*T12);
+    const double t16 = t14*t14 + t15*t15;
+    const double t17 = k1*t15/t16;
+    const double t18 = k1*t14/t16;
+    const double t19 = fabs(t16);
+    const double t20 = 1e-12*t13 < t19;
+    const double t21 = 1.5 - 0.5*(t18*t18 + t17*t17);
+    const double t22 = t20 > 0.0 ? -t17*t21 : sa2;
+    const double t23 = t20 > 0.0 ? t18*t21 : ca2;
+    const double t24 = t11*t22 + t10*t23;
+    const double t25 = t5*t11;
+    const double t26 = t5*t10;
+    const double t27 = t23*t25 - t22*t26;
+    const double t28 = t6*t11;
+    const double t29 = t6*t10;
+    const double t30 = t23*t28 - t22*t29;
+    const double t31 = maximum(fabs(T31 - t24), maximum(fabs(T11 + t30), fabs(T21 - t27)));
+    const double t32 = maximum(fabs(t23*t26 + (T22 + t22*t25)), maximum(fabs(t23*t29 - (T12 - t22*t28)), t31));
+    const double t33 = maximum(fabs(T13 - t5), maximum(fabs(t10*t22 + (T32 - t11*t23)), t32));
+    const double t34 = maximum(fabs(t5*t5 - (1.0 - t6*t6)), maximum(fabs(T33), maximum(fabs(T23 - t6), t33)));
+    const double t35 = maximum(fabs(t22*t22 - (1.0 - t23*t23)), maximum(fabs(t10*t10 - (1.0 - t11*t11)), t34));
+    const double t36 = maximum(fabs(k3*t27 - (T24 - k1*t25)), maximum(fabs(k3*t30 + (T14 + k1*t28)), t12*t35));
+    const double t37 = maximum(fabs(k3*t24 - (T34 - k1*t10)), t36) < 1e-07*t12;
+    const double t38 = maximum(k5, 1.0 - t20);
+    const double t39 = maximum(k5, 1.0 - (0.001*t13 < t19));
+    const double t40 = t37 > 0.0 ? (t38 > 0.0 ? 3.0 : 1.0) + 4.0*t39 : (t38 > 0.0 ? 8.0 : 4.0*maximum(t38, t39 - t37*t39));
     result[0] = arctangent(T13, -T23);
     result[lanes] = arctangent(t10, t11);
     result[2 * lanes] = arctangent(t22, t23);
@@ -1004,10 +1005,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[3], sines[3], cosines[3];
@@ -1019,7 +1020,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 3; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1029,7 +1030,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 3 };
-    double ahead[3 + 1], found[3 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[3 + 2], found[3 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 5, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1111,6 +1112,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06};
+    double row[3], back[3];
+    size_t place = kinds[branch] ? 1 : branch, listed = 0;
+    for (size_t j = 0; j < 3; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 1; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 3 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 1)
+            place = b;
+    }
+    for (size_t j = 0; j < 3; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 1 || (listed && !alone))
+        return;
+    memcpy(q + 3 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1120,6 +1148,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][3] = {
+        {-0.362, -0.658, -0.901},
+        {-0.723, 0.684, 0.199},
+        {0.915, 0.026, -0.702},
+        {0.553, -0.632, 0.398},
+        {0.192, 0.71, -0.503},
+        {-0.17, 0.053, 0.596},
+        {-0.532, -0.605, -0.304},
+        {-0.893, 0.737, 0.795},
+        {0.745, 0.079, -0.105},
+        {0.383, -0.579, 0.994},
+        {0.022, 0.763, 0.093},
+        {-0.34, 0.105, -0.807},
+        {-0.702, -0.553, 0.292},
+        {0.937, 0.789, -0.608},
+        {0.575, 0.131, 0.491},
+        {0.214, -0.527, -0.41},
+        {-0.148, 0.815, 0.69},
+        {-0.51, 0.158, -0.211},
+        {-0.871, -0.5, 0.889},
+        {0.767, 0.842, -0.012},
+        {0.405, 0.184, -0.913},
+        {0.044, -0.474, 0.187},
+        {-0.318, 0.868, -0.714},
+        {-0.68, 0.21, 0.386},
+    };
+    const double damping = 1e-12;
+    double start[3], step[3 + 2], values[4], moved[16] = {0.0};
+    for (size_t j = 0; j < 3; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 5, step);
+    const double unit = step[3 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 1; ++b)
+            inverse_kinematics_added(T, k, unit, values + 3 * b, b, q, kinds);
+    }
+    memcpy(values, q, 3 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 3; ++j) {
+            const double value = values[3 * (i % 1) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 1, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int anthropomorphic_arm_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1127,7 +1214,7 @@ int anthropomorphic_arm_inverse_kinematics(const double *restrict T, const doubl
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[3], values[4];
     const double *const codes = values + 3;
-    int kinds[1], doubts[1], free[1], settled[1] = {0}, lacking = 1;
+    int kinds[1], doubts[1], doubted[1], free[1], settled[1] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 3; ++j)
             q[j] = NAN;
@@ -1143,7 +1230,7 @@ int anthropomorphic_arm_inverse_kinematics(const double *restrict T, const doubl
         return count;
     memcpy(q, values, 3 * sizeof *q);
     for (size_t b = 0; b < 1; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1159,9 +1246,13 @@ int anthropomorphic_arm_inverse_kinematics(const double *restrict T, const doubl
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 3 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 3])
+            if (inverse_kinematics_turning[j % 3])
                 values[j] += 1.3 * (double)(i * (j / 3 + 1) * (j % 3 + 2));
     }
+    for (size_t b = 0; b < 1; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 1; ++b) {
         for (size_t j = 0; j < 3 && !kinds[b]; ++j)

@@ -23,7 +23,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify anthropomorphic-arm` compares every function with an independent recursion.
 """
@@ -43,7 +43,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 22, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "inverse_kinematics": {"mul": 68, "add": 47, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 26},
+    "inverse_kinematics": {"mul": 69, "add": 48, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 27},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -329,7 +329,7 @@ def _inverse_kinematics_constants(functions, p):
     t2 = p_a2*p_a2 + p_a3*p_a3
     t3 = 1.0 - t1
     return (
-        p_a3, p_a2, t1, t2, t3,
+        p_a2, t1, p_a3, t2, t3,
     )
 
 
@@ -337,53 +337,54 @@ def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     near1, near2, near3 = near
-    p_a3, p_a2, k3, k4, k5 = k
-    t4 = 1.5 - 0.5*(T13*T13 + T23*T23)
-    t5 = T13*t4
-    t6 = T23*t4
-    t7 = T24 - p_a3*T21
-    t8 = T14 - p_a3*T11
-    t9 = (t7*t5 - t8*t6)/p_a2
-    t10 = T34 - p_a3*T31
-    t11 = t10/p_a2
-    t12 = 1.5 - 0.5*(t9*t9 + t11*t11)
+    p_a2, k2, p_a3, k4, k5 = k
+    t4 = T34 - p_a3*T31
+    t5 = t4/p_a2
+    t6 = T24 - p_a3*T21
+    t7 = 1.5 - 0.5*(T13*T13 + T23*T23)
+    t8 = T13*t7
+    t9 = T23*t7
+    t10 = T14 - p_a3*T11
+    t11 = (t6*t8 - t10*t9)/p_a2
+    t12 = 1.5 - 0.5*(t11*t11 + t5*t5)
     t13 = sin(near2)
-    t14 = select(k3, t11*t12, t13)
+    t14 = select(k2, t5*t12, t13)
     t15 = cos(near2)
-    t16 = select(k3, t9*t12, t15)
-    t17 = T21*t7 + (T31*t10 + T11*t8)
-    t18 = t7*T22 + (t10*T32 + t8*T12)
-    t19 = t17*t17 + t18*t18
-    t20 = p_a2*t17/t19
-    t21 = p_a2*t18/t19
-    t22 = absolute(t19)
-    t23 = 1.5 - 0.5*(t20*t20 + t21*t21)
-    t24 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)))
-    t25 = t24*t24
-    t26 = less(1e-12*t25, t22)
+    t16 = select(k2, t11*t12, t15)
+    t17 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)))
+    t18 = t17*t17
+    t19 = T21*t6 + (T31*t4 + T11*t10)
+    t20 = t6*T22 + (t4*T32 + t10*T12)
+    t21 = t19*t19 + t20*t20
+    t22 = p_a2*t20/t21
+    t23 = p_a2*t19/t21
+    t24 = absolute(t21)
+    t25 = less(1e-12*t18, t24)
+    t26 = 1.5 - 0.5*(t23*t23 + t22*t22)
     t27 = sin(near3)
-    t28 = select(t26, -t21*t23, t27)
+    t28 = select(t25, -t22*t26, t27)
     t29 = cos(near3)
-    t30 = select(t26, t20*t23, t29)
-    t31 = t6*t16
-    t32 = t6*t14
-    t33 = t30*t31 - t28*t32
-    t34 = t5*t16
-    t35 = t5*t14
-    t36 = t30*t34 - t28*t35
-    t37 = t16*t28 + t14*t30
-    t38 = maximum(absolute(T31 - t37), maximum(absolute(T11 + t33), absolute(T21 - t36)))
-    t39 = maximum(absolute(t30*t35 + (T22 + t28*t34)), maximum(absolute(t30*t32 - (T12 - t28*t31)), t38))
-    t40 = maximum(absolute(p_a3*t33 + (T14 + p_a2*t31)), absolute(p_a3*t36 - (T24 - p_a2*t34)))
-    t41 = maximum(absolute(T13 - t5), maximum(absolute(t14*t28 + (T32 - t16*t30)), t39))
-    t42 = maximum(absolute(T33), maximum(absolute(T23 - t6), t41))
-    t43 = maximum(absolute(t14*t14 - (1.0 - t16*t16)), maximum(absolute(t5*t5 - (1.0 - t6*t6)), t42))
-    t44 = less(maximum(absolute(t28*t28 - (1.0 - t30*t30)), t43), 1e-07)
-    t45 = less(maximum(absolute(p_a3*t37 - (T34 - p_a2*t14)), t40), 1e-07*t24)
-    t46 = maximum(k5, 1.0 - t26)
-    t47 = select(t46, 3.0, 1.0) + 4.0*maximum(k5, 1.0 - less(0.001*t25, t22))
+    t30 = select(t25, t23*t26, t29)
+    t31 = t16*t28 + t14*t30
+    t32 = t8*t16
+    t33 = t8*t14
+    t34 = t30*t32 - t28*t33
+    t35 = t9*t16
+    t36 = t9*t14
+    t37 = t30*t35 - t28*t36
+    t38 = maximum(absolute(T31 - t31), maximum(absolute(T11 + t37), absolute(T21 - t34)))
+    t39 = maximum(absolute(t30*t33 + (T22 + t28*t32)), maximum(absolute(t30*t36 - (T12 - t28*t35)), t38))
+    t40 = maximum(absolute(T13 - t8), maximum(absolute(t14*t28 + (T32 - t16*t30)), t39))
+    t41 = maximum(absolute(T33), maximum(absolute(T23 - t9), t40))
+    t42 = maximum(absolute(t14*t14 - (1.0 - t16*t16)), maximum(absolute(t8*t8 - (1.0 - t9*t9)), t41))
+    t43 = t17*maximum(absolute(t28*t28 - (1.0 - t30*t30)), t42)
+    t44 = maximum(absolute(p_a3*t34 - (T24 - p_a2*t32)), maximum(absolute(p_a3*t37 + (T14 + p_a2*t35)), t43))
+    t45 = less(maximum(absolute(p_a3*t31 - (T34 - p_a2*t14)), t44), 1e-07*t17)
+    t46 = maximum(k5, 1.0 - t25)
+    t47 = maximum(k5, 1.0 - less(0.001*t18, t24))
+    t48 = select(t45, select(t46, 3.0, 1.0) + 4.0*t47, select(t46, 8.0, 4.0*maximum(t46, t47 - t45*t47)))
     return (
-        atan2(T13, -T23), atan2(t14, t16), atan2(t28, t30), select(t44*t45, t47, select(t46, 8.0, 4.0*t46)),
+        atan2(T13, -T23), atan2(t14, t16), atan2(t28, t30), t48,
     )
 
 
@@ -468,7 +469,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t62 = t61/(t53 - t50*t54)
     t63 = t60/t52 - t54*t62
     return (
-        q1 + (t56/t44 + t51*t63 + t45*t62), q2 - t63, q3 - t62, t40,
+        q1 + (t56/t44 + t51*t63 + t45*t62), q2 - t63, q3 - t62, t40, t4,
     )
 
 

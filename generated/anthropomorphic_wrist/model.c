@@ -1193,10 +1193,10 @@ static void inverse_kinematics_step_constants(const double *restrict params, dou
     const double p_d4 = params[1];
     const double p_d6 = params[2];
     k[0] = p_d6;
-    k[1] = p_d4;
-    k[2] = p_a2;
-    k[3] = p_d6*p_d6;
-    k[4] = p_d4*p_d4;
+    k[1] = p_d6*p_d6;
+    k[2] = p_d4;
+    k[3] = p_d4*p_d4;
+    k[4] = p_a2;
     k[5] = p_a2*p_a2;
 }
 
@@ -1276,23 +1276,23 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double k4 = k[3 * k_lanes];
     const double k5 = k[4 * k_lanes];
     const double k6 = k[5 * k_lanes];
-    const double t1 = c4*s5;
-    const double t2 = ca6*t1 + c5*sa6;
-    const double t3 = s4*s5;
-    const double t4 = s1*t3 + c1*t2;
-    const double t5 = c1*t3 - s1*t2;
-    const double t6 = c1*sa6;
-    const double t7 = k3*c2;
-    const double t8 = sqrt(k6 + (k5 + (k4 + (T14*T14 + (T24*T24 + T34*T34)))));
-    const double t9 = (0.0 < t8) ? t8 : 1.0;
-    const double t10 = (c1*t7 + (k2*t6 + k1*t4) - T14)/t9;
+    const double t1 = sqrt(k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))));
+    const double t2 = (0.0 < t1) ? t1 : 1.0;
+    const double t3 = c4*s5;
+    const double t4 = ca6*t3 + c5*sa6;
+    const double t5 = s4*s5;
+    const double t6 = s1*t5 + c1*t4;
+    const double t7 = c1*t5 - s1*t4;
+    const double t8 = c1*sa6;
+    const double t9 = k5*c2;
+    const double t10 = (c1*t9 + (k3*t8 + k1*t6) - T14)/t2;
     const double t11 = s1*sa6;
-    const double t12 = (s1*t7 + (k2*t11 - k1*t5) - T24)/t9;
+    const double t12 = (s1*t9 + (k3*t11 - k1*t7) - T24)/t2;
     const double t13 = c5*ca6;
-    const double t14 = t13 - sa6*t1;
-    const double t15 = k3*s2;
-    const double t16 = (t15 - (k2*ca6 + k1*t14) - T34)/t9;
-    const double t17 = 1.0/t9;
+    const double t14 = t13 - sa6*t3;
+    const double t15 = k5*s2;
+    const double t16 = (t15 - (k3*ca6 + k1*t14) - T34)/t2;
+    const double t17 = 1.0/t2;
     const double t18 = c5*s6;
     const double t19 = s5*s6;
     const double t20 = c4*t18 + s4*c6;
@@ -1301,18 +1301,18 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t23 = ca6*t20 - sa6*t19;
     const double t24 = c1*t21 - s1*t23;
     const double t25 = s1*t21 + c1*t23;
-    const double t26 = t22*t5 + t24*t14;
+    const double t26 = t22*t7 + t24*t14;
     const double t27 = t26 + T11;
-    const double t28 = t22*t4 + t25*t14;
+    const double t28 = t22*t6 + t25*t14;
     const double t29 = t28 + T21;
-    const double t30 = t25*t5 - t24*t4;
+    const double t30 = t25*t7 - t24*t6;
     const double t31 = t30 - T31;
     const double t32 = t10*t10 + t12*t12 + t16*t16 + t27*t27 + t29*t29 + t31*t31;
     const double t33 = t25 + T12;
     const double t34 = t24 - T22;
     const double t35 = t22 + T32;
-    const double t36 = t4 - T13;
-    const double t37 = t5 + T23;
+    const double t36 = t6 - T13;
+    const double t37 = t7 + T23;
     const double t38 = t32 + t33*t33 + t34*t34 + t35*t35 + t36*t36 + t37*t37;
     const double t39 = t14 + T33;
     const double t40 = sqrt(t38 + t39*t39) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
@@ -1322,9 +1322,9 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t44 = k1*s5;
     const double t45 = c4*t44;
     const double t46 = k1*c5;
-    const double t47 = k2 + t46;
+    const double t47 = k3 + t46;
     const double t48 = ca6*t45 + sa6*t47;
-    const double t49 = t7 + t48;
+    const double t49 = t9 + t48;
     const double t50 = sa6*t45 - ca6*t47;
     const double t51 = t15 + t50;
     const double t52 = t48*t17;
@@ -1343,7 +1343,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t65 = t64/t60;
     const double t66 = c1*ca6;
     const double t67 = s1*s4 + c4*t66;
-    const double t68 = c5*t6 + s5*t67;
+    const double t68 = c5*t8 + s5*t67;
     const double t69 = s1*ca6;
     const double t70 = c1*s4 - c4*t69;
     const double t71 = c5*t11 - s5*t70;
@@ -1370,16 +1370,16 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t92 = t54*t90 + t57*t91 + 2.0*ca6;
     const double t93 = t92/t60;
     const double t94 = t44*t62*t17;
-    const double t95 = 2.0*(s1*t6 - c1*t11);
+    const double t95 = 2.0*(s1*t8 - c1*t11);
     const double t96 = t55*t90 - t56*t91 + t58*t94 - t95 - t59*t93;
     const double t97 = t96/t76;
     const double t98 = t95 - (t78*t90 - t79*t91 + t52*t94) + t80*t93 + t82*t97;
-    const double t99 = 2.0*(t6*t68 + t11*t71 + ca6*t63) - t92*t65 + t96*t77 - t98*t87;
+    const double t99 = 2.0*(t8*t68 + t11*t71 + ca6*t63) - t92*t65 + t96*t77 - t98*t87;
     const double t100 = t98/t86;
-    const double t101 = t90*t90 + t91*t91 + t94*t94 + 2.0*(t6*t6 + t11*t11 + ca6*ca6);
+    const double t101 = t90*t90 + t91*t91 + t94*t94 + 2.0*(t8*t8 + t11*t11 + ca6*ca6);
     const double t102 = damping1 + t101 - t92*t93 - t96*t97 - t98*t100;
     const double t103 = t99/t102;
-    const double t104 = (t46*t67 - t44*t6)*t17;
+    const double t104 = (t46*t67 - t44*t8)*t17;
     const double t105 = (t46*t70 + t44*t11)*t17;
     const double t106 = (t46*t61 + ca6*t44)*t17;
     const double t107 = t54*t104 + t57*t105 + 2.0*t62;
@@ -1389,7 +1389,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t111 = t110/t76;
     const double t112 = t109 - (t78*t104 - t79*t105 - t52*t106) + t80*t108 + t82*t111;
     const double t113 = t112/t86;
-    const double t114 = t90*t104 + t91*t105 - t94*t106 + 2.0*(t6*t88 - t11*t89 + ca6*t62);
+    const double t114 = t90*t104 + t91*t105 - t94*t106 + 2.0*(t8*t88 - t11*t89 + ca6*t62);
     const double t115 = t114 - t92*t108 - t96*t111 - t98*t113;
     const double t116 = 2.0*(t88*t68 - t89*t71 + t62*t63) - t107*t65 + t110*t77;
     const double t117 = t116 - t112*t87 - t115*t103;
@@ -1397,12 +1397,12 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t119 = t104*t104 + t105*t105 + t106*t106 + 2.0*(t88*t88 + t89*t89 + t62*t62);
     const double t120 = damping1 + t119 - t107*t108 - t110*t111 - t112*t113 - t115*t118;
     const double t121 = t117/t120;
-    const double t122 = t14*T23 - t5*T33 - (t30*T21 + t28*T31 - (t22*T22 + t24*T32));
-    const double t123 = t4*T33 + t14*T13 - (t26*T31 + t30*T11 + (t25*T32 - t22*T12));
+    const double t122 = t14*T23 - t7*T33 - (t30*T21 + t28*T31 - (t22*T22 + t24*T32));
+    const double t123 = t6*T33 + t14*T13 - (t26*T31 + t30*T11 + (t25*T32 - t22*T12));
     const double t124 = s1*t122 + c1*t123;
-    const double t125 = t5*T13 + t4*T23 + (t28*T11 - t26*T21 - (t24*T12 + t25*T22));
+    const double t125 = t7*T13 + t6*T23 + (t28*T11 - t26*T21 - (t24*T12 + t25*T22));
     const double t126 = t125 + t10*t54 - t12*t57;
-    const double t127 = t6*t122 - t11*t123 - ca6*t125 - t10*t90 + t12*t91 + t16*t94;
+    const double t127 = t8*t122 - t11*t123 - ca6*t125 - t10*t90 + t12*t91 + t16*t94;
     const double t128 = t88*t122 + t89*t123 - t62*t125 - t10*t104 + t12*t105 - t16*t106;
     const double t129 = damping1 + 2.0*(t68*t68 + t71*t71 + t63*t63) - t64*t65;
     const double t130 = t124 + t10*t55 + t12*t56 - t16*t58 - t126*t74;
@@ -1423,6 +1423,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[4 * lanes] = q5 + t136;
     result[5 * lanes] = q6 + t135;
     result[6 * lanes] = t43;
+    result[7 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1532,155 +1533,165 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t63 = maximum(t62 - t62*(t61 < t16), t60);
     const double t64 = t12*t61;
     const double t65 = maximum(t63, 1.0 - (t64 < t34));
-    const double t66 = maximum(t17, t60);
-    const double t67 = maximum(t66, t40);
-    const double t68 = (t53 > 0.0 ? 3.0 : t56) + 4.0*maximum(t65, t58 - t58*(0.001 < t47));
-    const double t69 = t53 > 0.0 ? 8.0 : 4.0*maximum(t51, t67);
-    const double t70 = 1.0 - t17;
-    const double t71 = t55*t70;
-    const double t72 = t57*t70;
-    const double t73 = k2 + k3*t23;
-    const double t74 = t21*t73;
-    const double t75 = t5*t73;
-    const double t76 = t27 + t73*t73;
-    const double t77 = (t11 - t74)/t76;
-    const double t78 = (t28 + t75)/t76;
-    const double t79 = 1.5 - 0.5*(t77*t77 + t78*t78);
-    const double t80 = fabs(k4 + k5*t23);
-    const double t81 = t18 < t80;
-    const double t82 = t81 > 0.0 ? -t79*((t11 + t74)/t76) : ca3;
-    const double t83 = t81 > 0.0 ? -t79*((t28 - t75)/t76) : sa3;
-    const double t84 = maximum(1.0 - (t64 < t80), t63);
-    const double t85 = t81 > 0.0 ? -t77*t79 : ca3;
-    const double t86 = t81 > 0.0 ? t78*t79 : sa3;
-    const double t87 = 1.0 - t81;
-    const double t88 = maximum(k8, maximum(t17, t87));
-    const double t89 = maximum(t87, t66);
-    const double t90 = arctangent(t83, t82);
-    const double t91 = arctangent(t86, t85);
-    const double t92 = t9*t82 - t23*t83;
-    const double t93 = t9*t83 + t23*t82;
-    const double t94 = t45*t92 - T33*t93;
-    const double t95 = fabs(t94);
-    const double t96 = t50 - t50*(1e-12 < t95);
-    const double t97 = maximum(t96, t88);
-    const double t98 = (t97 > 0.0 ? 3.0 : t56) + 4.0*maximum(t84, t58 - t58*(0.001 < t95));
-    const double t99 = t97 > 0.0 ? 8.0 : 4.0*maximum(t96, t89);
-    const double t100 = t9*t37 - t22*t39;
-    const double t101 = t9*t39 + t22*t37;
-    const double t102 = t45*t100 + T33*t101;
-    const double t103 = fabs(t102);
-    const double t104 = t50 - t50*(1e-12 < t103);
-    const double t105 = maximum(t104, t52);
-    const double t106 = t105 > 0.0 ? 8.0 : 4.0*maximum(t104, t67);
-    const double t107 = (t105 > 0.0 ? 3.0 : t56) + 4.0*maximum(t58 - t58*(0.001 < t103), t65);
-    const double t108 = t9*t85 - t23*t86;
-    const double t109 = t9*t86 + t23*t85;
+    const double t66 = maximum(t65, t58 - t58*(0.001 < t47));
+    const double t67 = maximum(t17, t60);
+    const double t68 = maximum(t67, t40);
+    const double t69 = (t53 > 0.0 ? 3.0 : t56) + 4.0*t66;
+    const double t70 = t9*t37 - t22*t39;
+    const double t71 = t9*t39 + t22*t37;
+    const double t72 = t45*t70 + T33*t71;
+    const double t73 = fabs(t72);
+    const double t74 = t50 - t50*(1e-12 < t73);
+    const double t75 = maximum(t74, t52);
+    const double t76 = maximum(t58 - t58*(0.001 < t73), t65);
+    const double t77 = t55 - t74*t55;
+    const double t78 = k2 + k3*t23;
+    const double t79 = t21*t78;
+    const double t80 = t5*t78;
+    const double t81 = t27 + t78*t78;
+    const double t82 = (t11 - t79)/t81;
+    const double t83 = (t28 + t80)/t81;
+    const double t84 = 1.5 - 0.5*(t82*t82 + t83*t83);
+    const double t85 = fabs(k4 + k5*t23);
+    const double t86 = t18 < t85;
+    const double t87 = t86 > 0.0 ? -t82*t84 : ca3;
+    const double t88 = t86 > 0.0 ? t83*t84 : sa3;
+    const double t89 = t86 > 0.0 ? -t84*((t11 + t79)/t81) : ca3;
+    const double t90 = t86 > 0.0 ? -t84*((t28 - t80)/t81) : sa3;
+    const double t91 = 1.0 - t86;
+    const double t92 = maximum(1.0 - (t64 < t85), t63);
+    const double t93 = maximum(t91, t67);
+    const double t94 = 1.0 - t17;
+    const double t95 = maximum(k8, maximum(t17, t91));
+    const double t96 = arctangent(t90, t89);
+    const double t97 = arctangent(t88, t87);
+    const double t98 = t9*t87 - t23*t88;
+    const double t99 = t9*t88 + t23*t87;
+    const double t100 = t98*t45 + T33*t99;
+    const double t101 = fabs(t100);
+    const double t102 = t50 - t50*(1e-12 < t101);
+    const double t103 = maximum(t58 - t58*(0.001 < t101), t92);
+    const double t104 = t57 - t102*t57;
+    const double t105 = t57*t94;
+    const double t106 = maximum(t105, maximum(t77, maximum(t55, maximum(t57, t104))));
+    const double t107 = t55*t94;
+    const double t108 = t9*t89 - t23*t90;
+    const double t109 = t9*t90 + t23*t89;
     const double t110 = arctangent(t22, -t9);
-    const double t111 = t108*t45 + T33*t109;
+    const double t111 = t45*t108 - T33*t109;
     const double t112 = fabs(t111);
     const double t113 = t50 - t50*(1e-12 < t112);
-    const double t114 = maximum(t113, t88);
-    const double t115 = (t114 > 0.0 ? 3.0 : t56) + 4.0*maximum(t58 - t58*(0.001 < t112), t84);
-    const double t116 = t114 > 0.0 ? 8.0 : 4.0*maximum(t113, t89);
-    const double t117 = t48*t48;
-    const double t118 = sqrt(t117 + t46*t46);
-    const double t119 = -ca4;
-    const double t120 = t51 > 0.0 ? t119 : t46/t118;
-    const double t121 = t19*T11 - t20*T21;
-    const double t122 = t51 > 0.0 ? sa4 : t48/t118;
-    const double t123 = t19*T21 + t20*T11;
-    const double t124 = t19*T12 - t20*T22;
-    const double t125 = arctangent(t122, -t120);
-    const double t126 = arctangent(t19, t20);
-    const double t127 = t19*T22 + t20*T12;
-    const double t128 = arctangent(t121*t120 + t122*(T31*t44 - t123*t43), t124*t120 + t122*(T32*t44 - t127*t43));
-    const double t129 = arctangent(t46*t120 + t48*t122, t45*t44 + T33*t43);
-    const double t130 = (0.0 < t128) ? 3.141592653589793 : -3.141592653589793;
-    const double t131 = (0.0 < t125) ? 3.141592653589793 : -3.141592653589793;
-    const double t132 = (0.0 < t126) ? 3.141592653589793 : -3.141592653589793;
-    const double t133 = t126 - t132;
-    const double t134 = sqrt(t117 + t94*t94);
-    const double t135 = t96 > 0.0 ? ca4 : t94/t134;
-    const double t136 = t96 > 0.0 ? sa4 : t48/t134;
-    const double t137 = -sa4;
-    const double t138 = arctangent(t136, t135);
-    const double t139 = arctangent(t121*t135 + t136*(T31*t93 - t123*t92), -(t124*t135 + t136*(T32*t93 - t127*t92)));
-    const double t140 = arctangent(t94*t135 + t48*t136, -(t45*t93 + T33*t92));
-    const double t141 = (t139 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t142 = (0.0 < t138) ? 3.141592653589793 : -3.141592653589793;
-    const double t143 = sqrt(t117 + t102*t102);
-    const double t144 = t104 > 0.0 ? ca4 : t102/t143;
-    const double t145 = t104 > 0.0 ? t137 : t48/t143;
-    const double t146 = arctangent(t145, t144);
-    const double t147 = arctangent(t121*t144 - t145*(T31*t101 + t123*t100), t124*t144 - t145*(T32*t101 + t127*t100));
-    const double t148 = arctangent(t102*t144 + t48*t145, -(t45*t101 - T33*t100));
-    const double t149 = (0.0 < t147) ? 3.141592653589793 : -3.141592653589793;
-    const double t150 = (t146 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t151 = sqrt(t117 + t111*t111);
-    const double t152 = t113 > 0.0 ? t119 : t111/t151;
-    const double t153 = t113 > 0.0 ? t137 : t48/t151;
-    const double t154 = arctangent(t111*t152 + t48*t153, t45*t109 - T33*t108);
-    const double t155 = arctangent(t153, -t152);
-    const double t156 = arctangent(t152*t121 - t153*(t109*T31 + t108*t123), -(t152*t124 - t153*(t109*T32 + t108*t127)));
-    const double t157 = (t156 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t158 = (t155 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    result[0] = t126;
-    result[lanes] = t91;
+    const double t114 = maximum(t92, t58 - t58*(0.001 < t112));
+    const double t115 = t105 - t113*t105;
+    const double t116 = t107 - t51*t107;
+    const double t117 = 1.0 - maximum(t116, maximum(t107, maximum(t115, t106)));
+    const double t118 = t53 > 0.0 ? 8.0 : 4.0*maximum(maximum(t51, t68), t117*t66);
+    const double t119 = maximum(t113, t95);
+    const double t120 = maximum(t102, t95);
+    const double t121 = (t119 > 0.0 ? 3.0 : t56) + 4.0*t114;
+    const double t122 = t119 > 0.0 ? 8.0 : 4.0*maximum(maximum(t113, t93), t117*t114);
+    const double t123 = (t75 > 0.0 ? 3.0 : t56) + 4.0*t76;
+    const double t124 = t75 > 0.0 ? 8.0 : 4.0*maximum(maximum(t74, t68), t117*t76);
+    const double t125 = (t120 > 0.0 ? 3.0 : t56) + 4.0*t103;
+    const double t126 = t120 > 0.0 ? 8.0 : 4.0*maximum(maximum(t102, t93), t103*t117);
+    const double t127 = t48*t48;
+    const double t128 = sqrt(t127 + t46*t46);
+    const double t129 = -ca4;
+    const double t130 = t51 > 0.0 ? t129 : t46/t128;
+    const double t131 = t19*T11 - t20*T21;
+    const double t132 = t51 > 0.0 ? sa4 : t48/t128;
+    const double t133 = t19*T21 + t20*T11;
+    const double t134 = t19*T12 - t20*T22;
+    const double t135 = arctangent(t132, -t130);
+    const double t136 = arctangent(t19, t20);
+    const double t137 = t19*T22 + t20*T12;
+    const double t138 = arctangent(t131*t130 + t132*(T31*t44 - t133*t43), t134*t130 + t132*(T32*t44 - t137*t43));
+    const double t139 = arctangent(t46*t130 + t48*t132, t45*t44 + T33*t43);
+    const double t140 = (0.0 < t138) ? 3.141592653589793 : -3.141592653589793;
+    const double t141 = (0.0 < t135) ? 3.141592653589793 : -3.141592653589793;
+    const double t142 = (0.0 < t136) ? 3.141592653589793 : -3.141592653589793;
+    const double t143 = t136 - t142;
+    const double t144 = sqrt(t127 + t111*t111);
+    const double t145 = t113 > 0.0 ? ca4 : t111/t144;
+    const double t146 = t113 > 0.0 ? sa4 : t48/t144;
+    const double t147 = -sa4;
+    const double t148 = arctangent(t146, t145);
+    const double t149 = arctangent(t131*t145 + t146*(T31*t109 - t133*t108), -(t134*t145 + t146*(T32*t109 - t137*t108)));
+    const double t150 = arctangent(t111*t145 + t48*t146, -(t45*t109 + T33*t108));
+    const double t151 = (t149 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t152 = (0.0 < t148) ? 3.141592653589793 : -3.141592653589793;
+    const double t153 = sqrt(t127 + t72*t72);
+    const double t154 = t74 > 0.0 ? ca4 : t72/t153;
+    const double t155 = t74 > 0.0 ? t147 : t48/t153;
+    const double t156 = arctangent(t155, t154);
+    const double t157 = arctangent(t131*t154 - t155*(T31*t71 + t133*t70), t134*t154 - t155*(T32*t71 + t137*t70));
+    const double t158 = arctangent(t72*t154 + t48*t155, -(t45*t71 - T33*t70));
+    const double t159 = (0.0 < t157) ? 3.141592653589793 : -3.141592653589793;
+    const double t160 = (t156 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t161 = sqrt(t127 + t100*t100);
+    const double t162 = t102 > 0.0 ? t129 : t100/t161;
+    const double t163 = t102 > 0.0 ? t147 : t48/t161;
+    const double t164 = arctangent(t100*t162 + t48*t163, t45*t99 - T33*t98);
+    const double t165 = arctangent(t163, -t162);
+    const double t166 = arctangent(t162*t131 - t163*(t99*T31 + t98*t133), -(t162*t134 - t163*(t99*T32 + t98*t137)));
+    const double t167 = (t166 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t168 = (t165 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = t136;
+    result[lanes] = t97;
     result[2 * lanes] = t24;
-    result[3 * lanes] = -t155;
-    result[4 * lanes] = -t154;
-    result[5 * lanes] = -t156;
-    result[6 * lanes] = t126;
-    result[7 * lanes] = t91;
+    result[3 * lanes] = -t165;
+    result[4 * lanes] = -t164;
+    result[5 * lanes] = -t166;
+    result[6 * lanes] = t136;
+    result[7 * lanes] = t97;
     result[8 * lanes] = t24;
-    result[9 * lanes] = -(t155 + t158);
-    result[10 * lanes] = t154;
-    result[11 * lanes] = -(t156 + t157);
-    result[12 * lanes] = t126;
+    result[9 * lanes] = -(t165 + t168);
+    result[10 * lanes] = t164;
+    result[11 * lanes] = -(t166 + t167);
+    result[12 * lanes] = t136;
     result[13 * lanes] = t42;
     result[14 * lanes] = -t110;
-    result[15 * lanes] = -t146;
-    result[16 * lanes] = -t148;
-    result[17 * lanes] = t147;
-    result[18 * lanes] = t126;
+    result[15 * lanes] = -t156;
+    result[16 * lanes] = -t158;
+    result[17 * lanes] = t157;
+    result[18 * lanes] = t136;
     result[19 * lanes] = t42;
     result[20 * lanes] = -t110;
-    result[21 * lanes] = -(t146 + t150);
-    result[22 * lanes] = t148;
-    result[23 * lanes] = t147 - t149;
-    result[24 * lanes] = t133;
-    result[25 * lanes] = t90;
+    result[21 * lanes] = -(t156 + t160);
+    result[22 * lanes] = t158;
+    result[23 * lanes] = t157 - t159;
+    result[24 * lanes] = t143;
+    result[25 * lanes] = t96;
     result[26 * lanes] = t24;
-    result[27 * lanes] = t138;
-    result[28 * lanes] = -t140;
-    result[29 * lanes] = -t139;
-    result[30 * lanes] = t133;
-    result[31 * lanes] = t90;
+    result[27 * lanes] = t148;
+    result[28 * lanes] = -t150;
+    result[29 * lanes] = -t149;
+    result[30 * lanes] = t143;
+    result[31 * lanes] = t96;
     result[32 * lanes] = t24;
-    result[33 * lanes] = t138 - t142;
-    result[34 * lanes] = t140;
-    result[35 * lanes] = -(t139 + t141);
-    result[36 * lanes] = t133;
+    result[33 * lanes] = t148 - t152;
+    result[34 * lanes] = t150;
+    result[35 * lanes] = -(t149 + t151);
+    result[36 * lanes] = t143;
     result[37 * lanes] = t41;
     result[38 * lanes] = -t110;
-    result[39 * lanes] = t125;
-    result[40 * lanes] = -t129;
-    result[41 * lanes] = t128;
-    result[42 * lanes] = t133;
+    result[39 * lanes] = t135;
+    result[40 * lanes] = -t139;
+    result[41 * lanes] = t138;
+    result[42 * lanes] = t143;
     result[43 * lanes] = t41;
     result[44 * lanes] = -t110;
-    result[45 * lanes] = t125 - t131;
-    result[46 * lanes] = t129;
-    result[47 * lanes] = t128 - t130;
-    result[48 * lanes] = t57 > 0.0 ? t115 : t116;
-    result[49 * lanes] = t57 - t113*t57 > 0.0 ? t115 : t116;
-    result[50 * lanes] = t55 > 0.0 ? t107 : t106;
-    result[51 * lanes] = t55 - t104*t55 > 0.0 ? t107 : t106;
-    result[52 * lanes] = t72 > 0.0 ? t98 : t99;
-    result[53 * lanes] = t72 - t96*t72 > 0.0 ? t98 : t99;
-    result[54 * lanes] = t71 > 0.0 ? t68 : t69;
-    result[55 * lanes] = t71 - t51*t71 > 0.0 ? t68 : t69;
+    result[45 * lanes] = t135 - t141;
+    result[46 * lanes] = t139;
+    result[47 * lanes] = t138 - t140;
+    result[48 * lanes] = t57 > 0.0 ? t125 : t126;
+    result[49 * lanes] = t104 > 0.0 ? t125 : t126;
+    result[50 * lanes] = t55 > 0.0 ? t123 : t124;
+    result[51 * lanes] = t77 > 0.0 ? t123 : t124;
+    result[52 * lanes] = t105 > 0.0 ? t121 : t122;
+    result[53 * lanes] = t115 > 0.0 ? t121 : t122;
+    result[54 * lanes] = t107 > 0.0 ? t69 : t118;
+    result[55 * lanes] = t116 > 0.0 ? t69 : t118;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1702,10 +1713,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[6], sines[6], cosines[6];
@@ -1717,7 +1728,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 6; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1727,7 +1738,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 6 };
-    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[6 + 2], found[6 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 8, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1809,6 +1820,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06};
+    double row[6], back[6];
+    size_t place = kinds[branch] ? 8 : branch, listed = 0;
+    for (size_t j = 0; j < 6; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 8; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 6 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 8)
+            place = b;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 8 || (listed && !alone))
+        return;
+    memcpy(q + 6 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1818,6 +1856,31 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    const double damping = 1e-12;
+    double start[6], step[6 + 2], values[56], moved[16] = {0.0};
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 8, step);
+    const double unit = step[6 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 8; ++b)
+            inverse_kinematics_added(T, k, unit, values + 6 * b, b, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int anthropomorphic_wrist_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1825,7 +1888,7 @@ int anthropomorphic_wrist_inverse_kinematics(const double *restrict T, const dou
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[6], values[56];
     const double *const codes = values + 48;
-    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    int kinds[8], doubts[8], doubted[8], free[8], settled[8] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 48; ++j)
             q[j] = NAN;
@@ -1841,7 +1904,7 @@ int anthropomorphic_wrist_inverse_kinematics(const double *restrict T, const dou
         return count;
     memcpy(q, values, 48 * sizeof *q);
     for (size_t b = 0; b < 8; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1857,9 +1920,13 @@ int anthropomorphic_wrist_inverse_kinematics(const double *restrict T, const dou
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 48 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 6])
+            if (inverse_kinematics_turning[j % 6])
                 values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
     }
+    for (size_t b = 0; b < 8; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 8; ++b) {
         for (size_t j = 0; j < 6 && !kinds[b]; ++j)

@@ -22,7 +22,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -56,7 +56,7 @@ enum {
     anthropomorphic_wrist_none = 0, /**< The branch does not exist. */
     anthropomorphic_wrist_exact = 1, /**< A solution. */
     anthropomorphic_wrist_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    anthropomorphic_wrist_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    anthropomorphic_wrist_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -182,7 +182,7 @@ void anthropomorphic_wrist_analytic_jacobian_zyz_constants(const double *params,
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 8 solutions, and no more.
+ * A reachable pose has up to 8 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -193,7 +193,16 @@ void anthropomorphic_wrist_analytic_jacobian_zyz_constants(const double *params,
  * @param[out] status  what each branch is, 8; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 160 mul, 115 add, 19 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 104 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. shoulder left, elbow up, wrist flipped
+ * 2. shoulder left, elbow up, wrist not flipped
+ * 3. shoulder left, elbow down, wrist flipped
+ * 4. shoulder left, elbow down, wrist not flipped
+ * 5. shoulder right, elbow down, wrist flipped
+ * 6. shoulder right, elbow down, wrist not flipped
+ * 7. shoulder right, elbow up, wrist flipped
+ * 8. shoulder right, elbow up, wrist not flipped
+ * Closed form, all branches at once: 164 mul, 116 add, 19 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 115 cases.
  * Once per set of parameters: 5 mul, 3 add, 1 cases.
  */
 int anthropomorphic_wrist_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

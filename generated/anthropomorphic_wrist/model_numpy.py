@@ -42,7 +42,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 111, "add": 66, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
-    "inverse_kinematics": {"mul": 160, "add": 115, "div": 19, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 104},
+    "inverse_kinematics": {"mul": 164, "add": 116, "div": 19, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 115},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -198,7 +198,17 @@ def analytic_jacobian_zyz(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 8 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. shoulder left, elbow up, wrist flipped
+    2. shoulder left, elbow up, wrist not flipped
+    3. shoulder left, elbow down, wrist flipped
+    4. shoulder left, elbow down, wrist not flipped
+    5. shoulder right, elbow down, wrist flipped
+    6. shoulder right, elbow down, wrist not flipped
+    7. shoulder right, elbow up, wrist flipped
+    8. shoulder right, elbow up, wrist not flipped
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -217,7 +227,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 160 mul, 115 add, 19 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 104 cases.
+    Closed form, all branches at once: 164 mul, 116 add, 19 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 115 cases.
     Once per set of parameters: 5 mul, 3 add, 1 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -805,109 +815,118 @@ def _inverse_kinematics(functions, k, T, near):
     t74 = maximum(t73 - t73*less(t72, t22), t71)
     t75 = t18*t72
     t76 = maximum(t74, 1.0 - less(t75, t43))
-    t77 = maximum(t23, t71)
-    t78 = maximum(t77, t51)
-    t79 = select(t64, 3.0, t67) + 4.0*maximum(t76, t69 - t69*less(0.001, t58))
-    t80 = select(t64, 8.0, 4.0*maximum(t62, t78))
-    t81 = 1.0 - t23
-    t82 = t66*t81
-    t83 = t68*t81
-    t84 = p_a2 + p_d4*t32
-    t85 = t29*t84
-    t86 = t10*t84
-    t87 = t36 + t84*t84
-    t88 = (t17 - t85)/t87
-    t89 = (t37 + t86)/t87
-    t90 = 1.5 - 0.5*(t88*t88 + t89*t89)
-    t91 = absolute(k4 + k5*t32)
-    t92 = less(t24, t91)
-    t93 = select(t92, -t90*((t17 + t85)/t87), t45)
-    t94 = select(t92, -t90*((t37 - t86)/t87), t48)
-    t95 = maximum(1.0 - less(t75, t91), t74)
-    t96 = select(t92, -t88*t90, t45)
-    t97 = select(t92, t89*t90, t48)
-    t98 = 1.0 - t92
-    t99 = maximum(k8, maximum(t23, t98))
-    t100 = maximum(t98, t77)
-    t101 = atan2(t94, t93)
-    t102 = atan2(t97, t96)
-    t103 = t15*t93 - t32*t94
-    t104 = t15*t94 + t32*t93
-    t105 = t56*t103 - T33*t104
-    t106 = absolute(t105)
-    t107 = t61 - t61*less(1e-12, t106)
-    t108 = maximum(t107, t99)
-    t109 = select(t108, 3.0, t67) + 4.0*maximum(t95, t69 - t69*less(0.001, t106))
-    t110 = select(t108, 8.0, 4.0*maximum(t107, t100))
-    t111 = t15*t47 - t31*t50
-    t112 = t15*t50 + t31*t47
-    t113 = t56*t111 + T33*t112
-    t114 = absolute(t113)
-    t115 = t61 - t61*less(1e-12, t114)
-    t116 = maximum(t115, t63)
-    t117 = select(t116, 8.0, 4.0*maximum(t115, t78))
-    t118 = select(t116, 3.0, t67) + 4.0*maximum(t69 - t69*less(0.001, t114), t76)
-    t119 = t15*t96 - t32*t97
-    t120 = t15*t97 + t32*t96
+    t77 = maximum(t76, t69 - t69*less(0.001, t58))
+    t78 = maximum(t23, t71)
+    t79 = maximum(t78, t51)
+    t80 = select(t64, 3.0, t67) + 4.0*t77
+    t81 = t15*t47 - t31*t50
+    t82 = t15*t50 + t31*t47
+    t83 = t56*t81 + T33*t82
+    t84 = absolute(t83)
+    t85 = t61 - t61*less(1e-12, t84)
+    t86 = maximum(t85, t63)
+    t87 = maximum(t69 - t69*less(0.001, t84), t76)
+    t88 = t66 - t85*t66
+    t89 = p_a2 + p_d4*t32
+    t90 = t29*t89
+    t91 = t10*t89
+    t92 = t36 + t89*t89
+    t93 = (t17 - t90)/t92
+    t94 = (t37 + t91)/t92
+    t95 = 1.5 - 0.5*(t93*t93 + t94*t94)
+    t96 = absolute(k4 + k5*t32)
+    t97 = less(t24, t96)
+    t98 = select(t97, -t93*t95, t45)
+    t99 = select(t97, t94*t95, t48)
+    t100 = select(t97, -t95*((t17 + t90)/t92), t45)
+    t101 = select(t97, -t95*((t37 - t91)/t92), t48)
+    t102 = 1.0 - t97
+    t103 = maximum(1.0 - less(t75, t96), t74)
+    t104 = maximum(t102, t78)
+    t105 = 1.0 - t23
+    t106 = maximum(k8, maximum(t23, t102))
+    t107 = atan2(t101, t100)
+    t108 = atan2(t99, t98)
+    t109 = t15*t98 - t32*t99
+    t110 = t15*t99 + t32*t98
+    t111 = t109*t56 + T33*t110
+    t112 = absolute(t111)
+    t113 = t61 - t61*less(1e-12, t112)
+    t114 = maximum(t69 - t69*less(0.001, t112), t103)
+    t115 = t68 - t113*t68
+    t116 = t68*t105
+    t117 = maximum(t116, maximum(t88, maximum(t66, maximum(t68, t115))))
+    t118 = t66*t105
+    t119 = t15*t100 - t32*t101
+    t120 = t15*t101 + t32*t100
     t121 = atan2(t31, -t15)
-    t122 = t119*t56 + T33*t120
+    t122 = t56*t119 - T33*t120
     t123 = absolute(t122)
     t124 = t61 - t61*less(1e-12, t123)
-    t125 = maximum(t124, t99)
-    t126 = select(t125, 3.0, t67) + 4.0*maximum(t69 - t69*less(0.001, t123), t95)
-    t127 = select(t125, 8.0, 4.0*maximum(t124, t100))
-    t128 = t59*t59
-    t129 = sqrt(t128 + t57*t57)
-    t130 = cos(near4)
-    t131 = -t130
-    t132 = select(t62, t131, t57/t129)
-    t133 = t26*T11 - t28*T21
-    t134 = sin(near4)
-    t135 = select(t62, t134, t59/t129)
-    t136 = t26*T21 + t28*T11
-    t137 = t26*T12 - t28*T22
-    t138 = atan2(t135, -t132)
-    t139 = atan2(t26, t28)
-    t140 = t26*T22 + t28*T12
-    t141 = atan2(t133*t132 + t135*(T31*t55 - t136*t54), t137*t132 + t135*(T32*t55 - t140*t54))
-    t142 = atan2(t57*t132 + t59*t135, t56*t55 + T33*t54)
-    t143 = select(less(0.0, t141), 3.141592653589793, -3.141592653589793)
-    t144 = select(less(0.0, t138), 3.141592653589793, -3.141592653589793)
-    t145 = select(less(0.0, t139), 3.141592653589793, -3.141592653589793)
-    t146 = t139 - t145
-    t147 = sqrt(t128 + t105*t105)
-    t148 = select(t107, t130, t105/t147)
-    t149 = select(t107, t134, t59/t147)
-    t150 = -t134
-    t151 = atan2(t149, t148)
-    t152 = atan2(t133*t148 + t149*(T31*t104 - t136*t103), -(t137*t148 + t149*(T32*t104 - t140*t103)))
-    t153 = atan2(t105*t148 + t59*t149, -(t56*t104 + T33*t103))
-    t154 = select(less(t152, 0.0), 3.141592653589793, -3.141592653589793)
-    t155 = select(less(0.0, t151), 3.141592653589793, -3.141592653589793)
-    t156 = sqrt(t128 + t113*t113)
-    t157 = select(t115, t130, t113/t156)
-    t158 = select(t115, t150, t59/t156)
-    t159 = atan2(t158, t157)
-    t160 = atan2(t133*t157 - t158*(T31*t112 + t136*t111), t137*t157 - t158*(T32*t112 + t140*t111))
-    t161 = atan2(t113*t157 + t59*t158, -(t56*t112 - T33*t111))
-    t162 = select(less(0.0, t160), 3.141592653589793, -3.141592653589793)
-    t163 = select(less(t159, 0.0), 3.141592653589793, -3.141592653589793)
-    t164 = sqrt(t128 + t122*t122)
-    t165 = select(t124, t131, t122/t164)
-    t166 = select(t124, t150, t59/t164)
-    t167 = atan2(t122*t165 + t59*t166, t56*t120 - T33*t119)
-    t168 = atan2(t166, -t165)
-    t169 = atan2(t165*t133 - t166*(t120*T31 + t119*t136), -(t165*t137 - t166*(t120*T32 + t119*t140)))
-    t170 = select(less(t169, 0.0), 3.141592653589793, -3.141592653589793)
-    t171 = select(less(t168, 0.0), 3.141592653589793, -3.141592653589793)
+    t125 = maximum(t103, t69 - t69*less(0.001, t123))
+    t126 = t116 - t124*t116
+    t127 = t118 - t62*t118
+    t128 = 1.0 - maximum(t127, maximum(t118, maximum(t126, t117)))
+    t129 = select(t64, 8.0, 4.0*maximum(maximum(t62, t79), t128*t77))
+    t130 = maximum(t124, t106)
+    t131 = maximum(t113, t106)
+    t132 = select(t130, 3.0, t67) + 4.0*t125
+    t133 = select(t130, 8.0, 4.0*maximum(maximum(t124, t104), t128*t125))
+    t134 = select(t86, 3.0, t67) + 4.0*t87
+    t135 = select(t86, 8.0, 4.0*maximum(maximum(t85, t79), t128*t87))
+    t136 = select(t131, 3.0, t67) + 4.0*t114
+    t137 = select(t131, 8.0, 4.0*maximum(maximum(t113, t104), t114*t128))
+    t138 = t59*t59
+    t139 = sqrt(t138 + t57*t57)
+    t140 = cos(near4)
+    t141 = -t140
+    t142 = select(t62, t141, t57/t139)
+    t143 = t26*T11 - t28*T21
+    t144 = sin(near4)
+    t145 = select(t62, t144, t59/t139)
+    t146 = t26*T21 + t28*T11
+    t147 = t26*T12 - t28*T22
+    t148 = atan2(t145, -t142)
+    t149 = atan2(t26, t28)
+    t150 = t26*T22 + t28*T12
+    t151 = atan2(t143*t142 + t145*(T31*t55 - t146*t54), t147*t142 + t145*(T32*t55 - t150*t54))
+    t152 = atan2(t57*t142 + t59*t145, t56*t55 + T33*t54)
+    t153 = select(less(0.0, t151), 3.141592653589793, -3.141592653589793)
+    t154 = select(less(0.0, t148), 3.141592653589793, -3.141592653589793)
+    t155 = select(less(0.0, t149), 3.141592653589793, -3.141592653589793)
+    t156 = t149 - t155
+    t157 = sqrt(t138 + t122*t122)
+    t158 = select(t124, t140, t122/t157)
+    t159 = select(t124, t144, t59/t157)
+    t160 = -t144
+    t161 = atan2(t159, t158)
+    t162 = atan2(t143*t158 + t159*(T31*t120 - t146*t119), -(t147*t158 + t159*(T32*t120 - t150*t119)))
+    t163 = atan2(t122*t158 + t59*t159, -(t56*t120 + T33*t119))
+    t164 = select(less(t162, 0.0), 3.141592653589793, -3.141592653589793)
+    t165 = select(less(0.0, t161), 3.141592653589793, -3.141592653589793)
+    t166 = sqrt(t138 + t83*t83)
+    t167 = select(t85, t140, t83/t166)
+    t168 = select(t85, t160, t59/t166)
+    t169 = atan2(t168, t167)
+    t170 = atan2(t143*t167 - t168*(T31*t82 + t146*t81), t147*t167 - t168*(T32*t82 + t150*t81))
+    t171 = atan2(t83*t167 + t59*t168, -(t56*t82 - T33*t81))
+    t172 = select(less(0.0, t170), 3.141592653589793, -3.141592653589793)
+    t173 = select(less(t169, 0.0), 3.141592653589793, -3.141592653589793)
+    t174 = sqrt(t138 + t111*t111)
+    t175 = select(t113, t141, t111/t174)
+    t176 = select(t113, t160, t59/t174)
+    t177 = atan2(t111*t175 + t59*t176, t56*t110 - T33*t109)
+    t178 = atan2(t176, -t175)
+    t179 = atan2(t175*t143 - t176*(t110*T31 + t109*t146), -(t175*t147 - t176*(t110*T32 + t109*t150)))
+    t180 = select(less(t179, 0.0), 3.141592653589793, -3.141592653589793)
+    t181 = select(less(t178, 0.0), 3.141592653589793, -3.141592653589793)
     return (
-        t139, t102, t33, -t168, -t167, -t169, t139, t102, t33, -(t168 + t171), t167, -(t169 + t170), t139, t53,
-        -t121, -t159, -t161, t160, t139, t53, -t121, -(t159 + t163), t161, t160 - t162, t146, t101, t33, t151,
-        -t153, -t152, t146, t101, t33, t151 - t155, t153, -(t152 + t154), t146, t52, -t121, t138, -t142, t141,
-        t146, t52, -t121, t138 - t144, t142, t141 - t143, select(t68, t126, t127),
-        select(t68 - t124*t68, t126, t127), select(t66, t118, t117), select(t66 - t115*t66, t118, t117),
-        select(t83, t109, t110), select(t83 - t107*t83, t109, t110), select(t82, t79, t80),
-        select(t82 - t62*t82, t79, t80),
+        t149, t108, t33, -t178, -t177, -t179, t149, t108, t33, -(t178 + t181), t177, -(t179 + t180), t149, t53,
+        -t121, -t169, -t171, t170, t149, t53, -t121, -(t169 + t173), t171, t170 - t172, t156, t107, t33, t161,
+        -t163, -t162, t156, t107, t33, t161 - t165, t163, -(t162 + t164), t156, t52, -t121, t148, -t152, t151,
+        t156, t52, -t121, t148 - t154, t152, t151 - t153, select(t68, t136, t137), select(t115, t136, t137),
+        select(t66, t134, t135), select(t88, t134, t135), select(t116, t132, t133), select(t126, t132, t133),
+        select(t118, t80, t129), select(t127, t80, t129),
     )
 
 
@@ -917,7 +936,7 @@ def _inverse_kinematics_step_constants(functions, p):
     t2 = p_d4*p_d4
     t3 = p_a2*p_a2
     return (
-        p_d6, p_d4, p_a2, t1, t2, t3,
+        p_d6, t1, p_d4, t2, p_a2, t3,
     )
 
 
@@ -926,57 +945,57 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     q1, q2, q3, q4, q5, q6 = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
-    p_d6, p_d4, p_a2, k4, k5, k6 = k
+    p_d6, k2, p_d4, k4, p_a2, k6 = k
+    t4 = sqrt(k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t5 = select(less(0.0, t4), t4, 1.0)
     c4 = cos(q4)
     s5 = sin(q5)
-    t4 = c4*s5
-    t5 = q2 + q3
-    t6 = cos(t5)
-    t7 = sin(t5)
+    t6 = c4*s5
+    t7 = q2 + q3
+    t8 = cos(t7)
+    t9 = sin(t7)
     c5 = cos(q5)
-    t8 = t6*t4 + c5*t7
+    t10 = t8*t6 + c5*t9
     c1 = cos(q1)
     s4 = sin(q4)
-    t9 = s4*s5
+    t11 = s4*s5
     s1 = sin(q1)
-    t10 = s1*t9 + c1*t8
-    t11 = c1*t9 - s1*t8
-    t12 = c1*t7
+    t12 = s1*t11 + c1*t10
+    t13 = c1*t11 - s1*t10
+    t14 = c1*t9
     c2 = cos(q2)
-    t13 = p_a2*c2
-    t14 = sqrt(k6 + (k5 + (k4 + (T14*T14 + (T24*T24 + T34*T34)))))
-    t15 = select(less(0.0, t14), t14, 1.0)
-    t16 = (c1*t13 + (p_d4*t12 + p_d6*t10) - T14)/t15
-    t17 = s1*t7
-    t18 = (s1*t13 + (p_d4*t17 - p_d6*t11) - T24)/t15
-    t19 = c5*t6
-    t20 = t19 - t7*t4
+    t15 = p_a2*c2
+    t16 = (c1*t15 + (p_d4*t14 + p_d6*t12) - T14)/t5
+    t17 = s1*t9
+    t18 = (s1*t15 + (p_d4*t17 - p_d6*t13) - T24)/t5
+    t19 = c5*t8
+    t20 = t19 - t9*t6
     s2 = sin(q2)
     t21 = p_a2*s2
-    t22 = (t21 - (p_d4*t6 + p_d6*t20) - T34)/t15
-    t23 = 1.0/t15
+    t22 = (t21 - (p_d4*t8 + p_d6*t20) - T34)/t5
+    t23 = 1.0/t5
     s6 = sin(q6)
     t24 = c5*s6
     t25 = s5*s6
     c6 = cos(q6)
     t26 = c4*t24 + s4*c6
     t27 = s4*t24 - c4*c6
-    t28 = t6*t25 + t7*t26
-    t29 = t6*t26 - t7*t25
+    t28 = t8*t25 + t9*t26
+    t29 = t8*t26 - t9*t25
     t30 = c1*t27 - s1*t29
     t31 = s1*t27 + c1*t29
-    t32 = t28*t11 + t30*t20
+    t32 = t28*t13 + t30*t20
     t33 = t32 + T11
-    t34 = t28*t10 + t31*t20
+    t34 = t28*t12 + t31*t20
     t35 = t34 + T21
-    t36 = t31*t11 - t30*t10
+    t36 = t31*t13 - t30*t12
     t37 = t36 - T31
     t38 = t16*t16 + t18*t18 + t22*t22 + t33*t33 + t35*t35 + t37*t37
     t39 = t31 + T12
     t40 = t30 - T22
     t41 = t28 + T32
-    t42 = t10 - T13
-    t43 = t11 + T23
+    t42 = t12 - T13
+    t43 = t13 + T23
     t44 = t38 + t39*t39 + t40*t40 + t41*t41 + t42*t42 + t43*t43
     t45 = t20 + T33
     t46 = sqrt(t44 + t45*t45) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
@@ -987,9 +1006,9 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t51 = c4*t50
     t52 = p_d6*c5
     t53 = p_d4 + t52
-    t54 = t6*t51 + t7*t53
-    t55 = t13 + t54
-    t56 = t7*t51 - t6*t53
+    t54 = t8*t51 + t9*t53
+    t55 = t15 + t54
+    t56 = t9*t51 - t8*t53
     t57 = t21 + t56
     t58 = t54*t23
     t59 = s4*t50
@@ -1000,15 +1019,15 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t64 = t55*t23
     t65 = t60*t61 - t63*t62
     t66 = damping1 + (2.0 + (t60*t60 + t63*t63))
-    t67 = c4*t7
-    t68 = s4*t7
+    t67 = c4*t9
+    t68 = s4*t9
     t69 = t19 - s5*t67
     t70 = 2.0*t69
     t71 = t70/t66
-    t72 = c1*t6
+    t72 = c1*t8
     t73 = s1*s4 + c4*t72
-    t74 = c5*t12 + s5*t73
-    t75 = s1*t6
+    t74 = c5*t14 + s5*t73
+    t75 = s1*t8
     t76 = c1*s4 - c4*t75
     t77 = c5*t17 - s5*t76
     t78 = 2.0*(s1*t74 - c1*t77)
@@ -1031,22 +1050,22 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t95 = c1*c4 + s4*t75
     t96 = t50*t94*t23
     t97 = t50*t95*t23
-    t98 = t60*t96 + t63*t97 + 2.0*t6
+    t98 = t60*t96 + t63*t97 + 2.0*t8
     t99 = t98/t66
     t100 = t50*t68*t23
-    t101 = 2.0*(s1*t12 - c1*t17)
+    t101 = 2.0*(s1*t14 - c1*t17)
     t102 = t61*t96 - t62*t97 + t64*t100 - t101 - t65*t99
     t103 = t102/t82
     t104 = t101 - (t84*t96 - t85*t97 + t58*t100) + t86*t99 + t88*t103
-    t105 = 2.0*(t12*t74 + t17*t77 + t6*t69) - t98*t71 + t102*t83
+    t105 = 2.0*(t14*t74 + t17*t77 + t8*t69) - t98*t71 + t102*t83
     t106 = t105 - t104*t93
     t107 = t104/t92
-    t108 = t96*t96 + t97*t97 + t100*t100 + 2.0*(t12*t12 + t17*t17 + t6*t6)
+    t108 = t96*t96 + t97*t97 + t100*t100 + 2.0*(t14*t14 + t17*t17 + t8*t8)
     t109 = damping1 + t108 - t98*t99 - t102*t103 - t104*t107
     t110 = t106/t109
-    t111 = (t52*t73 - t50*t12)*t23
+    t111 = (t52*t73 - t50*t14)*t23
     t112 = (t52*t76 + t50*t17)*t23
-    t113 = (t52*t67 + t6*t50)*t23
+    t113 = (t52*t67 + t8*t50)*t23
     t114 = t60*t111 + t63*t112 + 2.0*t68
     t115 = t114/t66
     t116 = 2.0*(s1*t94 + c1*t95)
@@ -1054,7 +1073,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t118 = t117/t82
     t119 = t116 - (t84*t111 - t85*t112 - t58*t113) + t86*t115 + t88*t118
     t120 = t119/t92
-    t121 = t96*t111 + t97*t112 - t100*t113 + 2.0*(t12*t94 - t17*t95 + t6*t68)
+    t121 = t96*t111 + t97*t112 - t100*t113 + 2.0*(t14*t94 - t17*t95 + t8*t68)
     t122 = t121 - t98*t115 - t102*t118 - t104*t120
     t123 = 2.0*(t94*t74 - t95*t77 + t68*t69) - t114*t71 + t117*t83
     t124 = t123 - t119*t93 - t122*t110
@@ -1062,12 +1081,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t126 = t111*t111 + t112*t112 + t113*t113 + 2.0*(t94*t94 + t95*t95 + t68*t68)
     t127 = damping1 + t126 - t114*t115 - t117*t118 - t119*t120 - t122*t125
     t128 = t124/t127
-    t129 = t20*T23 - t11*T33 - (t36*T21 + t34*T31 - (t28*T22 + t30*T32))
-    t130 = t10*T33 + t20*T13 - (t32*T31 + t36*T11 + (t31*T32 - t28*T12))
+    t129 = t20*T23 - t13*T33 - (t36*T21 + t34*T31 - (t28*T22 + t30*T32))
+    t130 = t12*T33 + t20*T13 - (t32*T31 + t36*T11 + (t31*T32 - t28*T12))
     t131 = s1*t129 + c1*t130
-    t132 = t11*T13 + t10*T23 + (t34*T11 - t32*T21 - (t30*T12 + t31*T22))
+    t132 = t13*T13 + t12*T23 + (t34*T11 - t32*T21 - (t30*T12 + t31*T22))
     t133 = t132 + t16*t60 - t18*t63
-    t134 = t12*t129 - t17*t130 - t6*t132 - t16*t96 + t18*t97 + t22*t100
+    t134 = t14*t129 - t17*t130 - t8*t132 - t16*t96 + t18*t97 + t22*t100
     t135 = t94*t129 + t95*t130 - t68*t132 - t16*t111 + t18*t112 - t22*t113
     t136 = damping1 + 2.0*(t74*t74 + t77*t77 + t69*t69) - t70*t71
     t137 = t131 + t16*t61 + t18*t62 - t22*t64 - t133*t80
@@ -1082,7 +1101,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t146 = t137/t82 - t90*t145 + t103*t144 + t118*t143 - t83*t142
     t147 = t133/t66 - t80*t146 - t87*t145 + t99*t144 + t115*t143
     return (
-        q1 + (t147 + t71*t142), q2 + t146, q3 + t145, q4 + t144, q5 + t143, q6 + t142, t49,
+        q1 + (t147 + t71*t142), q2 + t146, q3 + t145, q4 + t144, q5 + t143, q6 + t142, t49, t5,
     )
 
 
@@ -1846,6 +1865,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 3e-11
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1856,11 +1878,26 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1895,12 +1932,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1916,6 +1958,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -2001,7 +2050,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -2017,7 +2066,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -2047,10 +2132,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -2064,10 +2146,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

@@ -677,6 +677,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t30 = (t24 + t4*t9 - t6*t10)/(damping1 + (2.0 + (t9*t9 + t10*t10)));
     result[0] = q1 + t30;
     result[lanes] = maximum(0.0, t29);
+    result[2 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
@@ -705,11 +706,11 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t5 = maximum(fabs(T22 - k1*t3), maximum(fabs(T12 + k1*t2), t4));
     const double t6 = maximum(fabs(T13 - k2*t2), maximum(fabs(k2 - T32), t5));
     const double t7 = maximum(fabs(k1 - T33), maximum(fabs(T23 + k2*t3), t6));
-    const double t8 = maximum(fabs(k4 - T34), maximum(fabs(T14 - k3*t3), fabs(T24 - k3*t2)));
-    const double t9 = t8 < 1e-07*sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)));
-    const double t10 = (maximum(fabs(t2*t2 - (1.0 - t3*t3)), t7) < 1e-07)*t9;
+    const double t8 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)));
+    const double t9 = maximum(fabs(T14 - k3*t3), t8*maximum(fabs(t2*t2 - (1.0 - t3*t3)), t7));
+    const double t10 = maximum(fabs(k4 - T34), maximum(fabs(T24 - k3*t2), t9));
     result[0] = arctangent(T21, T11);
-    result[lanes] = t10;
+    result[lanes] = t10 < 1e-07*t8;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -731,10 +732,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1};
+static const int inverse_kinematics_revolute[] = {1}, inverse_kinematics_turning[] = {1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[1], sines[1], cosines[1];
@@ -746,7 +747,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 1; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -756,7 +757,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 1 };
-    double ahead[1 + 1], found[1 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[1 + 2], found[1 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 5, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -833,6 +834,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06};
+    double row[1], back[1];
+    size_t place = kinds[branch] ? 1 : branch, listed = 0;
+    for (size_t j = 0; j < 1; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 1; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 1 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 1)
+            place = b;
+    }
+    for (size_t j = 0; j < 1; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 1 || (listed && !alone))
+        return;
+    memcpy(q + 1 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -842,6 +870,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][1] = {
+        {-0.764},
+        {0.472},
+        {-0.292},
+        {0.944},
+        {0.18},
+        {-0.584},
+        {0.652},
+        {-0.111},
+        {-0.875},
+        {0.361},
+        {-0.403},
+        {0.833},
+        {0.069},
+        {-0.695},
+        {0.541},
+        {-0.223},
+        {-0.987},
+        {0.249},
+        {-0.515},
+        {0.721},
+        {-0.043},
+        {-0.807},
+        {0.43},
+        {-0.334},
+    };
+    const double damping = 1e-12;
+    double start[1], step[1 + 2], values[2], moved[16] = {0.0};
+    for (size_t j = 0; j < 1; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 5, step);
+    const double unit = step[1 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 1; ++b)
+            inverse_kinematics_added(T, k, unit, values + 1 * b, b, q, kinds);
+    }
+    memcpy(values, q, 1 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 1; ++j) {
+            const double value = values[1 * (i % 1) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 1, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int dh_general_laschi_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -849,7 +936,7 @@ int dh_general_laschi_inverse_kinematics(const double *restrict T, const double 
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[1], values[2];
     const double *const codes = values + 1;
-    int kinds[1], doubts[1], free[1], settled[1] = {0}, lacking = 1;
+    int kinds[1], doubts[1], doubted[1], free[1], settled[1] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 1; ++j)
             q[j] = NAN;
@@ -865,7 +952,7 @@ int dh_general_laschi_inverse_kinematics(const double *restrict T, const double 
         return count;
     memcpy(q, values, 1 * sizeof *q);
     for (size_t b = 0; b < 1; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -881,9 +968,13 @@ int dh_general_laschi_inverse_kinematics(const double *restrict T, const double 
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 1 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 1])
+            if (inverse_kinematics_turning[j % 1])
                 values[j] += 1.3 * (double)(i * (j / 1 + 1) * (j % 1 + 2));
     }
+    for (size_t b = 0; b < 1; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 1; ++b) {
         for (size_t j = 0; j < 1 && !kinds[b]; ++j)

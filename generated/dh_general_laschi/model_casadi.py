@@ -21,7 +21,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify dh-general-laschi` compares every function with an independent recursion.
 """
@@ -273,11 +273,11 @@ def _inverse_kinematics(functions, k, T, near):
     t8 = maximum(absolute(T22 - k1*t6), maximum(absolute(T12 + k1*t5), t7))
     t9 = maximum(absolute(T13 - k2*t5), maximum(absolute(k2 - T32), t8))
     t10 = maximum(absolute(k1 - T33), maximum(absolute(T23 + k2*t6), t9))
-    t11 = less(maximum(absolute(t5*t5 - (1.0 - t6*t6)), t10), 1e-07)
-    t12 = maximum(absolute(T14 - p_a1*t6), absolute(T24 - p_a1*t5))
-    t13 = less(maximum(absolute(p_d1 - T34), t12), 1e-07*sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14))))
+    t11 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
+    t12 = maximum(absolute(T14 - p_a1*t6), t11*maximum(absolute(t5*t5 - (1.0 - t6*t6)), t10))
+    t13 = maximum(absolute(p_d1 - T34), maximum(absolute(T24 - p_a1*t5), t12))
     return (
-        atan2(T21, T11), t11*t13,
+        atan2(T21, T11), less(t13, 1e-07*t11),
     )
 
 
@@ -333,7 +333,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t34 = maximum(0.0, t33 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     t35 = (t28 + t8*t13 - t10*t14)/(damping1 + (2.0 + (t13*t13 + t14*t14)))
     return (
-        q1 + t35, t34,
+        q1 + t35, t34, t6,
     )
 
 

@@ -196,7 +196,7 @@ def analytic_jacobian_zyz(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has one solution, and no more. Rows are branches in a fixed order.
+    A reachable pose has one solution, and no more but where joints are free. Rows are branches in a fixed order.
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -445,11 +445,11 @@ def _inverse_kinematics(functions, k, T, near):
     t8 = maximum(absolute(T22 - k1*t6), maximum(absolute(T12 + k1*t5), t7))
     t9 = maximum(absolute(T13 - k2*t5), maximum(absolute(k2 - T32), t8))
     t10 = maximum(absolute(k1 - T33), maximum(absolute(T23 + k2*t6), t9))
-    t11 = less(maximum(absolute(t5*t5 - (1.0 - t6*t6)), t10), 1e-07)
-    t12 = maximum(absolute(T14 - p_a1*t6), absolute(T24 - p_a1*t5))
-    t13 = less(maximum(absolute(p_d1 - T34), t12), 1e-07*sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14))))
+    t11 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
+    t12 = maximum(absolute(T14 - p_a1*t6), t11*maximum(absolute(t5*t5 - (1.0 - t6*t6)), t10))
+    t13 = maximum(absolute(p_d1 - T34), maximum(absolute(T24 - p_a1*t5), t12))
     return (
-        atan2(T21, T11), t11*t13,
+        atan2(T21, T11), less(t13, 1e-07*t11),
     )
 
 
@@ -505,7 +505,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t34 = maximum(0.0, t33 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     t35 = (t28 + t8*t13 - t10*t14)/(damping1 + (2.0 + (t13*t13 + t14*t14)))
     return (
-        q1 + t35, t34,
+        q1 + t35, t34, t6,
     )
 
 
@@ -1269,6 +1269,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1279,11 +1282,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.764,),
+    (0.472,),
+    (-0.292,),
+    (0.944,),
+    (0.18,),
+    (-0.584,),
+    (0.652,),
+    (-0.111,),
+    (-0.875,),
+    (0.361,),
+    (-0.403,),
+    (0.833,),
+    (0.069,),
+    (-0.695,),
+    (0.541,),
+    (-0.223,),
+    (-0.987,),
+    (0.249,),
+    (-0.515,),
+    (0.721,),
+    (-0.043,),
+    (-0.807,),
+    (0.43,),
+    (-0.334,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1318,12 +1360,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1339,6 +1386,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1424,7 +1478,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1440,7 +1494,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -1470,10 +1560,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -1487,10 +1574,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

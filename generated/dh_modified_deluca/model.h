@@ -17,7 +17,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -48,7 +48,7 @@ enum {
     dh_modified_deluca_none = 0, /**< The branch does not exist. */
     dh_modified_deluca_exact = 1, /**< A solution. */
     dh_modified_deluca_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    dh_modified_deluca_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    dh_modified_deluca_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -166,7 +166,7 @@ void dh_modified_deluca_analytic_jacobian_zyz_batch(size_t count, const double *
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has one solution, and no more.
+ * A reachable pose has one solution, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.

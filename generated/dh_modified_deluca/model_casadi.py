@@ -21,7 +21,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify dh-modified-deluca` compares every function with an independent recursion.
 """
@@ -228,9 +228,9 @@ def _inverse_kinematics_constants(functions, p):
     p_d1, p_a0, p_alpha0 = p
     t1 = sin(p_alpha0)
     t2 = cos(p_alpha0)
-    t3 = p_d1*t1
-    t4 = p_d1*t2
-    t5 = p_a0*p_a0 + p_d1*p_d1
+    t3 = p_a0*p_a0 + p_d1*p_d1
+    t4 = p_d1*t1
+    t5 = p_d1*t2
     return (
         t1, t2, p_a0, t3, t4, t5,
     )
@@ -248,11 +248,11 @@ def _inverse_kinematics(functions, k, T, near):
     t11 = maximum(absolute(T22 - k2*t9), maximum(absolute(t8 + T12), t10))
     t12 = maximum(absolute(T13), maximum(absolute(T32 - k1*t9), t11))
     t13 = maximum(absolute(k2 - T33), maximum(absolute(k1 + T23), t12))
-    t14 = less(maximum(absolute(t8*t8 - (1.0 - t9*t9)), t13), 1e-07)
-    t15 = maximum(absolute(k5 - T34), maximum(absolute(p_a0 - T14), absolute(k4 + T24)))
-    t16 = less(t15, 1e-07*sqrt(T34*T34 + (T24*T24 + (k6 + T14*T14))))
+    t14 = sqrt(T34*T34 + (T24*T24 + (k4 + T14*T14)))
+    t15 = maximum(absolute(p_a0 - T14), t14*maximum(absolute(t8*t8 - (1.0 - t9*t9)), t13))
+    t16 = maximum(absolute(k6 - T34), maximum(absolute(k5 + T24), t15))
     return (
-        atan2(t6, T11), t14*t16,
+        atan2(t6, T11), less(t16, 1e-07*t14),
     )
 
 
@@ -306,7 +306,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t32 = t31 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t33 = maximum(0.0, t32 - absolute(1.0 - (t26 + T23*T23 + T33*T33)))
     return (
-        q1 - t13/(damping1 + k3), t33,
+        q1 - t13/(damping1 + k3), t33, t15,
     )
 
 

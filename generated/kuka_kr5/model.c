@@ -1155,24 +1155,24 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double c5 = cosines[3 * lanes];
     const double c6 = cosines[4 * lanes];
     const double ca6 = cosines[5 * lanes];
-    const double t1 = c4*s5;
-    const double t2 = sa6*t1 - c5*ca6;
-    const double t3 = s4*s5;
-    const double t4 = s1*t3 - c1*t2;
-    const double t5 = c1*t3 + s1*t2;
-    const double t6 = 0.09*sa6 + 0.295*ca6;
-    const double t7 = 0.27*s2;
-    const double t8 = 0.075 + t7;
-    const double t9 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.292275)));
-    const double t10 = (0.0 < t9) ? t9 : 1.0;
-    const double t11 = (c1*t8 + (c1*t6 + 0.08*t4) - T14)/t10;
-    const double t12 = (s1*t8 + (s1*t6 - 0.08*t5) - T24)/t10;
+    const double t1 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.292275)));
+    const double t2 = (0.0 < t1) ? t1 : 1.0;
+    const double t3 = c4*s5;
+    const double t4 = sa6*t3 - c5*ca6;
+    const double t5 = s4*s5;
+    const double t6 = s1*t5 - c1*t4;
+    const double t7 = c1*t5 + s1*t4;
+    const double t8 = 0.09*sa6 + 0.295*ca6;
+    const double t9 = 0.27*s2;
+    const double t10 = 0.075 + t9;
+    const double t11 = (c1*t10 + (c1*t8 + 0.08*t6) - T14)/t2;
+    const double t12 = (s1*t10 + (s1*t8 - 0.08*t7) - T24)/t2;
     const double t13 = c5*sa6;
-    const double t14 = t13 + ca6*t1;
+    const double t14 = t13 + ca6*t3;
     const double t15 = 0.27*c2;
     const double t16 = 0.335 + (t15 + (0.09*ca6 - 0.295*sa6 - 0.08*t14)) - T34;
-    const double t17 = t16/t10;
-    const double t18 = 1.0/t10;
+    const double t17 = t16/t2;
+    const double t18 = 1.0/t2;
     const double t19 = c5*s6;
     const double t20 = s5*s6;
     const double t21 = c4*t19 + s4*c6;
@@ -1181,18 +1181,18 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t24 = sa6*t21 + ca6*t20;
     const double t25 = c1*t22 + s1*t24;
     const double t26 = s1*t22 - c1*t24;
-    const double t27 = t23*t5 + t25*t14;
+    const double t27 = t23*t7 + t25*t14;
     const double t28 = t27 + T11;
-    const double t29 = t23*t4 + t26*t14;
+    const double t29 = t23*t6 + t26*t14;
     const double t30 = t29 + T21;
-    const double t31 = t26*t5 - t25*t4;
+    const double t31 = t26*t7 - t25*t6;
     const double t32 = t31 - T31;
     const double t33 = t11*t11 + t12*t12 + t17*t17 + t28*t28 + t30*t30 + t32*t32;
     const double t34 = t26 + T12;
     const double t35 = t25 - T22;
     const double t36 = t23 + T32;
-    const double t37 = t4 - T13;
-    const double t38 = t5 + T23;
+    const double t37 = t6 - T13;
+    const double t38 = t7 + T23;
     const double t39 = t33 + t34*t34 + t35*t35 + t36*t36 + t37*t37 + t38*t38;
     const double t40 = t14 + T33;
     const double t41 = sqrt(t39 + t40*t40) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
@@ -1204,7 +1204,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t47 = 0.08*c5;
     const double t48 = 0.295 + t47;
     const double t49 = sa6*t46 + ca6*t48;
-    const double t50 = t7 + t49;
+    const double t50 = t9 + t49;
     const double t51 = ca6*t46 - sa6*t48;
     const double t52 = t15 + t51;
     const double t53 = t49*t18;
@@ -1281,10 +1281,10 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t124 = t109*t109 + t110*t110 + t111*t111 + 2.0*(t92*t92 + t93*t93 + t73*t73);
     const double t125 = damping1 + t124 - t112*t113 - t115*t116 - t117*t118 - t120*t123;
     const double t126 = t122/t125;
-    const double t127 = t14*T23 - t5*T33 - (t31*T21 + t29*T31 - (t23*T22 + t25*T32));
-    const double t128 = t4*T33 + t14*T13 - (t27*T31 + t31*T11 + (t26*T32 - t23*T12));
+    const double t127 = t14*T23 - t7*T33 - (t31*T21 + t29*T31 - (t23*T22 + t25*T32));
+    const double t128 = t6*T33 + t14*T13 - (t27*T31 + t31*T11 + (t26*T32 - t23*T12));
     const double t129 = s1*t127 + c1*t128;
-    const double t130 = t5*T13 + t4*T23 + (t29*T11 - t27*T21 - (t25*T12 + t26*T22));
+    const double t130 = t7*T13 + t6*T23 + (t29*T11 - t27*T21 - (t25*T12 + t26*T22));
     const double t131 = t130 + t11*t57 - t12*t58;
     const double t132 = t69*t127 - t74*t128 - sa6*t130 + t11*t94 - t12*t95 + t17*t98;
     const double t133 = t92*t127 + t93*t128 + t73*t130 + t11*t109 - t12*t110 - t17*t111;
@@ -1307,6 +1307,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[4 * lanes] = q5 - t141;
     result[5 * lanes] = q6 - t140;
     result[6 * lanes] = t44;
+    result[7 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1353,231 +1354,240 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t8 = t5 - t5*(t2 < t7);
     const double t9 = t6*t6 + t3*t3;
     const double t10 = sqrt(t9);
-    const double t11 = t8 > 0.0 ? -ca1 : t6/t10;
-    const double t12 = t8 > 0.0 ? -sa1 : t3/t10;
-    const double t13 = t6*t11 + t3*t12;
-    const double t14 = 1500.0*t13;
+    const double t11 = t8 > 0.0 ? -sa1 : t3/t10;
+    const double t12 = t8 > 0.0 ? -ca1 : t6/t10;
+    const double t13 = t6*t12 + t3*t11;
+    const double t14 = arctangent(t11, -t12);
     const double t15 = 0.08*T33 + (0.335 - T34);
     const double t16 = 1624.0 - 10000.0*(t9 + t15*t15);
-    const double t17 = t14 + t16;
-    const double t18 = t14 - t16;
-    const double t19 = 2773845.0 - t17*t17;
-    const double t20 = 2.773845e-08 < t19;
-    const double t21 = t20 > 0.0 ? sqrt(maximum(0.0, t19)) : 0.0;
-    const double t22 = 0.0005742930841485374*t21;
-    const double t23 = 0.00017520805957074026*t21;
-    const double t24 = 0.00017520805957074026*t17;
-    const double t25 = 0.0005742930841485374*t17;
-    const double t26 = t22 - t24;
-    const double t27 = t22 + t24;
-    const double t28 = 18.0 + 54.0*t26;
-    const double t29 = t25 + t23;
-    const double t30 = t25 - t23;
-    const double t31 = arctangent(t29, t26);
-    const double t32 = 59.0 - 54.0*t29;
-    const double t33 = t28*t28 + t32*t32;
-    const double t34 = 200.0*t15;
-    const double t35 = 200.0*t13;
-    const double t36 = 15.0 - t35;
-    const double t37 = 15.0 + t35;
-    const double t38 = (t34*t28 + t36*t32)/t33;
-    const double t39 = (t28*t36 - t34*t32)/t33;
-    const double t40 = 1.5 - 0.5*(t38*t38 + t39*t39);
-    const double t41 = 18.0 - 54.0*t27;
-    const double t42 = 59.0 - 54.0*t30;
-    const double t43 = fabs(6372.0*t29 - (6721.0 + 1944.0*t26));
-    const double t44 = t1*t1;
-    const double t45 = 4e-08*t44;
-    const double t46 = t45 < t43;
-    const double t47 = sa2*ca3 + ca2*sa3;
-    const double t48 = t46 > 0.0 ? -t40*((t36*t41 - t34*t42)/t33) : t47;
-    const double t49 = ca3*ca2 - sa2*sa3;
-    const double t50 = t46 > 0.0 ? -t40*((t34*t41 + t36*t42)/t33) : t49;
-    const double t51 = t46 > 0.0 ? -t39*t40 : t47;
-    const double t52 = t46 > 0.0 ? -t38*t40 : t49;
-    const double t53 = 1.0 - t46;
-    const double t54 = T23*t12 + T13*t11;
-    const double t55 = t54*t48 + T33*t50;
+    const double t17 = 1500.0*t13;
+    const double t18 = t16 - t17;
+    const double t19 = t16 + t17;
+    const double t20 = 0.00017520805957074026*t18;
+    const double t21 = 2773845.0 - t18*t18;
+    const double t22 = 0.0005742930841485374*t18;
+    const double t23 = 2.773845e-08 < t21;
+    const double t24 = t23 > 0.0 ? sqrt(maximum(0.0, t21)) : 0.0;
+    const double t25 = 0.0005742930841485374*t24;
+    const double t26 = 0.00017520805957074026*t24;
+    const double t27 = t20 - t25;
+    const double t28 = t20 + t25;
+    const double t29 = t1*t1;
+    const double t30 = 4e-08*t29;
+    const double t31 = t26 + t22;
+    const double t32 = t26 - t22;
+    const double t33 = fabs(6372.0*t31 - (6721.0 - 1944.0*t27));
+    const double t34 = t30 < t33;
+    const double t35 = 18.0 - 54.0*t27;
+    const double t36 = 200.0*t13;
+    const double t37 = 200.0*t15;
+    const double t38 = 15.0 + t36;
+    const double t39 = 15.0 - t36;
+    const double t40 = 59.0 - 54.0*t31;
+    const double t41 = t35*t35 + t40*t40;
+    const double t42 = (t35*t38 - t40*t37)/t41;
+    const double t43 = (t35*t37 + t38*t40)/t41;
+    const double t44 = 1.5 - 0.5*(t43*t43 + t42*t42);
+    const double t45 = sa2*ca3 + ca2*sa3;
+    const double t46 = t34 > 0.0 ? -t42*t44 : t45;
+    const double t47 = ca3*ca2 - sa2*sa3;
+    const double t48 = t34 > 0.0 ? -t43*t44 : t47;
+    const double t49 = arctangent(t31, -t27);
+    const double t50 = arctangent(t27*t46 + t31*t48, -(t27*t48 - t31*t46));
+    const double t51 = T13*t11 - T23*t12;
+    const double t52 = fabs(t51);
+    const double t53 = 1.0 - (1e-12 < t52);
+    const double t54 = T23*t11 + T13*t12;
+    const double t55 = t46*t54 - T33*t48;
     const double t56 = fabs(t55);
-    const double t57 = T13*t12 - T23*t11;
-    const double t58 = fabs(t57);
-    const double t59 = 1.0 - (1e-12 < t58);
-    const double t60 = t59 - t59*(1e-12 < t56);
-    const double t61 = maximum(t8, t53);
-    const double t62 = maximum(t60, t61);
-    const double t63 = 1.0 - (t19 < -2.773845e-05);
-    const double t64 = t63 - t20*t63 > 0.0 ? 2.0 : 1.0;
-    const double t65 = 1.0 - (0.001 < t58);
-    const double t66 = 0.001*t1;
-    const double t67 = 1.0 - (t66 < t4);
-    const double t68 = t67 - t67*(t66 < t7);
-    const double t69 = 40.0*t44;
-    const double t70 = 1.0 - (0.002773845 < t19);
-    const double t71 = t70 - t70*(t19 < -0.002773845);
-    const double t72 = maximum(1.0 - (t69 < t43), maximum(t68, t71));
-    const double t73 = maximum(t53, maximum(t8, t71));
-    const double t74 = (t62 > 0.0 ? 3.0 : t64) + 4.0*maximum(t72, t65 - t65*(0.001 < t56));
-    const double t75 = t62 > 0.0 ? 8.0 : 4.0*maximum(t60, t73);
-    const double t76 = (1.0 - t8)*t63;
-    const double t77 = t20*t76;
-    const double t78 = t54*t51 + T33*t52;
-    const double t79 = fabs(t78);
-    const double t80 = t59 - t59*(1e-12 < t79);
-    const double t81 = maximum(t80, t61);
-    const double t82 = (t81 > 0.0 ? 3.0 : t64) + 4.0*maximum(t65 - t65*(0.001 < t79), t72);
-    const double t83 = t81 > 0.0 ? 8.0 : 4.0*maximum(t80, t73);
-    const double t84 = 2773845.0 - t18*t18;
-    const double t85 = 2.773845e-08 < t84;
-    const double t86 = t85 > 0.0 ? sqrt(maximum(0.0, t84)) : 0.0;
-    const double t87 = 0.0005742930841485374*t86;
-    const double t88 = 0.00017520805957074026*t86;
-    const double t89 = 0.00017520805957074026*t18;
-    const double t90 = 0.0005742930841485374*t18;
-    const double t91 = t87 + t89;
-    const double t92 = t87 - t89;
-    const double t93 = 18.0 + 54.0*t91;
-    const double t94 = t88 - t90;
-    const double t95 = t88 + t90;
-    const double t96 = arctangent(t94, t91);
-    const double t97 = 59.0 - 54.0*t94;
-    const double t98 = t93*t93 + t97*t97;
-    const double t99 = (t93*t34 + t37*t97)/t98;
-    const double t100 = (t93*t37 - t97*t34)/t98;
-    const double t101 = 1.5 - 0.5*(t99*t99 + t100*t100);
-    const double t102 = 18.0 - 54.0*t92;
-    const double t103 = 59.0 + 54.0*t95;
-    const double t104 = fabs(6372.0*t94 - (6721.0 + 1944.0*t91));
-    const double t105 = t45 < t104;
-    const double t106 = t105 > 0.0 ? -t101*((t37*t102 - t34*t103)/t98) : t47;
-    const double t107 = t105 > 0.0 ? -t101*((t34*t102 + t37*t103)/t98) : t49;
-    const double t108 = t105 > 0.0 ? -t100*t101 : t47;
-    const double t109 = t105 > 0.0 ? -t99*t101 : t49;
-    const double t110 = 1.0 - t105;
-    const double t111 = t54*t106 - T33*t107;
-    const double t112 = fabs(t111);
-    const double t113 = t59 - t59*(1e-12 < t112);
-    const double t114 = maximum(t8, t110);
-    const double t115 = maximum(t113, t114);
-    const double t116 = t84 < -2.773845e-05;
-    const double t117 = 1.0 - t116;
-    const double t118 = t85*t117;
-    const double t119 = t117 - t118 > 0.0 ? 2.0 : 1.0;
-    const double t120 = 1.0 - (0.002773845 < t84);
-    const double t121 = t120 - t120*(t84 < -0.002773845);
-    const double t122 = maximum(1.0 - (t69 < t104), maximum(t121, t68));
-    const double t123 = (t115 > 0.0 ? 3.0 : t119) + 4.0*maximum(t122, t65 - t65*(0.001 < t112));
-    const double t124 = maximum(t110, maximum(t8, t121));
-    const double t125 = t115 > 0.0 ? 8.0 : 4.0*maximum(t113, t124);
-    const double t126 = t108*t54 - T33*t109;
-    const double t127 = fabs(t126);
-    const double t128 = t59 - t59*(1e-12 < t127);
-    const double t129 = maximum(t128, t114);
-    const double t130 = (t129 > 0.0 ? 3.0 : t119) + 4.0*maximum(t65 - t65*(0.001 < t127), t122);
-    const double t131 = t129 > 0.0 ? 8.0 : 4.0*maximum(t128, t124);
-    const double t132 = t57*t57;
-    const double t133 = sqrt(t132 + t55*t55);
-    const double t134 = -ca4;
-    const double t135 = t60 > 0.0 ? t134 : t55/t133;
-    const double t136 = t12*T11 - t11*T21;
-    const double t137 = t60 > 0.0 ? sa4 : t57/t133;
-    const double t138 = t12*T21 + t11*T11;
-    const double t139 = t12*T12 - t11*T22;
-    const double t140 = arctangent(t137, -t135);
-    const double t141 = t12*T22 + t11*T12;
-    const double t142 = arctangent(t12, -t11);
-    const double t143 = arctangent(t136*t135 - t137*(T31*t50 + t138*t48), -(t139*t135 - t137*(T32*t50 + t141*t48)));
-    const double t144 = (0.0 < t143) ? 3.141592653589793 : -3.141592653589793;
-    const double t145 = arctangent(t55*t135 + t57*t137, t54*t50 - T33*t48);
-    const double t146 = (0.0 < t140) ? 3.141592653589793 : -3.141592653589793;
-    const double t147 = arctangent(t30, -t27);
-    const double t148 = arctangent(t30*t50 + t27*t48, t30*t48 - t27*t50);
-    const double t149 = (t142 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t150 = t142 + t149;
-    const double t151 = sqrt(t132 + t78*t78);
-    const double t152 = t80 > 0.0 ? t134 : t78/t151;
-    const double t153 = t80 > 0.0 ? sa4 : t57/t151;
-    const double t154 = -sa4;
-    const double t155 = arctangent(t153, -t152);
-    const double t156 = arctangent(t136*t152 - t153*(T31*t52 + t138*t51), -(t139*t152 - t153*(T32*t52 + t141*t51)));
-    const double t157 = (0.0 < t156) ? 3.141592653589793 : -3.141592653589793;
-    const double t158 = arctangent(t78*t152 + t57*t153, t54*t52 - T33*t51);
-    const double t159 = (0.0 < t155) ? 3.141592653589793 : -3.141592653589793;
-    const double t160 = arctangent(t26*t51 - t29*t52, t26*t52 + t29*t51);
-    const double t161 = sqrt(t132 + t111*t111);
-    const double t162 = t113 > 0.0 ? ca4 : t111/t161;
-    const double t163 = t113 > 0.0 ? t154 : t57/t161;
-    const double t164 = arctangent(t163, t162);
-    const double t165 = arctangent(t136*t162 + t163*(T31*t107 - t138*t106), -(t139*t162 + t163*(T32*t107 - t141*t106)));
-    const double t166 = (0.0 < t165) ? 3.141592653589793 : -3.141592653589793;
-    const double t167 = arctangent(t111*t162 + t57*t163, -(t54*t107 + T33*t106));
-    const double t168 = (t164 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t169 = arctangent(t95, -t92);
-    const double t170 = arctangent(t95*t107 - t92*t106, -(t92*t107 + t95*t106));
-    const double t171 = sqrt(t132 + t126*t126);
-    const double t172 = t128 > 0.0 ? ca4 : t126/t171;
-    const double t173 = t128 > 0.0 ? t154 : t57/t171;
-    const double t174 = arctangent(t173, t172);
-    const double t175 = arctangent(t172*t136 + t173*(t109*T31 - t108*t138), -(t172*t139 + t173*(t109*T32 - t108*t141)));
-    const double t176 = (0.0 < t175) ? 3.141592653589793 : -3.141592653589793;
-    const double t177 = arctangent(t126*t172 + t57*t173, -(t109*t54 + T33*t108));
-    const double t178 = (t174 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t179 = arctangent(t91*t108 - t94*t109, t91*t109 + t94*t108);
-    result[0] = -t142;
-    result[lanes] = t179;
-    result[2 * lanes] = t96;
-    result[3 * lanes] = -t174;
-    result[4 * lanes] = t177;
-    result[5 * lanes] = t175;
-    result[6 * lanes] = -t142;
-    result[7 * lanes] = t179;
-    result[8 * lanes] = t96;
-    result[9 * lanes] = -(t174 + t178);
-    result[10 * lanes] = -t177;
-    result[11 * lanes] = t175 - t176;
-    result[12 * lanes] = -t142;
-    result[13 * lanes] = t170;
-    result[14 * lanes] = -t169;
-    result[15 * lanes] = -t164;
-    result[16 * lanes] = t167;
-    result[17 * lanes] = t165;
-    result[18 * lanes] = -t142;
-    result[19 * lanes] = t170;
-    result[20 * lanes] = -t169;
-    result[21 * lanes] = -(t164 + t168);
-    result[22 * lanes] = -t167;
-    result[23 * lanes] = t165 - t166;
-    result[24 * lanes] = -t150;
-    result[25 * lanes] = t160;
-    result[26 * lanes] = t31;
-    result[27 * lanes] = t155;
-    result[28 * lanes] = t158;
-    result[29 * lanes] = t156;
-    result[30 * lanes] = -t150;
-    result[31 * lanes] = t160;
-    result[32 * lanes] = t31;
-    result[33 * lanes] = t155 - t159;
-    result[34 * lanes] = -t158;
-    result[35 * lanes] = t156 - t157;
-    result[36 * lanes] = -t150;
-    result[37 * lanes] = -t148;
-    result[38 * lanes] = t147;
+    const double t57 = t53 - t53*(1e-12 < t56);
+    const double t58 = -sa4;
+    const double t59 = t51*t51;
+    const double t60 = sqrt(t59 + t55*t55);
+    const double t61 = t57 > 0.0 ? t58 : t51/t60;
+    const double t62 = t57 > 0.0 ? ca4 : t55/t60;
+    const double t63 = arctangent(t61, t62);
+    const double t64 = arctangent(t55*t62 + t51*t61, -(t48*t54 + T33*t46));
+    const double t65 = t11*T11 - t12*T21;
+    const double t66 = t11*T21 + t12*T11;
+    const double t67 = t11*T12 - t12*T22;
+    const double t68 = t11*T22 + t12*T12;
+    const double t69 = arctangent(t62*t65 + t61*(t48*T31 - t46*t66), -(t62*t67 + t61*(t48*T32 - t46*t68)));
+    const double t70 = t63 + ((t63 < 0.0) ? 3.141592653589793 : -3.141592653589793);
+    const double t71 = t69 - ((0.0 < t69) ? 3.141592653589793 : -3.141592653589793);
+    const double t72 = 18.0 - 54.0*t28;
+    const double t73 = 59.0 + 54.0*t32;
+    const double t74 = t34 > 0.0 ? -t44*((t38*t72 - t37*t73)/t41) : t45;
+    const double t75 = t34 > 0.0 ? -t44*((t37*t72 + t38*t73)/t41) : t47;
+    const double t76 = 1.0 - t34;
+    const double t77 = arctangent(t28*t74 - t32*t75, -(t32*t74 + t28*t75));
+    const double t78 = arctangent(t32, -t28);
+    const double t79 = t54*t74 - T33*t75;
+    const double t80 = fabs(t79);
+    const double t81 = t53 - t53*(1e-12 < t80);
+    const double t82 = sqrt(t59 + t79*t79);
+    const double t83 = t81 > 0.0 ? t58 : t51/t82;
+    const double t84 = t81 > 0.0 ? ca4 : t79/t82;
+    const double t85 = -ca4;
+    const double t86 = arctangent(t83, t84);
+    const double t87 = arctangent(t79*t84 + t51*t83, -(t54*t75 + T33*t74));
+    const double t88 = arctangent(t65*t84 + t83*(T31*t75 - t66*t74), -(t67*t84 + t83*(T32*t75 - t68*t74)));
+    const double t89 = t86 + ((t86 < 0.0) ? 3.141592653589793 : -3.141592653589793);
+    const double t90 = t88 - ((0.0 < t88) ? 3.141592653589793 : -3.141592653589793);
+    const double t91 = t14 + ((t14 < 0.0) ? 3.141592653589793 : -3.141592653589793);
+    const double t92 = 2773845.0 - t19*t19;
+    const double t93 = 2.773845e-08 < t92;
+    const double t94 = t93 > 0.0 ? sqrt(maximum(0.0, t92)) : 0.0;
+    const double t95 = 0.00017520805957074026*t94;
+    const double t96 = 0.0005742930841485374*t94;
+    const double t97 = 0.0005742930841485374*t19;
+    const double t98 = 0.00017520805957074026*t19;
+    const double t99 = t95 + t97;
+    const double t100 = t95 - t97;
+    const double t101 = t96 - t98;
+    const double t102 = arctangent(t99, t101);
+    const double t103 = t96 + t98;
+    const double t104 = fabs(1944.0*t101 + (6721.0 - 6372.0*t99));
+    const double t105 = t30 < t104;
+    const double t106 = 18.0 + 54.0*t101;
+    const double t107 = 59.0 - 54.0*t99;
+    const double t108 = t106*t106 + t107*t107;
+    const double t109 = (t37*t106 + t107*t39)/t108;
+    const double t110 = (t106*t39 - t37*t107)/t108;
+    const double t111 = 1.5 - 0.5*(t109*t109 + t110*t110);
+    const double t112 = t105 > 0.0 ? -t109*t111 : t47;
+    const double t113 = t105 > 0.0 ? -t110*t111 : t45;
+    const double t114 = arctangent(t99*t112 - t101*t113, t99*t113 + t101*t112);
+    const double t115 = t54*t113 + T33*t112;
+    const double t116 = fabs(t115);
+    const double t117 = t53 - t53*(1e-12 < t116);
+    const double t118 = sqrt(t59 + t115*t115);
+    const double t119 = t117 > 0.0 ? sa4 : t51/t118;
+    const double t120 = t117 > 0.0 ? t85 : t115/t118;
+    const double t121 = arctangent(t119, -t120);
+    const double t122 = arctangent(t115*t120 + t51*t119, t54*t112 - T33*t113);
+    const double t123 = arctangent(t65*t120 - t119*(T31*t112 + t66*t113), -(t67*t120 - t119*(T32*t112 + t68*t113)));
+    const double t124 = (0.0 < t121) ? 3.141592653589793 : -3.141592653589793;
+    const double t125 = (0.0 < t123) ? 3.141592653589793 : -3.141592653589793;
+    const double t126 = 18.0 - 54.0*t103;
+    const double t127 = 59.0 + 54.0*t100;
+    const double t128 = t105 > 0.0 ? -t111*((t37*t126 + t39*t127)/t108) : t47;
+    const double t129 = t105 > 0.0 ? -t111*((t39*t126 - t37*t127)/t108) : t45;
+    const double t130 = 1.0 - t105;
+    const double t131 = arctangent(t100*t128 - t103*t129, -(t100*t129 + t103*t128));
+    const double t132 = arctangent(t100, -t103);
+    const double t133 = t54*t129 + T33*t128;
+    const double t134 = fabs(t133);
+    const double t135 = t53 - t53*(1e-12 < t134);
+    const double t136 = sqrt(t59 + t133*t133);
+    const double t137 = t135 > 0.0 ? sa4 : t51/t136;
+    const double t138 = t135 > 0.0 ? t85 : t133/t136;
+    const double t139 = arctangent(t133*t138 + t51*t137, t54*t128 - T33*t129);
+    const double t140 = arctangent(t137, -t138);
+    const double t141 = arctangent(t65*t138 - t137*(T31*t128 + t66*t129), -(t67*t138 - t137*(T32*t128 + t68*t129)));
+    const double t142 = (0.0 < t140) ? 3.141592653589793 : -3.141592653589793;
+    const double t143 = (0.0 < t141) ? 3.141592653589793 : -3.141592653589793;
+    const double t144 = t21 < -2.773845e-05;
+    const double t145 = maximum(t8, t76);
+    const double t146 = maximum(t57, t145);
+    const double t147 = maximum(t81, t145);
+    const double t148 = 1.0 - (0.002773845 < t21);
+    const double t149 = t148 - t148*(t21 < -0.002773845);
+    const double t150 = maximum(t76, maximum(t8, t149));
+    const double t151 = 1.0 - (0.001 < t52);
+    const double t152 = 0.001*t1;
+    const double t153 = 1.0 - (t152 < t4);
+    const double t154 = t153 - t153*(t152 < t7);
+    const double t155 = 40.0*t29;
+    const double t156 = maximum(1.0 - (t155 < t33), maximum(t149, t154));
+    const double t157 = maximum(t151 - t151*(0.001 < t56), t156);
+    const double t158 = maximum(t156, t151 - t151*(0.001 < t80));
+    const double t159 = 1.0 - (t92 < -2.773845e-05);
+    const double t160 = (1.0 - t8)*t159;
+    const double t161 = t93*t160;
+    const double t162 = t161 - t135*t161;
+    const double t163 = t160 - t117*t160;
+    const double t164 = 1.0 - t144;
+    const double t165 = t23*t164;
+    const double t166 = t165 - t81*t165;
+    const double t167 = t164 - t57*t164;
+    const double t168 = maximum(t160, maximum(t166, maximum(t165, maximum(t164, t167))));
+    const double t169 = 1.0 - maximum(t162, maximum(t161, maximum(t163, t168)));
+    const double t170 = t146 > 0.0 ? 8.0 : 4.0*maximum(maximum(t57, t150), t157*t169);
+    const double t171 = t164 - t165 > 0.0 ? 2.0 : 1.0;
+    const double t172 = (t146 > 0.0 ? 3.0 : t171) + 4.0*t157;
+    const double t173 = t159 - t93*t159 > 0.0 ? 2.0 : 1.0;
+    const double t174 = (t147 > 0.0 ? 3.0 : t171) + 4.0*t158;
+    const double t175 = t147 > 0.0 ? 8.0 : 4.0*maximum(maximum(t81, t150), t169*t158);
+    const double t176 = maximum(t8, t130);
+    const double t177 = maximum(t117, t176);
+    const double t178 = maximum(t135, t176);
+    const double t179 = 1.0 - (0.002773845 < t92);
+    const double t180 = t179 - t179*(t92 < -0.002773845);
+    const double t181 = maximum(1.0 - (t155 < t104), maximum(t154, t180));
+    const double t182 = maximum(t151 - t151*(0.001 < t116), t181);
+    const double t183 = maximum(t130, maximum(t8, t180));
+    const double t184 = maximum(t181, t151 - t151*(0.001 < t134));
+    const double t185 = (t177 > 0.0 ? 3.0 : t173) + 4.0*t182;
+    const double t186 = t177 > 0.0 ? 8.0 : 4.0*maximum(maximum(t117, t183), t169*t182);
+    const double t187 = (t178 > 0.0 ? 3.0 : t173) + 4.0*t184;
+    const double t188 = t178 > 0.0 ? 8.0 : 4.0*maximum(maximum(t135, t183), t169*t184);
+    result[0] = -t14;
+    result[lanes] = -t50;
+    result[2 * lanes] = t49;
+    result[3 * lanes] = -t63;
+    result[4 * lanes] = t64;
+    result[5 * lanes] = t69;
+    result[6 * lanes] = -t14;
+    result[7 * lanes] = -t50;
+    result[8 * lanes] = t49;
+    result[9 * lanes] = -t70;
+    result[10 * lanes] = -t64;
+    result[11 * lanes] = t71;
+    result[12 * lanes] = -t14;
+    result[13 * lanes] = -t77;
+    result[14 * lanes] = -t78;
+    result[15 * lanes] = -t86;
+    result[16 * lanes] = t87;
+    result[17 * lanes] = t88;
+    result[18 * lanes] = -t14;
+    result[19 * lanes] = -t77;
+    result[20 * lanes] = -t78;
+    result[21 * lanes] = -t89;
+    result[22 * lanes] = -t87;
+    result[23 * lanes] = t90;
+    result[24 * lanes] = -t91;
+    result[25 * lanes] = -t114;
+    result[26 * lanes] = t102;
+    result[27 * lanes] = t121;
+    result[28 * lanes] = t122;
+    result[29 * lanes] = t123;
+    result[30 * lanes] = -t91;
+    result[31 * lanes] = -t114;
+    result[32 * lanes] = t102;
+    result[33 * lanes] = t121 - t124;
+    result[34 * lanes] = -t122;
+    result[35 * lanes] = t123 - t125;
+    result[36 * lanes] = -t91;
+    result[37 * lanes] = t131;
+    result[38 * lanes] = -t132;
     result[39 * lanes] = t140;
-    result[40 * lanes] = t145;
-    result[41 * lanes] = t143;
-    result[42 * lanes] = -t150;
-    result[43 * lanes] = -t148;
-    result[44 * lanes] = t147;
-    result[45 * lanes] = t140 - t146;
-    result[46 * lanes] = -t145;
-    result[47 * lanes] = t143 - t144;
-    result[48 * lanes] = t116 > 0.0 ? t131 : t130;
-    result[49 * lanes] = t117 - t128*t117 > 0.0 ? t130 : t131;
-    result[50 * lanes] = t118 > 0.0 ? t123 : t125;
-    result[51 * lanes] = t118 - t113*t118 > 0.0 ? t123 : t125;
-    result[52 * lanes] = t76 > 0.0 ? t82 : t83;
-    result[53 * lanes] = t76 - t80*t76 > 0.0 ? t82 : t83;
-    result[54 * lanes] = t77 > 0.0 ? t74 : t75;
-    result[55 * lanes] = t77 - t60*t77 > 0.0 ? t74 : t75;
+    result[40 * lanes] = t139;
+    result[41 * lanes] = t141;
+    result[42 * lanes] = -t91;
+    result[43 * lanes] = t131;
+    result[44 * lanes] = -t132;
+    result[45 * lanes] = t140 - t142;
+    result[46 * lanes] = -t139;
+    result[47 * lanes] = t141 - t143;
+    result[48 * lanes] = t144 > 0.0 ? t170 : t172;
+    result[49 * lanes] = t167 > 0.0 ? t172 : t170;
+    result[50 * lanes] = t165 > 0.0 ? t174 : t175;
+    result[51 * lanes] = t166 > 0.0 ? t174 : t175;
+    result[52 * lanes] = t160 > 0.0 ? t185 : t186;
+    result[53 * lanes] = t163 > 0.0 ? t185 : t186;
+    result[54 * lanes] = t161 > 0.0 ? t187 : t188;
+    result[55 * lanes] = t162 > 0.0 ? t187 : t188;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1599,10 +1609,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
 {
     double angles[6], sines[6], cosines[6];
@@ -1614,7 +1624,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 6; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1624,7 +1634,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
 {
     enum { error = 6 };
-    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[6 + 2], found[6 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1706,6 +1716,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, result, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06};
+    double row[6], back[6];
+    size_t place = kinds[branch] ? 8 : branch, listed = 0;
+    for (size_t j = 0; j < 6; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 8; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 6 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 8)
+            place = b;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 8 || (listed && !alone))
+        return;
+    memcpy(q + 6 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1715,6 +1752,31 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    const double damping = 1e-12;
+    double start[6], step[6 + 2], values[56], moved[16] = {0.0};
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, step);
+    const double unit = step[6 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, values);
+        for (size_t b = 0; b < 8; ++b)
+            inverse_kinematics_added(T, unit, values + 6 * b, b, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int kuka_kr5_inverse_kinematics(const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
@@ -1722,7 +1784,7 @@ int kuka_kr5_inverse_kinematics(const double *restrict T, const double *restrict
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[6], values[56];
     const double *const codes = values + 48;
-    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    int kinds[8], doubts[8], doubted[8], free[8], settled[8] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 48; ++j)
             q[j] = NAN;
@@ -1738,7 +1800,7 @@ int kuka_kr5_inverse_kinematics(const double *restrict T, const double *restrict
         return count;
     memcpy(q, values, 48 * sizeof *q);
     for (size_t b = 0; b < 8; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1754,9 +1816,13 @@ int kuka_kr5_inverse_kinematics(const double *restrict T, const double *restrict
         if (lacking)
             inverse_kinematics_values(T, start, values);
         for (size_t j = 0; j < 48 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 6])
+            if (inverse_kinematics_turning[j % 6])
                 values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
     }
+    for (size_t b = 0; b < 8; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, q, kinds);
     count = 0;
     for (size_t b = 0; b < 8; ++b) {
         for (size_t j = 0; j < 6 && !kinds[b]; ++j)

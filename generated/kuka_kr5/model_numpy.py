@@ -44,7 +44,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 113, "add": 69, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 89, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 65, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
-    "inverse_kinematics": {"mul": 197, "add": 143, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 106},
+    "inverse_kinematics": {"mul": 201, "add": 144, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 117},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -199,7 +199,17 @@ def analytic_jacobian_zyz(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 8 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. shoulder left, elbow down, wrist not flipped
+    2. shoulder left, elbow down, wrist flipped
+    3. shoulder left, elbow up, wrist not flipped
+    4. shoulder left, elbow up, wrist flipped
+    5. shoulder right, elbow up, wrist not flipped
+    6. shoulder right, elbow up, wrist flipped
+    7. shoulder right, elbow down, wrist not flipped
+    8. shoulder right, elbow down, wrist flipped
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -218,7 +228,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 197 mul, 143 add, 18 div, 4 sin, 4 cos, 8 sqrt, 21 atan2, 106 cases.
+    Closed form, all branches at once: 201 mul, 144 add, 18 div, 4 sin, 4 cos, 8 sqrt, 21 atan2, 117 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
 
@@ -668,193 +678,202 @@ def _inverse_kinematics(functions, k, T, near):
     t6 = T14 - 0.08*T13
     t7 = absolute(t6)
     t8 = t5 - t5*less(t2, t7)
-    t9 = t6*t6 + t3*t3
-    t10 = sqrt(t9)
-    t11 = cos(near1)
-    t12 = select(t8, -t11, t6/t10)
-    t13 = sin(near1)
-    t14 = select(t8, -t13, t3/t10)
-    t15 = t6*t12 + t3*t14
-    t16 = 1500.0*t15
+    t9 = sin(near1)
+    t10 = t6*t6 + t3*t3
+    t11 = sqrt(t10)
+    t12 = select(t8, -t9, t3/t11)
+    t13 = cos(near1)
+    t14 = select(t8, -t13, t6/t11)
+    t15 = t6*t14 + t3*t12
+    t16 = atan2(t12, -t14)
     t17 = 0.08*T33 + (0.335 - T34)
-    t18 = 1624.0 - 10000.0*(t9 + t17*t17)
-    t19 = t16 + t18
-    t20 = t16 - t18
-    t21 = 2773845.0 - t19*t19
-    t22 = less(2.773845e-08, t21)
-    t23 = select(t22, sqrt(maximum(0.0, t21)), 0.0)
-    t24 = 0.0005742930841485374*t23
-    t25 = 0.00017520805957074026*t23
-    t26 = 0.00017520805957074026*t19
-    t27 = 0.0005742930841485374*t19
-    t28 = t24 - t26
-    t29 = t24 + t26
-    t30 = 18.0 + 54.0*t28
-    t31 = t27 + t25
-    t32 = t27 - t25
-    t33 = atan2(t31, t28)
-    t34 = 59.0 - 54.0*t31
-    t35 = t30*t30 + t34*t34
-    t36 = 200.0*t17
-    t37 = 200.0*t15
-    t38 = 15.0 - t37
-    t39 = 15.0 + t37
-    t40 = (t36*t30 + t38*t34)/t35
-    t41 = (t30*t38 - t36*t34)/t35
-    t42 = 1.5 - 0.5*(t40*t40 + t41*t41)
-    t43 = 18.0 - 54.0*t29
-    t44 = 59.0 - 54.0*t32
-    t45 = absolute(6372.0*t31 - (6721.0 + 1944.0*t28))
-    t46 = t1*t1
-    t47 = 4e-08*t46
-    t48 = less(t47, t45)
-    t49 = sin(near2)
-    t50 = cos(near3)
-    t51 = cos(near2)
-    t52 = sin(near3)
-    t53 = t49*t50 + t51*t52
-    t54 = select(t48, -t42*((t38*t43 - t36*t44)/t35), t53)
-    t55 = t50*t51 - t49*t52
-    t56 = select(t48, -t42*((t36*t43 + t38*t44)/t35), t55)
-    t57 = select(t48, -t41*t42, t53)
-    t58 = select(t48, -t40*t42, t55)
-    t59 = 1.0 - t48
-    t60 = T23*t14 + T13*t12
-    t61 = t60*t54 + T33*t56
+    t18 = 1624.0 - 10000.0*(t10 + t17*t17)
+    t19 = 1500.0*t15
+    t20 = t18 - t19
+    t21 = t18 + t19
+    t22 = 0.00017520805957074026*t20
+    t23 = 2773845.0 - t20*t20
+    t24 = 0.0005742930841485374*t20
+    t25 = less(2.773845e-08, t23)
+    t26 = select(t25, sqrt(maximum(0.0, t23)), 0.0)
+    t27 = 0.0005742930841485374*t26
+    t28 = 0.00017520805957074026*t26
+    t29 = t22 - t27
+    t30 = t22 + t27
+    t31 = t1*t1
+    t32 = 4e-08*t31
+    t33 = t28 + t24
+    t34 = t28 - t24
+    t35 = absolute(6372.0*t33 - (6721.0 - 1944.0*t29))
+    t36 = less(t32, t35)
+    t37 = 18.0 - 54.0*t29
+    t38 = 200.0*t15
+    t39 = 200.0*t17
+    t40 = 15.0 + t38
+    t41 = 15.0 - t38
+    t42 = 59.0 - 54.0*t33
+    t43 = t37*t37 + t42*t42
+    t44 = (t37*t40 - t42*t39)/t43
+    t45 = (t37*t39 + t40*t42)/t43
+    t46 = 1.5 - 0.5*(t45*t45 + t44*t44)
+    t47 = sin(near2)
+    t48 = cos(near3)
+    t49 = cos(near2)
+    t50 = sin(near3)
+    t51 = t47*t48 + t49*t50
+    t52 = select(t36, -t44*t46, t51)
+    t53 = t48*t49 - t47*t50
+    t54 = select(t36, -t45*t46, t53)
+    t55 = atan2(t33, -t29)
+    t56 = atan2(t29*t52 + t33*t54, -(t29*t54 - t33*t52))
+    t57 = T13*t12 - T23*t14
+    t58 = absolute(t57)
+    t59 = 1.0 - less(1e-12, t58)
+    t60 = T23*t12 + T13*t14
+    t61 = t52*t60 - T33*t54
     t62 = absolute(t61)
-    t63 = T13*t14 - T23*t12
-    t64 = absolute(t63)
-    t65 = 1.0 - less(1e-12, t64)
-    t66 = t65 - t65*less(1e-12, t62)
-    t67 = maximum(t8, t59)
-    t68 = maximum(t66, t67)
-    t69 = 1.0 - less(t21, -2.773845e-05)
-    t70 = select(t69 - t22*t69, 2.0, 1.0)
-    t71 = 1.0 - less(0.001, t64)
-    t72 = 0.001*t1
-    t73 = 1.0 - less(t72, t4)
-    t74 = t73 - t73*less(t72, t7)
-    t75 = 40.0*t46
-    t76 = 1.0 - less(0.002773845, t21)
-    t77 = t76 - t76*less(t21, -0.002773845)
-    t78 = maximum(1.0 - less(t75, t45), maximum(t74, t77))
-    t79 = maximum(t59, maximum(t8, t77))
-    t80 = select(t68, 3.0, t70) + 4.0*maximum(t78, t71 - t71*less(0.001, t62))
-    t81 = select(t68, 8.0, 4.0*maximum(t66, t79))
-    t82 = (1.0 - t8)*t69
-    t83 = t22*t82
-    t84 = t60*t57 + T33*t58
-    t85 = absolute(t84)
-    t86 = t65 - t65*less(1e-12, t85)
-    t87 = maximum(t86, t67)
-    t88 = select(t87, 3.0, t70) + 4.0*maximum(t71 - t71*less(0.001, t85), t78)
-    t89 = select(t87, 8.0, 4.0*maximum(t86, t79))
-    t90 = 2773845.0 - t20*t20
-    t91 = less(2.773845e-08, t90)
-    t92 = select(t91, sqrt(maximum(0.0, t90)), 0.0)
-    t93 = 0.0005742930841485374*t92
-    t94 = 0.00017520805957074026*t92
-    t95 = 0.00017520805957074026*t20
-    t96 = 0.0005742930841485374*t20
-    t97 = t93 + t95
-    t98 = t93 - t95
-    t99 = 18.0 + 54.0*t97
-    t100 = t94 - t96
-    t101 = t94 + t96
-    t102 = atan2(t100, t97)
-    t103 = 59.0 - 54.0*t100
-    t104 = t99*t99 + t103*t103
-    t105 = (t99*t36 + t39*t103)/t104
-    t106 = (t99*t39 - t103*t36)/t104
-    t107 = 1.5 - 0.5*(t105*t105 + t106*t106)
-    t108 = 18.0 - 54.0*t98
-    t109 = 59.0 + 54.0*t101
-    t110 = absolute(6372.0*t100 - (6721.0 + 1944.0*t97))
-    t111 = less(t47, t110)
-    t112 = select(t111, -t107*((t39*t108 - t36*t109)/t104), t53)
-    t113 = select(t111, -t107*((t36*t108 + t39*t109)/t104), t55)
-    t114 = select(t111, -t106*t107, t53)
-    t115 = select(t111, -t105*t107, t55)
-    t116 = 1.0 - t111
-    t117 = t60*t112 - T33*t113
-    t118 = absolute(t117)
-    t119 = t65 - t65*less(1e-12, t118)
-    t120 = maximum(t8, t116)
-    t121 = maximum(t119, t120)
-    t122 = less(t90, -2.773845e-05)
-    t123 = 1.0 - t122
-    t124 = t91*t123
-    t125 = select(t123 - t124, 2.0, 1.0)
-    t126 = 1.0 - less(0.002773845, t90)
-    t127 = t126 - t126*less(t90, -0.002773845)
-    t128 = maximum(1.0 - less(t75, t110), maximum(t127, t74))
-    t129 = select(t121, 3.0, t125) + 4.0*maximum(t128, t71 - t71*less(0.001, t118))
-    t130 = maximum(t116, maximum(t8, t127))
-    t131 = select(t121, 8.0, 4.0*maximum(t119, t130))
-    t132 = t114*t60 - T33*t115
-    t133 = absolute(t132)
-    t134 = t65 - t65*less(1e-12, t133)
-    t135 = maximum(t134, t120)
-    t136 = select(t135, 3.0, t125) + 4.0*maximum(t71 - t71*less(0.001, t133), t128)
-    t137 = select(t135, 8.0, 4.0*maximum(t134, t130))
-    t138 = t63*t63
-    t139 = sqrt(t138 + t61*t61)
-    t140 = cos(near4)
-    t141 = -t140
-    t142 = select(t66, t141, t61/t139)
-    t143 = t14*T11 - t12*T21
-    t144 = sin(near4)
-    t145 = select(t66, t144, t63/t139)
-    t146 = t14*T21 + t12*T11
-    t147 = t14*T12 - t12*T22
-    t148 = atan2(t145, -t142)
-    t149 = t14*T22 + t12*T12
-    t150 = atan2(t14, -t12)
-    t151 = atan2(t143*t142 - t145*(T31*t56 + t146*t54), -(t147*t142 - t145*(T32*t56 + t149*t54)))
-    t152 = select(less(0.0, t151), 3.141592653589793, -3.141592653589793)
-    t153 = atan2(t61*t142 + t63*t145, t60*t56 - T33*t54)
-    t154 = select(less(0.0, t148), 3.141592653589793, -3.141592653589793)
-    t155 = atan2(t32, -t29)
-    t156 = atan2(t32*t56 + t29*t54, t32*t54 - t29*t56)
-    t157 = select(less(t150, 0.0), 3.141592653589793, -3.141592653589793)
-    t158 = t150 + t157
-    t159 = sqrt(t138 + t84*t84)
-    t160 = select(t86, t141, t84/t159)
-    t161 = select(t86, t144, t63/t159)
-    t162 = -t144
-    t163 = atan2(t161, -t160)
-    t164 = atan2(t143*t160 - t161*(T31*t58 + t146*t57), -(t147*t160 - t161*(T32*t58 + t149*t57)))
-    t165 = select(less(0.0, t164), 3.141592653589793, -3.141592653589793)
-    t166 = atan2(t84*t160 + t63*t161, t60*t58 - T33*t57)
-    t167 = select(less(0.0, t163), 3.141592653589793, -3.141592653589793)
-    t168 = atan2(t28*t57 - t31*t58, t28*t58 + t31*t57)
-    t169 = sqrt(t138 + t117*t117)
-    t170 = select(t119, t140, t117/t169)
-    t171 = select(t119, t162, t63/t169)
-    t172 = atan2(t171, t170)
-    t173 = atan2(t143*t170 + t171*(T31*t113 - t146*t112), -(t147*t170 + t171*(T32*t113 - t149*t112)))
-    t174 = select(less(0.0, t173), 3.141592653589793, -3.141592653589793)
-    t175 = atan2(t117*t170 + t63*t171, -(t60*t113 + T33*t112))
-    t176 = select(less(t172, 0.0), 3.141592653589793, -3.141592653589793)
-    t177 = atan2(t101, -t98)
-    t178 = atan2(t101*t113 - t98*t112, -(t98*t113 + t101*t112))
-    t179 = sqrt(t138 + t132*t132)
-    t180 = select(t134, t140, t132/t179)
-    t181 = select(t134, t162, t63/t179)
-    t182 = atan2(t181, t180)
-    t183 = atan2(t180*t143 + t181*(t115*T31 - t114*t146), -(t180*t147 + t181*(t115*T32 - t114*t149)))
-    t184 = select(less(0.0, t183), 3.141592653589793, -3.141592653589793)
-    t185 = atan2(t132*t180 + t63*t181, -(t115*t60 + T33*t114))
-    t186 = select(less(t182, 0.0), 3.141592653589793, -3.141592653589793)
-    t187 = atan2(t97*t114 - t100*t115, t97*t115 + t100*t114)
+    t63 = t59 - t59*less(1e-12, t62)
+    t64 = sin(near4)
+    t65 = -t64
+    t66 = t57*t57
+    t67 = sqrt(t66 + t61*t61)
+    t68 = select(t63, t65, t57/t67)
+    t69 = cos(near4)
+    t70 = select(t63, t69, t61/t67)
+    t71 = atan2(t68, t70)
+    t72 = atan2(t61*t70 + t57*t68, -(t54*t60 + T33*t52))
+    t73 = t12*T11 - t14*T21
+    t74 = t12*T21 + t14*T11
+    t75 = t12*T12 - t14*T22
+    t76 = t12*T22 + t14*T12
+    t77 = atan2(t70*t73 + t68*(t54*T31 - t52*t74), -(t70*t75 + t68*(t54*T32 - t52*t76)))
+    t78 = select(less(t71, 0.0), 3.141592653589793, -3.141592653589793)
+    t79 = select(less(0.0, t77), 3.141592653589793, -3.141592653589793)
+    t80 = 18.0 - 54.0*t30
+    t81 = 59.0 + 54.0*t34
+    t82 = select(t36, -t46*((t40*t80 - t39*t81)/t43), t51)
+    t83 = select(t36, -t46*((t39*t80 + t40*t81)/t43), t53)
+    t84 = 1.0 - t36
+    t85 = atan2(t30*t82 - t34*t83, -(t34*t82 + t30*t83))
+    t86 = atan2(t34, -t30)
+    t87 = t60*t82 - T33*t83
+    t88 = absolute(t87)
+    t89 = t59 - t59*less(1e-12, t88)
+    t90 = sqrt(t66 + t87*t87)
+    t91 = select(t89, t65, t57/t90)
+    t92 = select(t89, t69, t87/t90)
+    t93 = -t69
+    t94 = atan2(t91, t92)
+    t95 = atan2(t87*t92 + t57*t91, -(t60*t83 + T33*t82))
+    t96 = atan2(t73*t92 + t91*(T31*t83 - t74*t82), -(t75*t92 + t91*(T32*t83 - t76*t82)))
+    t97 = select(less(t94, 0.0), 3.141592653589793, -3.141592653589793)
+    t98 = select(less(0.0, t96), 3.141592653589793, -3.141592653589793)
+    t99 = select(less(t16, 0.0), 3.141592653589793, -3.141592653589793)
+    t100 = t16 + t99
+    t101 = 2773845.0 - t21*t21
+    t102 = less(2.773845e-08, t101)
+    t103 = select(t102, sqrt(maximum(0.0, t101)), 0.0)
+    t104 = 0.00017520805957074026*t103
+    t105 = 0.0005742930841485374*t103
+    t106 = 0.0005742930841485374*t21
+    t107 = 0.00017520805957074026*t21
+    t108 = t104 + t106
+    t109 = t104 - t106
+    t110 = t105 - t107
+    t111 = atan2(t108, t110)
+    t112 = t105 + t107
+    t113 = absolute(1944.0*t110 + (6721.0 - 6372.0*t108))
+    t114 = less(t32, t113)
+    t115 = 18.0 + 54.0*t110
+    t116 = 59.0 - 54.0*t108
+    t117 = t115*t115 + t116*t116
+    t118 = (t39*t115 + t116*t41)/t117
+    t119 = (t115*t41 - t39*t116)/t117
+    t120 = 1.5 - 0.5*(t118*t118 + t119*t119)
+    t121 = select(t114, -t118*t120, t53)
+    t122 = select(t114, -t119*t120, t51)
+    t123 = atan2(t108*t121 - t110*t122, t108*t122 + t110*t121)
+    t124 = t60*t122 + T33*t121
+    t125 = absolute(t124)
+    t126 = t59 - t59*less(1e-12, t125)
+    t127 = sqrt(t66 + t124*t124)
+    t128 = select(t126, t64, t57/t127)
+    t129 = select(t126, t93, t124/t127)
+    t130 = atan2(t128, -t129)
+    t131 = atan2(t124*t129 + t57*t128, t60*t121 - T33*t122)
+    t132 = atan2(t73*t129 - t128*(T31*t121 + t74*t122), -(t75*t129 - t128*(T32*t121 + t76*t122)))
+    t133 = select(less(0.0, t130), 3.141592653589793, -3.141592653589793)
+    t134 = select(less(0.0, t132), 3.141592653589793, -3.141592653589793)
+    t135 = 18.0 - 54.0*t112
+    t136 = 59.0 + 54.0*t109
+    t137 = select(t114, -t120*((t39*t135 + t41*t136)/t117), t53)
+    t138 = select(t114, -t120*((t41*t135 - t39*t136)/t117), t51)
+    t139 = 1.0 - t114
+    t140 = atan2(t109*t137 - t112*t138, -(t109*t138 + t112*t137))
+    t141 = atan2(t109, -t112)
+    t142 = t60*t138 + T33*t137
+    t143 = absolute(t142)
+    t144 = t59 - t59*less(1e-12, t143)
+    t145 = sqrt(t66 + t142*t142)
+    t146 = select(t144, t64, t57/t145)
+    t147 = select(t144, t93, t142/t145)
+    t148 = atan2(t142*t147 + t57*t146, t60*t137 - T33*t138)
+    t149 = atan2(t146, -t147)
+    t150 = atan2(t73*t147 - t146*(T31*t137 + t74*t138), -(t75*t147 - t146*(T32*t137 + t76*t138)))
+    t151 = select(less(0.0, t149), 3.141592653589793, -3.141592653589793)
+    t152 = select(less(0.0, t150), 3.141592653589793, -3.141592653589793)
+    t153 = less(t23, -2.773845e-05)
+    t154 = maximum(t8, t84)
+    t155 = maximum(t63, t154)
+    t156 = maximum(t89, t154)
+    t157 = 1.0 - less(0.002773845, t23)
+    t158 = t157 - t157*less(t23, -0.002773845)
+    t159 = maximum(t84, maximum(t8, t158))
+    t160 = 1.0 - less(0.001, t58)
+    t161 = 0.001*t1
+    t162 = 1.0 - less(t161, t4)
+    t163 = t162 - t162*less(t161, t7)
+    t164 = 40.0*t31
+    t165 = maximum(1.0 - less(t164, t35), maximum(t158, t163))
+    t166 = maximum(t160 - t160*less(0.001, t62), t165)
+    t167 = maximum(t165, t160 - t160*less(0.001, t88))
+    t168 = 1.0 - less(t101, -2.773845e-05)
+    t169 = (1.0 - t8)*t168
+    t170 = t102*t169
+    t171 = t170 - t144*t170
+    t172 = t169 - t126*t169
+    t173 = 1.0 - t153
+    t174 = t25*t173
+    t175 = t174 - t89*t174
+    t176 = t173 - t63*t173
+    t177 = maximum(t169, maximum(t175, maximum(t174, maximum(t173, t176))))
+    t178 = 1.0 - maximum(t171, maximum(t170, maximum(t172, t177)))
+    t179 = select(t155, 8.0, 4.0*maximum(maximum(t63, t159), t166*t178))
+    t180 = select(t173 - t174, 2.0, 1.0)
+    t181 = select(t155, 3.0, t180) + 4.0*t166
+    t182 = select(t168 - t102*t168, 2.0, 1.0)
+    t183 = select(t156, 3.0, t180) + 4.0*t167
+    t184 = select(t156, 8.0, 4.0*maximum(maximum(t89, t159), t178*t167))
+    t185 = maximum(t8, t139)
+    t186 = maximum(t126, t185)
+    t187 = maximum(t144, t185)
+    t188 = 1.0 - less(0.002773845, t101)
+    t189 = t188 - t188*less(t101, -0.002773845)
+    t190 = maximum(1.0 - less(t164, t113), maximum(t163, t189))
+    t191 = maximum(t160 - t160*less(0.001, t125), t190)
+    t192 = maximum(t139, maximum(t8, t189))
+    t193 = maximum(t190, t160 - t160*less(0.001, t143))
+    t194 = select(t186, 3.0, t182) + 4.0*t191
+    t195 = select(t186, 8.0, 4.0*maximum(maximum(t126, t192), t178*t191))
+    t196 = select(t187, 3.0, t182) + 4.0*t193
+    t197 = select(t187, 8.0, 4.0*maximum(maximum(t144, t192), t178*t193))
     return (
-        -t150, t187, t102, -t182, t185, t183, -t150, t187, t102, -(t182 + t186), -t185, t183 - t184, -t150,
-        t178, -t177, -t172, t175, t173, -t150, t178, -t177, -(t172 + t176), -t175, t173 - t174, -t158, t168,
-        t33, t163, t166, t164, -t158, t168, t33, t163 - t167, -t166, t164 - t165, -t158, -t156, t155, t148,
-        t153, t151, -t158, -t156, t155, t148 - t154, -t153, t151 - t152, select(t122, t137, t136),
-        select(t123 - t134*t123, t136, t137), select(t124, t129, t131), select(t124 - t119*t124, t129, t131),
-        select(t82, t88, t89), select(t82 - t86*t82, t88, t89), select(t83, t80, t81),
-        select(t83 - t66*t83, t80, t81),
+        -t16, -t56, t55, -t71, t72, t77, -t16, -t56, t55, -(t71 + t78), -t72, t77 - t79, -t16, -t85, -t86,
+        -t94, t95, t96, -t16, -t85, -t86, -(t94 + t97), -t95, t96 - t98, -t100, -t123, t111, t130, t131, t132,
+        -t100, -t123, t111, t130 - t133, -t131, t132 - t134, -t100, t140, -t141, t149, t148, t150, -t100, t140,
+        -t141, t149 - t151, -t148, t150 - t152, select(t153, t179, t181), select(t176, t181, t179),
+        select(t174, t183, t184), select(t175, t183, t184), select(t169, t194, t195), select(t172, t194, t195),
+        select(t170, t196, t197), select(t171, t196, t197),
     )
 
 
@@ -863,57 +882,57 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     q1, q2, q3, q4, q5, q6 = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
+    t1 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.292275)))
+    t2 = select(less(0.0, t1), t1, 1.0)
     c4 = cos(q4)
     s5 = sin(q5)
-    t1 = c4*s5
-    t2 = q2 + q3
-    t3 = sin(t2)
-    t4 = cos(t2)
+    t3 = c4*s5
+    t4 = q2 + q3
+    t5 = sin(t4)
+    t6 = cos(t4)
     c5 = cos(q5)
-    t5 = t3*t1 - c5*t4
+    t7 = t5*t3 - c5*t6
     c1 = cos(q1)
     s4 = sin(q4)
-    t6 = s4*s5
+    t8 = s4*s5
     s1 = sin(q1)
-    t7 = s1*t6 - c1*t5
-    t8 = c1*t6 + s1*t5
-    t9 = 0.09*t3 + 0.295*t4
+    t9 = s1*t8 - c1*t7
+    t10 = c1*t8 + s1*t7
+    t11 = 0.09*t5 + 0.295*t6
     s2 = sin(q2)
-    t10 = 0.27*s2
-    t11 = 0.075 + t10
-    t12 = sqrt(T14*T14 + (T24*T24 + (T34*T34 + 0.292275)))
-    t13 = select(less(0.0, t12), t12, 1.0)
-    t14 = (c1*t11 + (c1*t9 + 0.08*t7) - T14)/t13
-    t15 = (s1*t11 + (s1*t9 - 0.08*t8) - T24)/t13
-    t16 = c5*t3
-    t17 = t16 + t4*t1
+    t12 = 0.27*s2
+    t13 = 0.075 + t12
+    t14 = (c1*t13 + (c1*t11 + 0.08*t9) - T14)/t2
+    t15 = (s1*t13 + (s1*t11 - 0.08*t10) - T24)/t2
+    t16 = c5*t5
+    t17 = t16 + t6*t3
     c2 = cos(q2)
     t18 = 0.27*c2
-    t19 = 0.335 + (t18 + (0.09*t4 - 0.295*t3 - 0.08*t17)) - T34
-    t20 = t19/t13
-    t21 = 1.0/t13
+    t19 = 0.335 + (t18 + (0.09*t6 - 0.295*t5 - 0.08*t17)) - T34
+    t20 = t19/t2
+    t21 = 1.0/t2
     s6 = sin(q6)
     t22 = c5*s6
     t23 = s5*s6
     c6 = cos(q6)
     t24 = c4*t22 + s4*c6
     t25 = s4*t22 - c4*c6
-    t26 = t3*t23 - t4*t24
-    t27 = t3*t24 + t4*t23
+    t26 = t5*t23 - t6*t24
+    t27 = t5*t24 + t6*t23
     t28 = c1*t25 + s1*t27
     t29 = s1*t25 - c1*t27
-    t30 = t26*t8 + t28*t17
+    t30 = t26*t10 + t28*t17
     t31 = t30 + T11
-    t32 = t26*t7 + t29*t17
+    t32 = t26*t9 + t29*t17
     t33 = t32 + T21
-    t34 = t29*t8 - t28*t7
+    t34 = t29*t10 - t28*t9
     t35 = t34 - T31
     t36 = t14*t14 + t15*t15 + t20*t20 + t31*t31 + t33*t33 + t35*t35
     t37 = t29 + T12
     t38 = t28 - T22
     t39 = t26 + T32
-    t40 = t7 - T13
-    t41 = t8 + T23
+    t40 = t9 - T13
+    t41 = t10 + T23
     t42 = t36 + t37*t37 + t38*t38 + t39*t39 + t40*t40 + t41*t41
     t43 = t17 + T33
     t44 = sqrt(t42 + t43*t43) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
@@ -924,9 +943,9 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t49 = 0.09 - c4*t48
     t50 = 0.08*c5
     t51 = 0.295 + t50
-    t52 = t3*t49 + t4*t51
-    t53 = t10 + t52
-    t54 = t4*t49 - t3*t51
+    t52 = t5*t49 + t6*t51
+    t53 = t12 + t52
+    t54 = t6*t49 - t5*t51
     t55 = t18 + t54
     t56 = t52*t21
     t57 = 0.075 + t53
@@ -938,18 +957,18 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t63 = s1*t55*t21
     t64 = t60*t62 - t61*t63
     t65 = damping1 + (2.0 + (t60*t60 + t61*t61))
-    t66 = c4*t4
+    t66 = c4*t6
     t67 = t16 + s5*t66
     t68 = 2.0*t67
     t69 = t68/t65
-    t70 = c1*t3
+    t70 = c1*t5
     t71 = s1*s4 - c4*t70
-    t72 = c1*t4
+    t72 = c1*t6
     t73 = c5*t72 + s5*t71
-    t74 = s1*t3
+    t74 = s1*t5
     t75 = c1*s4 + c4*t74
-    t76 = s4*t4
-    t77 = s1*t4
+    t76 = s4*t6
+    t77 = s1*t6
     t78 = c5*t77 - s5*t75
     t79 = 2.0*(s1*t73 - c1*t78)
     t80 = t79 + t64*t69
@@ -971,22 +990,22 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t96 = c1*c4 - s4*t74
     t97 = t48*t95*t21
     t98 = t48*t96*t21
-    t99 = t60*t97 + t61*t98 - 2.0*t3
+    t99 = t60*t97 + t61*t98 - 2.0*t5
     t100 = t99/t65
     t101 = t48*t76*t21
     t102 = 2.0*(s1*t72 - c1*t77)
     t103 = t62*t97 - t63*t98 - t58*t101 + t102 - t64*t100
     t104 = t103/t83
     t105 = t102 + (t85*t97 - t86*t98 - t56*t101) - t87*t100 - t89*t104
-    t106 = 2.0*(t72*t73 + t77*t78 + t3*t67) + t99*t69 - t103*t84
+    t106 = 2.0*(t72*t73 + t77*t78 + t5*t67) + t99*t69 - t103*t84
     t107 = t106 - t105*t94
     t108 = t105/t93
-    t109 = t97*t97 + t98*t98 + t101*t101 + 2.0*(t72*t72 + t77*t77 + t3*t3)
+    t109 = t97*t97 + t98*t98 + t101*t101 + 2.0*(t72*t72 + t77*t77 + t5*t5)
     t110 = damping1 + t109 - t99*t100 - t103*t104 - t105*t108
     t111 = t107/t110
     t112 = (t50*t71 - t48*t72)*t21
     t113 = (t50*t75 + t48*t77)*t21
-    t114 = (t50*t66 - t3*t48)*t21
+    t114 = (t50*t66 - t5*t48)*t21
     t115 = t60*t112 + t61*t113 + 2.0*t76
     t116 = t115/t65
     t117 = 2.0*(s1*t95 + c1*t96)
@@ -994,7 +1013,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t119 = t118/t83
     t120 = t117 + (t85*t112 - t86*t113 + t56*t114) - t87*t116 - t89*t119
     t121 = t120/t93
-    t122 = t97*t112 + t98*t113 - t101*t114 + 2.0*(t72*t95 - t77*t96 - t3*t76)
+    t122 = t97*t112 + t98*t113 - t101*t114 + 2.0*(t72*t95 - t77*t96 - t5*t76)
     t123 = t122 - t99*t116 - t103*t119 - t105*t121
     t124 = 2.0*(t95*t73 - t96*t78 - t76*t67) + t115*t69 - t118*t84
     t125 = t124 - t120*t94 - t123*t111
@@ -1002,12 +1021,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t127 = t112*t112 + t113*t113 + t114*t114 + 2.0*(t95*t95 + t96*t96 + t76*t76)
     t128 = damping1 + t127 - t115*t116 - t118*t119 - t120*t121 - t123*t126
     t129 = t125/t128
-    t130 = t17*T23 - t8*T33 - (t34*T21 + t32*T31 - (t26*T22 + t28*T32))
-    t131 = t7*T33 + t17*T13 - (t30*T31 + t34*T11 + (t29*T32 - t26*T12))
+    t130 = t17*T23 - t10*T33 - (t34*T21 + t32*T31 - (t26*T22 + t28*T32))
+    t131 = t9*T33 + t17*T13 - (t30*T31 + t34*T11 + (t29*T32 - t26*T12))
     t132 = s1*t130 + c1*t131
-    t133 = t8*T13 + t7*T23 + (t32*T11 - t30*T21 - (t28*T12 + t29*T22))
+    t133 = t10*T13 + t9*T23 + (t32*T11 - t30*T21 - (t28*T12 + t29*T22))
     t134 = t133 + t14*t60 - t15*t61
-    t135 = t72*t130 - t77*t131 - t3*t133 + t14*t97 - t15*t98 + t20*t101
+    t135 = t72*t130 - t77*t131 - t5*t133 + t14*t97 - t15*t98 + t20*t101
     t136 = t95*t130 + t96*t131 + t76*t133 + t14*t112 - t15*t113 - t20*t114
     t137 = damping1 + 2.0*(t73*t73 + t78*t78 + t67*t67) - t68*t69
     t138 = t132 + t14*t62 + t15*t63 - t20*t58 - t134*t81
@@ -1022,7 +1041,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t147 = t138/t83 - t91*t146 - t104*t145 - t119*t144 - t84*t143
     t148 = t134/t65 - t81*t147 - t88*t146 - t100*t145 - t116*t144
     return (
-        q1 + (t148 + t69*t143), q2 - t147, q3 - t146, q4 - t145, q5 - t144, q6 - t143, t47,
+        q1 + (t148 + t69*t143), q2 - t147, q3 - t146, q4 - t145, q5 - t144, q6 - t143, t47, t2,
     )
 
 
@@ -1786,6 +1805,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 3e-11
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1796,11 +1818,26 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1835,12 +1872,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1856,6 +1898,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1941,7 +1990,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1957,7 +2006,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -1987,10 +2072,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -2004,10 +2086,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

@@ -1490,6 +1490,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[5 * lanes] = q6 - t158;
     result[6 * lanes] = q7 + t157;
     result[7 * lanes] = t166;
+    result[8 * lanes] = t37;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict given, const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1504,7 +1505,7 @@ KERNEL void inverse_kinematics_angles(const double *restrict given, const double
     angles[3 * lanes] = near5;
 }
 
-KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict given, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
 {
     const double T11 = T[0];
     const double T12 = T[lanes];
@@ -1518,6 +1519,7 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double T32 = T[9 * lanes];
     const double T33 = T[10 * lanes];
     const double T34 = T[11 * lanes];
+    const double given1 = given[0];
     const double sa1 = sines[0];
     const double sa2 = sines[lanes];
     const double sa3 = sines[2 * lanes];
@@ -1567,281 +1569,290 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t39 = t36 - t3*t37;
     const double t40 = t8 + t39*t39;
     const double t41 = t15*ca1;
-    const double t42 = arctangent(sa1, ca1);
-    const double t43 = 0.009875 + 1.25*t10;
-    const double t44 = t7*t43;
-    const double t45 = (t44 + t39*t41)/t40;
-    const double t46 = t7*t41;
-    const double t47 = (t46 - t39*t43)/t40;
-    const double t48 = 1.5 - 0.5*(t45*t45 + t47*t47);
-    const double t49 = t47*t48;
-    const double t50 = 2.0*t3;
-    const double t51 = fabs(t9 - t37*(t37*t6 + t50*t36));
-    const double t52 = t32 < t51;
-    const double t53 = t52 > 0.0 ? -t45*t48 : ca3;
-    const double t54 = T23*t34 - T13*t37;
-    const double t55 = t53*t54;
-    const double t56 = t52 > 0.0 ? t49 : sa3;
-    const double t57 = t52 > 0.0 ? -t49 : sa3;
-    const double t58 = 1.0 - t52;
-    const double t59 = arctangent(t56, t53);
-    const double t60 = arctangent(t57, t53);
-    const double t61 = t55 + T33*t56;
-    const double t62 = T13*t34 + T23*t37;
-    const double t63 = sa1*t62;
-    const double t64 = ca1*t62;
-    const double t65 = t64 + sa1*t61;
-    const double t66 = T33*t53;
-    const double t67 = t66 - t54*t56;
-    const double t68 = t66 + t57*t54;
-    const double t69 = t11*(t63 - ca1*t61) + t14*t67;
-    const double t70 = fabs(t69);
-    const double t71 = fabs(t65);
-    const double t72 = 1.0 - (1e-12 < t71);
-    const double t73 = t72 - t72*(1e-12 < t70);
-    const double t74 = maximum(t31, t58);
-    const double t75 = maximum(t73, t74);
-    const double t76 = (1.0 - t31)*(1.0 - (t17 < -1e-11*t19));
-    const double t77 = t20*t76;
-    const double t78 = maximum(t31, t76);
-    const double t79 = 1.0 - (t12 < -1e-11);
-    const double t80 = t13*t79;
-    const double t81 = maximum(t79 - t80, t76 - t77) > 0.0 ? 2.0 : 1.0;
-    const double t82 = 1.0 - (0.001 < t71);
-    const double t83 = 0.001*t26;
-    const double t84 = t26*t83;
-    const double t85 = 1.0 - (t83 < t28);
-    const double t86 = 1.0 - (1e-14*fabs(100000.0*t5) < t17);
-    const double t87 = t86 - t86*(t17 < -1e-11*fabs(100.0*t5));
-    const double t88 = 1.0 - (1e-09 < t12);
-    const double t89 = t88 - t88*(t12 < -9.999999999999999e-10);
-    const double t90 = maximum(t89, maximum(t87, t85 - t85*(t83 < t30)));
-    const double t91 = maximum(1.0 - (t84 < t51), t90);
-    const double t92 = maximum(t89, maximum(t31, t87));
-    const double t93 = maximum(t58, t92);
-    const double t94 = (t75 > 0.0 ? 3.0 : t81) + 4.0*maximum(t91, t82 - t82*(0.001 < t70));
-    const double t95 = t75 > 0.0 ? 8.0 : 4.0*maximum(t73, t93);
-    const double t96 = t80*t77;
-    const double t97 = t78*t80;
-    const double t98 = t79*t77;
-    const double t99 = t79*t78;
-    const double t100 = t1*t35;
-    const double t101 = fabs(t9 - t38*(t6*t38 - t50*t100));
-    const double t102 = t32 < t101;
-    const double t103 = maximum(t90, 1.0 - (t84 < t101));
-    const double t104 = t100 + t3*t38;
-    const double t105 = t8 + t104*t104;
-    const double t106 = (t44 - t41*t104)/t105;
-    const double t107 = (t46 + t43*t104)/t105;
-    const double t108 = 1.5 - 0.5*(t106*t106 + t107*t107);
-    const double t109 = t102 > 0.0 ? -t106*t108 : ca3;
-    const double t110 = t107*t108;
-    const double t111 = T23*t35 + T13*t38;
-    const double t112 = t109*t111;
-    const double t113 = t102 > 0.0 ? t110 : sa3;
-    const double t114 = t102 > 0.0 ? -t110 : sa3;
-    const double t115 = 1.0 - t102;
-    const double t116 = maximum(t31, t115);
-    const double t117 = maximum(t92, t115);
-    const double t118 = arctangent(t113, t109);
-    const double t119 = arctangent(t114, t109);
-    const double t120 = t112 - T33*t113;
-    const double t121 = T13*t35 - T23*t38;
-    const double t122 = sa1*t121;
-    const double t123 = ca1*t121;
-    const double t124 = t123 + sa1*t120;
-    const double t125 = T33*t109;
-    const double t126 = t125 + t111*t113;
-    const double t127 = t125 - t114*t111;
-    const double t128 = t11*(t122 - ca1*t120) - t14*t126;
-    const double t129 = fabs(t128);
-    const double t130 = fabs(t124);
-    const double t131 = 1.0 - (1e-12 < t130);
-    const double t132 = t131 - t131*(1e-12 < t129);
-    const double t133 = 1.0 - (0.001 < t130);
-    const double t134 = maximum(t132, t116);
-    const double t135 = (t134 > 0.0 ? 3.0 : t81) + 4.0*maximum(t103, t133 - t133*(0.001 < t129));
-    const double t136 = t134 > 0.0 ? 8.0 : 4.0*maximum(t132, t117);
-    const double t137 = t112 + T33*t114;
-    const double t138 = t123 + sa1*t137;
-    const double t139 = t11*(t122 - ca1*t137) - t14*t127;
-    const double t140 = fabs(t139);
-    const double t141 = fabs(t138);
-    const double t142 = 1.0 - (1e-12 < t141);
-    const double t143 = t142 - t142*(1e-12 < t140);
-    const double t144 = maximum(t143, t116);
-    const double t145 = 1.0 - (0.001 < t141);
-    const double t146 = t144 > 0.0 ? 8.0 : 4.0*maximum(t143, t117);
-    const double t147 = (t144 > 0.0 ? 3.0 : t81) + 4.0*maximum(t145 - t145*(0.001 < t140), t103);
-    const double t148 = t55 - T33*t57;
-    const double t149 = t64 + sa1*t148;
-    const double t150 = t11*(t63 - ca1*t148) + t14*t68;
-    const double t151 = fabs(t150);
-    const double t152 = fabs(t149);
-    const double t153 = 1.0 - (1e-12 < t152);
-    const double t154 = t153 - t153*(1e-12 < t151);
-    const double t155 = maximum(t154, t74);
-    const double t156 = 1.0 - (0.001 < t152);
-    const double t157 = (t155 > 0.0 ? 3.0 : t81) + 4.0*maximum(t156 - t156*(0.001 < t151), t91);
-    const double t158 = t155 > 0.0 ? 8.0 : 4.0*maximum(t154, t93);
-    const double t159 = sqrt(t65*t65 + t69*t69);
-    const double t160 = t73 > 0.0 ? sa4 : t65/t159;
-    const double t161 = t34*T21 - t37*T11;
-    const double t162 = t53*t161;
-    const double t163 = t162 + T31*t56;
-    const double t164 = t34*T11 + t37*T21;
-    const double t165 = sa1*t164;
-    const double t166 = ca1*t164;
-    const double t167 = t53*T31;
-    const double t168 = -ca4;
-    const double t169 = t73 > 0.0 ? t168 : t69/t159;
-    const double t170 = t160*(t11*(t165 - ca1*t163) + t14*(t167 - t161*t56)) - t169*(t166 + sa1*t163);
-    const double t171 = t69*t169 + t65*t160;
-    const double t172 = t34*T22 - t37*T12;
-    const double t173 = t53*t172;
-    const double t174 = t53*T32;
-    const double t175 = t173 + T32*t56;
-    const double t176 = arctangent(t34, t37);
-    const double t177 = t34*T12 + t37*T22;
-    const double t178 = ca1*t177;
-    const double t179 = sa1*t177;
-    const double t180 = t169*(t178 + sa1*t175) - t160*(t11*(t179 - ca1*t175) + t14*(t174 - t172*t56));
-    const double t181 = arctangent(t170, t180);
-    const double t182 = arctangent(t160, -t169);
-    const double t183 = (t181 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t184 = 2.5641025641025643*(T13*t3 - (T33*t7 - T23*t1));
-    const double t185 = t184 - 1.0256410256410255*t67;
-    const double t186 = t184 - 1.0256410256410255*t126;
-    const double t187 = t184 - 1.0256410256410255*t127;
-    const double t188 = t184 - 1.0256410256410255*t68;
-    const double t189 = 1.5 - 0.5*(t171*t171 + t185*t185);
-    const double t190 = arctangent(t171*t189, t185*t189);
-    const double t191 = (0.0 < t182) ? 3.141592653589793 : -3.141592653589793;
-    const double t192 = arctangent(t14, -t11);
-    const double t193 = (t176 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t194 = t176 + t193;
-    const double t195 = sqrt(t124*t124 + t128*t128);
-    const double t196 = t132 > 0.0 ? ca4 : t128/t195;
-    const double t197 = T21*t35 + T11*t38;
-    const double t198 = t109*t197;
-    const double t199 = t198 - T31*t113;
-    const double t200 = T11*t35 - T21*t38;
-    const double t201 = ca1*t200;
-    const double t202 = sa1*t200;
-    const double t203 = -sa4;
-    const double t204 = t132 > 0.0 ? t203 : t124/t195;
-    const double t205 = t128*t196 + t124*t204;
-    const double t206 = T31*t109;
-    const double t207 = t204*(t11*(t202 - ca1*t199) - t14*(t206 + t197*t113));
-    const double t208 = T22*t35 + T12*t38;
-    const double t209 = t109*t208;
-    const double t210 = T32*t109;
-    const double t211 = t209 - T32*t113;
-    const double t212 = arctangent(t35, t38);
-    const double t213 = T12*t35 - T22*t38;
-    const double t214 = ca1*t213;
-    const double t215 = sa1*t213;
-    const double t216 = t204*(t11*(t215 - ca1*t211) - t14*(t210 + t208*t113));
-    const double t217 = arctangent(t196*(t201 + sa1*t199) - t207, t196*(t214 + sa1*t211) - t216);
-    const double t218 = arctangent(t204, t196);
-    const double t219 = (0.0 < t217) ? 3.141592653589793 : -3.141592653589793;
-    const double t220 = 1.5 - 0.5*(t205*t205 + t186*t186);
-    const double t221 = arctangent(t205*t220, t186*t220);
-    const double t222 = (t218 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t223 = (0.0 < t212) ? 3.141592653589793 : -3.141592653589793;
-    const double t224 = t212 - t223;
-    const double t225 = sqrt(t138*t138 + t139*t139);
-    const double t226 = t143 > 0.0 ? t168 : t139/t225;
-    const double t227 = t143 > 0.0 ? sa4 : t138/t225;
-    const double t228 = t139*t226 + t138*t227;
-    const double t229 = t198 + T31*t114;
-    const double t230 = t209 + T32*t114;
-    const double t231 = t227*(t11*(t202 - ca1*t229) - t14*(t206 - t114*t197));
-    const double t232 = t227*(t11*(t215 - ca1*t230) - t14*(t210 - t114*t208));
-    const double t233 = arctangent(t226*(t201 + sa1*t229) - t231, -(t232 - t226*(t214 + sa1*t230)));
-    const double t234 = arctangent(t227, -t226);
-    const double t235 = (0.0 < t233) ? 3.141592653589793 : -3.141592653589793;
-    const double t236 = 1.5 - 0.5*(t228*t228 + t187*t187);
-    const double t237 = arctangent(t228*t236, t187*t236);
-    const double t238 = (0.0 < t234) ? 3.141592653589793 : -3.141592653589793;
-    const double t239 = sqrt(t149*t149 + t150*t150);
-    const double t240 = t154 > 0.0 ? ca4 : t150/t239;
-    const double t241 = t154 > 0.0 ? t203 : t149/t239;
-    const double t242 = t150*t240 + t149*t241;
-    const double t243 = t162 - t57*T31;
-    const double t244 = t173 - t57*T32;
-    const double t245 = t240*(t166 + sa1*t243) - t241*(t11*(t165 - ca1*t243) + t14*(t167 + t57*t161));
-    const double t246 = t240*(t178 + sa1*t244) - t241*(t14*(t174 + t57*t172) + t11*(t179 - ca1*t244));
-    const double t247 = arctangent(t245, t246);
-    const double t248 = arctangent(t241, t240);
-    const double t249 = (0.0 < t247) ? 3.141592653589793 : -3.141592653589793;
-    const double t250 = 1.5 - 0.5*(t242*t242 + t188*t188);
-    const double t251 = arctangent(t242*t250, t188*t250);
-    const double t252 = (t248 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    result[0] = -t176;
-    result[lanes] = t60;
-    result[2 * lanes] = t42;
-    result[3 * lanes] = t192;
-    result[4 * lanes] = -t248;
-    result[5 * lanes] = t251;
-    result[6 * lanes] = t247;
-    result[7 * lanes] = -t176;
-    result[8 * lanes] = t60;
-    result[9 * lanes] = t42;
-    result[10 * lanes] = t192;
-    result[11 * lanes] = -(t248 + t252);
-    result[12 * lanes] = -t251;
-    result[13 * lanes] = t247 - t249;
-    result[14 * lanes] = t212;
-    result[15 * lanes] = t119;
-    result[16 * lanes] = t42;
-    result[17 * lanes] = t192;
-    result[18 * lanes] = t234;
-    result[19 * lanes] = t237;
-    result[20 * lanes] = t233;
-    result[21 * lanes] = t212;
-    result[22 * lanes] = t119;
-    result[23 * lanes] = t42;
-    result[24 * lanes] = t192;
-    result[25 * lanes] = t234 - t238;
-    result[26 * lanes] = -t237;
-    result[27 * lanes] = t233 - t235;
-    result[28 * lanes] = t224;
-    result[29 * lanes] = t118;
-    result[30 * lanes] = t42;
-    result[31 * lanes] = -t192;
-    result[32 * lanes] = -t218;
-    result[33 * lanes] = t221;
-    result[34 * lanes] = t217;
-    result[35 * lanes] = t224;
-    result[36 * lanes] = t118;
-    result[37 * lanes] = t42;
-    result[38 * lanes] = -t192;
-    result[39 * lanes] = -(t218 + t222);
-    result[40 * lanes] = -t221;
-    result[41 * lanes] = t217 - t219;
-    result[42 * lanes] = -t194;
-    result[43 * lanes] = t59;
-    result[44 * lanes] = t42;
-    result[45 * lanes] = -t192;
-    result[46 * lanes] = t182;
-    result[47 * lanes] = t190;
-    result[48 * lanes] = -t181;
-    result[49 * lanes] = -t194;
-    result[50 * lanes] = t59;
-    result[51 * lanes] = t42;
-    result[52 * lanes] = -t192;
-    result[53 * lanes] = t182 - t191;
-    result[54 * lanes] = -t190;
-    result[55 * lanes] = -(t181 + t183);
-    result[56 * lanes] = t99 > 0.0 ? t157 : t158;
-    result[57 * lanes] = t99 - t154*t99 > 0.0 ? t157 : t158;
-    result[58 * lanes] = t98 > 0.0 ? t147 : t146;
-    result[59 * lanes] = t98 - t143*t98 > 0.0 ? t147 : t146;
-    result[60 * lanes] = t97 > 0.0 ? t135 : t136;
-    result[61 * lanes] = t97 - t132*t97 > 0.0 ? t135 : t136;
-    result[62 * lanes] = t96 > 0.0 ? t94 : t95;
-    result[63 * lanes] = t96 - t73*t96 > 0.0 ? t94 : t95;
+    const double t42 = 0.009875 + 1.25*t10;
+    const double t43 = t7*t42;
+    const double t44 = (t43 + t39*t41)/t40;
+    const double t45 = t7*t41;
+    const double t46 = (t45 - t39*t42)/t40;
+    const double t47 = 1.5 - 0.5*(t44*t44 + t46*t46);
+    const double t48 = t46*t47;
+    const double t49 = 2.0*t3;
+    const double t50 = fabs(t9 - t37*(t37*t6 + t49*t36));
+    const double t51 = t32 < t50;
+    const double t52 = t51 > 0.0 ? -t44*t47 : ca3;
+    const double t53 = T23*t34 - T13*t37;
+    const double t54 = t52*t53;
+    const double t55 = t51 > 0.0 ? t48 : sa3;
+    const double t56 = t51 > 0.0 ? -t48 : sa3;
+    const double t57 = 1.0 - t51;
+    const double t58 = arctangent(t55, t52);
+    const double t59 = arctangent(t56, t52);
+    const double t60 = t54 + T33*t55;
+    const double t61 = T13*t34 + T23*t37;
+    const double t62 = sa1*t61;
+    const double t63 = ca1*t61;
+    const double t64 = t63 + sa1*t60;
+    const double t65 = T33*t52;
+    const double t66 = t65 - t53*t55;
+    const double t67 = t65 + t56*t53;
+    const double t68 = t11*(t62 - ca1*t60) + t14*t66;
+    const double t69 = fabs(t68);
+    const double t70 = fabs(t64);
+    const double t71 = 1.0 - (1e-12 < t70);
+    const double t72 = t71 - t71*(1e-12 < t69);
+    const double t73 = maximum(t31, t57);
+    const double t74 = maximum(t72, t73);
+    const double t75 = (1.0 - t31)*(1.0 - (t17 < -1e-11*t19));
+    const double t76 = t20*t75;
+    const double t77 = maximum(t31, t75);
+    const double t78 = 1.0 - (t12 < -1e-11);
+    const double t79 = t13*t78;
+    const double t80 = maximum(t78 - t79, t75 - t76) > 0.0 ? 2.0 : 1.0;
+    const double t81 = 1.0 - (0.001 < t70);
+    const double t82 = 0.001*t26;
+    const double t83 = t26*t82;
+    const double t84 = 1.0 - (t82 < t28);
+    const double t85 = 1.0 - (1e-14*fabs(100000.0*t5) < t17);
+    const double t86 = t85 - t85*(t17 < -1e-11*fabs(100.0*t5));
+    const double t87 = 1.0 - (1e-09 < t12);
+    const double t88 = t87 - t87*(t12 < -9.999999999999999e-10);
+    const double t89 = maximum(t88, maximum(t86, t84 - t84*(t82 < t30)));
+    const double t90 = maximum(1.0 - (t83 < t50), t89);
+    const double t91 = maximum(t90, t81 - t81*(0.001 < t69));
+    const double t92 = maximum(t88, maximum(t31, t86));
+    const double t93 = maximum(t57, t92);
+    const double t94 = (t74 > 0.0 ? 3.0 : t80) + 4.0*t91;
+    const double t95 = t1*t35;
+    const double t96 = fabs(t9 - t38*(t6*t38 - t49*t95));
+    const double t97 = t32 < t96;
+    const double t98 = maximum(t89, 1.0 - (t83 < t96));
+    const double t99 = t95 + t3*t38;
+    const double t100 = t8 + t99*t99;
+    const double t101 = (t43 - t41*t99)/t100;
+    const double t102 = (t45 + t42*t99)/t100;
+    const double t103 = 1.5 - 0.5*(t101*t101 + t102*t102);
+    const double t104 = t97 > 0.0 ? -t101*t103 : ca3;
+    const double t105 = t102*t103;
+    const double t106 = T23*t35 + T13*t38;
+    const double t107 = t104*t106;
+    const double t108 = t97 > 0.0 ? -t105 : sa3;
+    const double t109 = t97 > 0.0 ? t105 : sa3;
+    const double t110 = 1.0 - t97;
+    const double t111 = maximum(t31, t110);
+    const double t112 = maximum(t92, t110);
+    const double t113 = arctangent(t109, t104);
+    const double t114 = arctangent(t108, t104);
+    const double t115 = t107 + T33*t108;
+    const double t116 = T13*t35 - T23*t38;
+    const double t117 = sa1*t116;
+    const double t118 = ca1*t116;
+    const double t119 = t118 + sa1*t115;
+    const double t120 = T33*t104;
+    const double t121 = t120 - t108*t106;
+    const double t122 = t120 + t106*t109;
+    const double t123 = t11*(t117 - ca1*t115) - t14*t121;
+    const double t124 = fabs(t123);
+    const double t125 = fabs(t119);
+    const double t126 = 1.0 - (1e-12 < t125);
+    const double t127 = t126 - t126*(1e-12 < t124);
+    const double t128 = 1.0 - (0.001 < t125);
+    const double t129 = maximum(t128 - t128*(0.001 < t124), t98);
+    const double t130 = t78*t76;
+    const double t131 = t78*t77;
+    const double t132 = t77*t79;
+    const double t133 = t79*t76;
+    const double t134 = t130 - t127*t130;
+    const double t135 = t54 - T33*t56;
+    const double t136 = t63 + sa1*t135;
+    const double t137 = t11*(t62 - ca1*t135) + t14*t67;
+    const double t138 = fabs(t137);
+    const double t139 = fabs(t136);
+    const double t140 = 1.0 - (1e-12 < t139);
+    const double t141 = t140 - t140*(1e-12 < t138);
+    const double t142 = maximum(t141, t73);
+    const double t143 = 1.0 - (0.001 < t139);
+    const double t144 = maximum(t143 - t143*(0.001 < t138), t90);
+    const double t145 = t131 - t141*t131;
+    const double t146 = maximum(t132, maximum(t134, maximum(t130, maximum(t131, t145))));
+    const double t147 = t107 - T33*t109;
+    const double t148 = t118 + sa1*t147;
+    const double t149 = t11*(t117 - ca1*t147) - t14*t122;
+    const double t150 = fabs(t149);
+    const double t151 = fabs(t148);
+    const double t152 = 1.0 - (1e-12 < t151);
+    const double t153 = t152 - t152*(1e-12 < t150);
+    const double t154 = 1.0 - (0.001 < t151);
+    const double t155 = maximum(t98, t154 - t154*(0.001 < t150));
+    const double t156 = t132 - t153*t132;
+    const double t157 = t133 - t72*t133;
+    const double t158 = 1.0 - maximum(t157, maximum(t133, maximum(t156, t146)));
+    const double t159 = t74 > 0.0 ? 8.0 : 4.0*maximum(maximum(t72, t93), t158*t91);
+    const double t160 = maximum(t153, t111);
+    const double t161 = maximum(t127, t111);
+    const double t162 = (t160 > 0.0 ? 3.0 : t80) + 4.0*t155;
+    const double t163 = t160 > 0.0 ? 8.0 : 4.0*maximum(maximum(t153, t112), t158*t155);
+    const double t164 = (t161 > 0.0 ? 3.0 : t80) + 4.0*t129;
+    const double t165 = t161 > 0.0 ? 8.0 : 4.0*maximum(maximum(t127, t112), t158*t129);
+    const double t166 = (t142 > 0.0 ? 3.0 : t80) + 4.0*t144;
+    const double t167 = t142 > 0.0 ? 8.0 : 4.0*maximum(maximum(t141, t93), t144*t158);
+    const double t168 = sqrt(t64*t64 + t68*t68);
+    const double t169 = -ca4;
+    const double t170 = t72 > 0.0 ? t169 : t68/t168;
+    const double t171 = t34*T21 - t37*T11;
+    const double t172 = t52*t171;
+    const double t173 = t172 + T31*t55;
+    const double t174 = t34*T11 + t37*T21;
+    const double t175 = ca1*t174;
+    const double t176 = sa1*t174;
+    const double t177 = t72 > 0.0 ? sa4 : t64/t168;
+    const double t178 = t68*t170 + t64*t177;
+    const double t179 = t52*T31;
+    const double t180 = t170*(t175 + sa1*t173) - t177*(t11*(t176 - ca1*t173) + t14*(t179 - t171*t55));
+    const double t181 = t34*T22 - t37*T12;
+    const double t182 = t52*t181;
+    const double t183 = t52*T32;
+    const double t184 = t182 + T32*t55;
+    const double t185 = arctangent(t34, t37);
+    const double t186 = t34*T12 + t37*T22;
+    const double t187 = sa1*t186;
+    const double t188 = ca1*t186;
+    const double t189 = t177*(t11*(t187 - ca1*t184) + t14*(t183 - t181*t55)) - t170*(t188 + sa1*t184);
+    const double t190 = arctangent(t180, -t189);
+    const double t191 = arctangent(t177, -t170);
+    const double t192 = (0.0 < t190) ? 3.141592653589793 : -3.141592653589793;
+    const double t193 = 2.5641025641025643*(T13*t3 - (T33*t7 - T23*t1));
+    const double t194 = t193 - 1.0256410256410255*t66;
+    const double t195 = t193 - 1.0256410256410255*t122;
+    const double t196 = t193 - 1.0256410256410255*t121;
+    const double t197 = t193 - 1.0256410256410255*t67;
+    const double t198 = 1.5 - 0.5*(t178*t178 + t194*t194);
+    const double t199 = arctangent(t178*t198, t194*t198);
+    const double t200 = (0.0 < t191) ? 3.141592653589793 : -3.141592653589793;
+    const double t201 = arctangent(t14, -t11);
+    const double t202 = (t185 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t203 = t185 + t202;
+    const double t204 = sqrt(t148*t148 + t149*t149);
+    const double t205 = t153 > 0.0 ? ca4 : t149/t204;
+    const double t206 = -sa4;
+    const double t207 = t153 > 0.0 ? t206 : t148/t204;
+    const double t208 = t149*t205 + t148*t207;
+    const double t209 = T21*t35 + T11*t38;
+    const double t210 = t104*t209;
+    const double t211 = t210 - T31*t109;
+    const double t212 = T11*t35 - T21*t38;
+    const double t213 = sa1*t212;
+    const double t214 = ca1*t212;
+    const double t215 = T31*t104;
+    const double t216 = t207*(t11*(t213 - ca1*t211) - t14*(t215 + t209*t109));
+    const double t217 = T22*t35 + T12*t38;
+    const double t218 = t104*t217;
+    const double t219 = T32*t104;
+    const double t220 = t218 - T32*t109;
+    const double t221 = arctangent(t35, t38);
+    const double t222 = T12*t35 - T22*t38;
+    const double t223 = sa1*t222;
+    const double t224 = t207*(t11*(t223 - ca1*t220) - t14*(t219 + t217*t109));
+    const double t225 = ca1*t222;
+    const double t226 = arctangent(t216 - t205*(t214 + sa1*t211), -(t224 - t205*(t225 + sa1*t220)));
+    const double t227 = arctangent(t207, t205);
+    const double t228 = (t226 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t229 = 1.5 - 0.5*(t208*t208 + t195*t195);
+    const double t230 = arctangent(t208*t229, t195*t229);
+    const double t231 = (t227 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t232 = (0.0 < t221) ? 3.141592653589793 : -3.141592653589793;
+    const double t233 = t221 - t232;
+    const double t234 = sqrt(t119*t119 + t123*t123);
+    const double t235 = t127 > 0.0 ? t169 : t123/t234;
+    const double t236 = t127 > 0.0 ? sa4 : t119/t234;
+    const double t237 = t123*t235 + t119*t236;
+    const double t238 = t210 + T31*t108;
+    const double t239 = t218 + T32*t108;
+    const double t240 = t236*(t11*(t213 - ca1*t238) - t14*(t215 - t108*t209));
+    const double t241 = t236*(t14*(t219 - t108*t217) - t11*(t223 - ca1*t239));
+    const double t242 = arctangent(t235*(t214 + sa1*t238) - t240, t241 + t235*(t225 + sa1*t239));
+    const double t243 = arctangent(t236, -t235);
+    const double t244 = (0.0 < t242) ? 3.141592653589793 : -3.141592653589793;
+    const double t245 = 1.5 - 0.5*(t237*t237 + t196*t196);
+    const double t246 = arctangent(t237*t245, t196*t245);
+    const double t247 = (0.0 < t243) ? 3.141592653589793 : -3.141592653589793;
+    const double t248 = sqrt(t136*t136 + t137*t137);
+    const double t249 = t141 > 0.0 ? ca4 : t137/t248;
+    const double t250 = t141 > 0.0 ? t206 : t136/t248;
+    const double t251 = t137*t249 + t136*t250;
+    const double t252 = t172 - t56*T31;
+    const double t253 = t182 - t56*T32;
+    const double t254 = t249*(t175 + sa1*t252) - t250*(t14*(t179 + t56*t171) + t11*(t176 - ca1*t252));
+    const double t255 = t250*(t11*(t187 - ca1*t253) + t14*(t183 + t56*t181)) - t249*(t188 + sa1*t253);
+    const double t256 = arctangent(t254, -t255);
+    const double t257 = arctangent(t250, t249);
+    const double t258 = (0.0 < t256) ? 3.141592653589793 : -3.141592653589793;
+    const double t259 = 1.5 - 0.5*(t251*t251 + t197*t197);
+    const double t260 = arctangent(t251*t259, t197*t259);
+    const double t261 = (t257 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = -t185;
+    result[lanes] = t59;
+    result[2 * lanes] = given1;
+    result[3 * lanes] = t201;
+    result[4 * lanes] = -t257;
+    result[5 * lanes] = t260;
+    result[6 * lanes] = t256;
+    result[7 * lanes] = -t185;
+    result[8 * lanes] = t59;
+    result[9 * lanes] = given1;
+    result[10 * lanes] = t201;
+    result[11 * lanes] = -(t257 + t261);
+    result[12 * lanes] = -t260;
+    result[13 * lanes] = t256 - t258;
+    result[14 * lanes] = t221;
+    result[15 * lanes] = t114;
+    result[16 * lanes] = given1;
+    result[17 * lanes] = t201;
+    result[18 * lanes] = t243;
+    result[19 * lanes] = t246;
+    result[20 * lanes] = t242;
+    result[21 * lanes] = t221;
+    result[22 * lanes] = t114;
+    result[23 * lanes] = given1;
+    result[24 * lanes] = t201;
+    result[25 * lanes] = t243 - t247;
+    result[26 * lanes] = -t246;
+    result[27 * lanes] = t242 - t244;
+    result[28 * lanes] = t233;
+    result[29 * lanes] = t113;
+    result[30 * lanes] = given1;
+    result[31 * lanes] = -t201;
+    result[32 * lanes] = -t227;
+    result[33 * lanes] = t230;
+    result[34 * lanes] = -t226;
+    result[35 * lanes] = t233;
+    result[36 * lanes] = t113;
+    result[37 * lanes] = given1;
+    result[38 * lanes] = -t201;
+    result[39 * lanes] = -(t227 + t231);
+    result[40 * lanes] = -t230;
+    result[41 * lanes] = -(t226 + t228);
+    result[42 * lanes] = -t203;
+    result[43 * lanes] = t58;
+    result[44 * lanes] = given1;
+    result[45 * lanes] = -t201;
+    result[46 * lanes] = t191;
+    result[47 * lanes] = t199;
+    result[48 * lanes] = t190;
+    result[49 * lanes] = -t203;
+    result[50 * lanes] = t58;
+    result[51 * lanes] = given1;
+    result[52 * lanes] = -t201;
+    result[53 * lanes] = t191 - t200;
+    result[54 * lanes] = -t199;
+    result[55 * lanes] = t190 - t192;
+    result[56 * lanes] = t131 > 0.0 ? t166 : t167;
+    result[57 * lanes] = t145 > 0.0 ? t166 : t167;
+    result[58 * lanes] = t130 > 0.0 ? t164 : t165;
+    result[59 * lanes] = t134 > 0.0 ? t164 : t165;
+    result[60 * lanes] = t132 > 0.0 ? t162 : t163;
+    result[61 * lanes] = t156 > 0.0 ? t162 : t163;
+    result[62 * lanes] = t133 > 0.0 ? t94 : t159;
+    result[63 * lanes] = t157 > 0.0 ? t94 : t159;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1863,10 +1874,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 0, 1, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
 {
     double angles[7], sines[7], cosines[7];
@@ -1878,7 +1889,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 7; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1888,7 +1899,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
 {
     enum { error = 7 };
-    double ahead[7 + 1], found[7 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[7 + 2], found[7 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1967,7 +1978,34 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
         sines[i] = sin(angles[i]);
     for (size_t i = 0; i < 4; ++i)
         cosines[i] = cos(angles[i]);
-    inverse_kinematics_lane(T, sines, cosines, result, 1);
+    inverse_kinematics_lane(T, given, sines, cosines, result, 1);
+}
+
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, 0.0, 1e-05, -1.1e-05, 1e-06, 1.3e-05};
+    double row[7], back[7];
+    size_t place = kinds[branch] ? 8 : branch, listed = 0;
+    for (size_t j = 0; j < 7; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 8; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 7 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 8)
+            place = b;
+    }
+    for (size_t j = 0; j < 7; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 8 || (listed && !alone))
+        return;
+    memcpy(q + 7 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
 }
 
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
@@ -1979,6 +2017,31 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict given, const double *restrict near, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    const double damping = 1e-12;
+    double start[7], step[7 + 2], values[64], moved[16] = {0.0};
+    for (size_t j = 0; j < 7; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, step);
+    const double unit = step[7 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, given, near, values);
+        for (size_t b = 0; b < 8; ++b)
+            inverse_kinematics_added(T, unit, values + 7 * b, b, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int kuka_lwr4_inverse_kinematics(const double *restrict T, const double *restrict given, const double *restrict near, double *restrict q, int *restrict status)
@@ -1986,7 +2049,7 @@ int kuka_lwr4_inverse_kinematics(const double *restrict T, const double *restric
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[7], values[64];
     const double *const codes = values + 56;
-    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    int kinds[8], doubts[8], doubted[8], free[8], settled[8] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 56; ++j)
             q[j] = NAN;
@@ -2002,7 +2065,7 @@ int kuka_lwr4_inverse_kinematics(const double *restrict T, const double *restric
         return count;
     memcpy(q, values, 56 * sizeof *q);
     for (size_t b = 0; b < 8; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -2018,9 +2081,13 @@ int kuka_lwr4_inverse_kinematics(const double *restrict T, const double *restric
         if (lacking)
             inverse_kinematics_values(T, given, start, values);
         for (size_t j = 0; j < 56 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 7])
+            if (inverse_kinematics_turning[j % 7])
                 values[j] += 1.3 * (double)(i * (j / 7 + 1) * (j % 7 + 2));
     }
+    for (size_t b = 0; b < 8; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, given, start, q, kinds);
     count = 0;
     for (size_t b = 0; b < 8; ++b) {
         for (size_t j = 0; j < 7 && !kinds[b]; ++j)
@@ -2041,7 +2108,7 @@ static void inverse_kinematics_block(const double *restrict T, const double *res
         inverse_kinematics_angles(given + i, near + i, angles + i, inverse_kinematics_lanes);
     sines_cosines(4 * inverse_kinematics_lanes, angles, sines, cosines);
     for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
-        inverse_kinematics_lane(T + i, sines + i, cosines + i, result + i, inverse_kinematics_lanes);
+        inverse_kinematics_lane(T + i, given + i, sines + i, cosines + i, result + i, inverse_kinematics_lanes);
 }
 
 void kuka_lwr4_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict given, const double *restrict near, double *restrict q, int *restrict status)

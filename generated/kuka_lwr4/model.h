@@ -23,7 +23,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * Self-check: `derive verify kuka-lwr4` compares every function with an independent recursion.
  */
@@ -44,7 +44,7 @@ enum {
     kuka_lwr4_none = 0, /**< The branch does not exist. */
     kuka_lwr4_exact = 1, /**< A solution. */
     kuka_lwr4_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    kuka_lwr4_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    kuka_lwr4_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -142,7 +142,7 @@ void kuka_lwr4_analytic_jacobian_zyz_batch(size_t count, const double *q, double
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 8 solutions, and no more.
+ * A reachable pose has up to 8 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -153,7 +153,16 @@ void kuka_lwr4_analytic_jacobian_zyz_batch(size_t count, const double *q, double
  * @param[out] status  what each branch is, 8; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 270 mul, 188 add, 14 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 115 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. wrist not flipped, q2 > 0, q4 > 0
+ * 2. wrist flipped, q2 > 0, q4 > 0
+ * 3. wrist not flipped, q2 < 0, q4 > 0
+ * 4. wrist flipped, q2 < 0, q4 > 0
+ * 5. wrist not flipped, q2 > 0, q4 < 0
+ * 6. wrist flipped, q2 > 0, q4 < 0
+ * 7. wrist not flipped, q2 < 0, q4 < 0
+ * 8. wrist flipped, q2 < 0, q4 < 0
+ * Closed form, all branches at once: 274 mul, 189 add, 14 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 126 cases.
  */
 int kuka_lwr4_inverse_kinematics(const double *T, const double *given, const double *near, double *q, int *status);
 

@@ -27,7 +27,16 @@ Every parameter has its number in this file.
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, given) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+beyond 1e30. A reachable pose has up to 8 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. wrist not flipped, q2 > 0, q4 > 0
+2. wrist flipped, q2 > 0, q4 > 0
+3. wrist not flipped, q2 < 0, q4 > 0
+4. wrist flipped, q2 < 0, q4 > 0
+5. wrist not flipped, q2 > 0, q4 < 0
+6. wrist flipped, q2 > 0, q4 < 0
+7. wrist not flipped, q2 < 0, q4 < 0
+8. wrist flipped, q2 < 0, q4 < 0
 
 Self-check: `derive verify kuka-lwr4` compares every function with an independent recursion.
 """
@@ -52,7 +61,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 195, "add": 117, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 125, "add": 57, "div": 2, "sin": 7, "cos": 7, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 109, "add": 49, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
-    "inverse_kinematics": {"mul": 270, "add": 188, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 115},
+    "inverse_kinematics": {"mul": 274, "add": 189, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 126},
 }
 GIVEN = ("q3",)
 """Joints whose variables inverse kinematics is given."""
@@ -662,229 +671,238 @@ def _inverse_kinematics(functions, k, T, given, near):
     t43 = t8 + t42*t42
     t44 = cos(given1)
     t45 = t15*t44
-    t46 = atan2(t16, t44)
-    t47 = 0.009875 + 1.25*t10
-    t48 = t7*t47
-    t49 = (t48 + t42*t45)/t43
-    t50 = t7*t45
-    t51 = (t50 - t42*t47)/t43
-    t52 = 1.5 - 0.5*(t49*t49 + t51*t51)
-    t53 = t51*t52
-    t54 = 2.0*t3
-    t55 = absolute(t9 - t40*(t40*t6 + t54*t38))
-    t56 = less(t33, t55)
-    t57 = cos(near2)
-    t58 = select(t56, -t49*t52, t57)
-    t59 = T23*t36 - T13*t40
-    t60 = t58*t59
-    t61 = sin(near2)
-    t62 = select(t56, t53, t61)
-    t63 = select(t56, -t53, t61)
-    t64 = 1.0 - t56
-    t65 = atan2(t62, t58)
-    t66 = atan2(t63, t58)
-    t67 = t60 + T33*t62
-    t68 = T13*t36 + T23*t40
-    t69 = t16*t68
-    t70 = t44*t68
-    t71 = t70 + t16*t67
-    t72 = T33*t58
-    t73 = t72 - t59*t62
-    t74 = t72 + t63*t59
-    t75 = t11*(t69 - t44*t67) + t14*t73
-    t76 = absolute(t75)
-    t77 = absolute(t71)
-    t78 = 1.0 - less(1e-12, t77)
-    t79 = t78 - t78*less(1e-12, t76)
-    t80 = maximum(t32, t64)
-    t81 = maximum(t79, t80)
-    t82 = (1.0 - t32)*(1.0 - less(t18, -1e-11*t20))
-    t83 = t21*t82
-    t84 = maximum(t32, t82)
-    t85 = 1.0 - less(t12, -1e-11)
-    t86 = t13*t85
-    t87 = select(maximum(t85 - t86, t82 - t83), 2.0, 1.0)
-    t88 = 1.0 - less(0.001, t77)
-    t89 = 0.001*t27
-    t90 = t27*t89
-    t91 = 1.0 - less(t89, t29)
-    t92 = 1.0 - less(1e-14*absolute(100000.0*t5), t18)
-    t93 = t92 - t92*less(t18, -1e-11*absolute(100.0*t5))
-    t94 = 1.0 - less(1e-09, t12)
-    t95 = t94 - t94*less(t12, -9.999999999999999e-10)
-    t96 = maximum(t95, maximum(t93, t91 - t91*less(t89, t31)))
-    t97 = maximum(1.0 - less(t90, t55), t96)
-    t98 = maximum(t95, maximum(t32, t93))
-    t99 = maximum(t64, t98)
-    t100 = select(t81, 3.0, t87) + 4.0*maximum(t97, t88 - t88*less(0.001, t76))
-    t101 = select(t81, 8.0, 4.0*maximum(t79, t99))
-    t102 = t86*t83
-    t103 = t84*t86
-    t104 = t85*t83
-    t105 = t85*t84
-    t106 = t1*t37
-    t107 = absolute(t9 - t41*(t6*t41 - t54*t106))
-    t108 = less(t33, t107)
-    t109 = maximum(t96, 1.0 - less(t90, t107))
-    t110 = t106 + t3*t41
-    t111 = t8 + t110*t110
-    t112 = (t48 - t45*t110)/t111
-    t113 = (t50 + t47*t110)/t111
-    t114 = 1.5 - 0.5*(t112*t112 + t113*t113)
-    t115 = select(t108, -t112*t114, t57)
-    t116 = t113*t114
-    t117 = T23*t37 + T13*t41
-    t118 = t115*t117
-    t119 = select(t108, t116, t61)
-    t120 = select(t108, -t116, t61)
-    t121 = 1.0 - t108
-    t122 = maximum(t32, t121)
-    t123 = maximum(t98, t121)
-    t124 = atan2(t119, t115)
-    t125 = atan2(t120, t115)
-    t126 = t118 - T33*t119
-    t127 = T13*t37 - T23*t41
-    t128 = t16*t127
-    t129 = t44*t127
-    t130 = t129 + t16*t126
-    t131 = T33*t115
-    t132 = t131 + t117*t119
-    t133 = t131 - t120*t117
-    t134 = t11*(t128 - t44*t126) - t14*t132
-    t135 = absolute(t134)
-    t136 = absolute(t130)
-    t137 = 1.0 - less(1e-12, t136)
-    t138 = t137 - t137*less(1e-12, t135)
-    t139 = 1.0 - less(0.001, t136)
-    t140 = maximum(t138, t122)
-    t141 = select(t140, 3.0, t87) + 4.0*maximum(t109, t139 - t139*less(0.001, t135))
-    t142 = select(t140, 8.0, 4.0*maximum(t138, t123))
-    t143 = t118 + T33*t120
-    t144 = t129 + t16*t143
-    t145 = t11*(t128 - t44*t143) - t14*t133
-    t146 = absolute(t145)
-    t147 = absolute(t144)
-    t148 = 1.0 - less(1e-12, t147)
-    t149 = t148 - t148*less(1e-12, t146)
-    t150 = maximum(t149, t122)
-    t151 = 1.0 - less(0.001, t147)
-    t152 = select(t150, 8.0, 4.0*maximum(t149, t123))
-    t153 = select(t150, 3.0, t87) + 4.0*maximum(t151 - t151*less(0.001, t146), t109)
-    t154 = t60 - T33*t63
-    t155 = t70 + t16*t154
-    t156 = t11*(t69 - t44*t154) + t14*t74
-    t157 = absolute(t156)
-    t158 = absolute(t155)
-    t159 = 1.0 - less(1e-12, t158)
-    t160 = t159 - t159*less(1e-12, t157)
-    t161 = maximum(t160, t80)
-    t162 = 1.0 - less(0.001, t158)
-    t163 = select(t161, 3.0, t87) + 4.0*maximum(t162 - t162*less(0.001, t157), t97)
-    t164 = select(t161, 8.0, 4.0*maximum(t160, t99))
-    t165 = sqrt(t71*t71 + t75*t75)
-    t166 = sin(near5)
-    t167 = select(t79, t166, t71/t165)
-    t168 = t36*T21 - t40*T11
-    t169 = t58*t168
-    t170 = t169 + T31*t62
-    t171 = t36*T11 + t40*T21
-    t172 = t16*t171
-    t173 = t44*t171
-    t174 = t58*T31
+    t46 = 0.009875 + 1.25*t10
+    t47 = t7*t46
+    t48 = (t47 + t42*t45)/t43
+    t49 = t7*t45
+    t50 = (t49 - t42*t46)/t43
+    t51 = 1.5 - 0.5*(t48*t48 + t50*t50)
+    t52 = t50*t51
+    t53 = 2.0*t3
+    t54 = absolute(t9 - t40*(t40*t6 + t53*t38))
+    t55 = less(t33, t54)
+    t56 = cos(near2)
+    t57 = select(t55, -t48*t51, t56)
+    t58 = T23*t36 - T13*t40
+    t59 = t57*t58
+    t60 = sin(near2)
+    t61 = select(t55, t52, t60)
+    t62 = select(t55, -t52, t60)
+    t63 = 1.0 - t55
+    t64 = atan2(t61, t57)
+    t65 = atan2(t62, t57)
+    t66 = t59 + T33*t61
+    t67 = T13*t36 + T23*t40
+    t68 = t16*t67
+    t69 = t44*t67
+    t70 = t69 + t16*t66
+    t71 = T33*t57
+    t72 = t71 - t58*t61
+    t73 = t71 + t62*t58
+    t74 = t11*(t68 - t44*t66) + t14*t72
+    t75 = absolute(t74)
+    t76 = absolute(t70)
+    t77 = 1.0 - less(1e-12, t76)
+    t78 = t77 - t77*less(1e-12, t75)
+    t79 = maximum(t32, t63)
+    t80 = maximum(t78, t79)
+    t81 = (1.0 - t32)*(1.0 - less(t18, -1e-11*t20))
+    t82 = t21*t81
+    t83 = maximum(t32, t81)
+    t84 = 1.0 - less(t12, -1e-11)
+    t85 = t13*t84
+    t86 = select(maximum(t84 - t85, t81 - t82), 2.0, 1.0)
+    t87 = 1.0 - less(0.001, t76)
+    t88 = 0.001*t27
+    t89 = t27*t88
+    t90 = 1.0 - less(t88, t29)
+    t91 = 1.0 - less(1e-14*absolute(100000.0*t5), t18)
+    t92 = t91 - t91*less(t18, -1e-11*absolute(100.0*t5))
+    t93 = 1.0 - less(1e-09, t12)
+    t94 = t93 - t93*less(t12, -9.999999999999999e-10)
+    t95 = maximum(t94, maximum(t92, t90 - t90*less(t88, t31)))
+    t96 = maximum(1.0 - less(t89, t54), t95)
+    t97 = maximum(t96, t87 - t87*less(0.001, t75))
+    t98 = maximum(t94, maximum(t32, t92))
+    t99 = maximum(t63, t98)
+    t100 = select(t80, 3.0, t86) + 4.0*t97
+    t101 = t1*t37
+    t102 = absolute(t9 - t41*(t6*t41 - t53*t101))
+    t103 = less(t33, t102)
+    t104 = maximum(t95, 1.0 - less(t89, t102))
+    t105 = t101 + t3*t41
+    t106 = t8 + t105*t105
+    t107 = (t47 - t45*t105)/t106
+    t108 = (t49 + t46*t105)/t106
+    t109 = 1.5 - 0.5*(t107*t107 + t108*t108)
+    t110 = select(t103, -t107*t109, t56)
+    t111 = t108*t109
+    t112 = T23*t37 + T13*t41
+    t113 = t110*t112
+    t114 = select(t103, -t111, t60)
+    t115 = select(t103, t111, t60)
+    t116 = 1.0 - t103
+    t117 = maximum(t32, t116)
+    t118 = maximum(t98, t116)
+    t119 = atan2(t115, t110)
+    t120 = atan2(t114, t110)
+    t121 = t113 + T33*t114
+    t122 = T13*t37 - T23*t41
+    t123 = t16*t122
+    t124 = t44*t122
+    t125 = t124 + t16*t121
+    t126 = T33*t110
+    t127 = t126 - t114*t112
+    t128 = t126 + t112*t115
+    t129 = t11*(t123 - t44*t121) - t14*t127
+    t130 = absolute(t129)
+    t131 = absolute(t125)
+    t132 = 1.0 - less(1e-12, t131)
+    t133 = t132 - t132*less(1e-12, t130)
+    t134 = 1.0 - less(0.001, t131)
+    t135 = maximum(t134 - t134*less(0.001, t130), t104)
+    t136 = t84*t82
+    t137 = t84*t83
+    t138 = t83*t85
+    t139 = t85*t82
+    t140 = t136 - t133*t136
+    t141 = t59 - T33*t62
+    t142 = t69 + t16*t141
+    t143 = t11*(t68 - t44*t141) + t14*t73
+    t144 = absolute(t143)
+    t145 = absolute(t142)
+    t146 = 1.0 - less(1e-12, t145)
+    t147 = t146 - t146*less(1e-12, t144)
+    t148 = maximum(t147, t79)
+    t149 = 1.0 - less(0.001, t145)
+    t150 = maximum(t149 - t149*less(0.001, t144), t96)
+    t151 = t137 - t147*t137
+    t152 = maximum(t138, maximum(t140, maximum(t136, maximum(t137, t151))))
+    t153 = t113 - T33*t115
+    t154 = t124 + t16*t153
+    t155 = t11*(t123 - t44*t153) - t14*t128
+    t156 = absolute(t155)
+    t157 = absolute(t154)
+    t158 = 1.0 - less(1e-12, t157)
+    t159 = t158 - t158*less(1e-12, t156)
+    t160 = 1.0 - less(0.001, t157)
+    t161 = maximum(t104, t160 - t160*less(0.001, t156))
+    t162 = t138 - t159*t138
+    t163 = t139 - t78*t139
+    t164 = 1.0 - maximum(t163, maximum(t139, maximum(t162, t152)))
+    t165 = select(t80, 8.0, 4.0*maximum(maximum(t78, t99), t164*t97))
+    t166 = maximum(t159, t117)
+    t167 = maximum(t133, t117)
+    t168 = select(t166, 3.0, t86) + 4.0*t161
+    t169 = select(t166, 8.0, 4.0*maximum(maximum(t159, t118), t164*t161))
+    t170 = select(t167, 3.0, t86) + 4.0*t135
+    t171 = select(t167, 8.0, 4.0*maximum(maximum(t133, t118), t164*t135))
+    t172 = select(t148, 3.0, t86) + 4.0*t150
+    t173 = select(t148, 8.0, 4.0*maximum(maximum(t147, t99), t150*t164))
+    t174 = sqrt(t70*t70 + t74*t74)
     t175 = cos(near5)
     t176 = -t175
-    t177 = select(t79, t176, t75/t165)
-    t178 = t167*(t11*(t172 - t44*t170) + t14*(t174 - t168*t62)) - t177*(t173 + t16*t170)
-    t179 = t75*t177 + t71*t167
-    t180 = t36*T22 - t40*T12
-    t181 = t58*t180
-    t182 = t58*T32
-    t183 = t181 + T32*t62
-    t184 = atan2(t36, t40)
-    t185 = t36*T12 + t40*T22
-    t186 = t44*t185
-    t187 = t16*t185
-    t188 = t177*(t186 + t16*t183) - t167*(t11*(t187 - t44*t183) + t14*(t182 - t180*t62))
-    t189 = atan2(t178, t188)
-    t190 = atan2(t167, -t177)
-    t191 = select(less(t189, 0.0), 3.141592653589793, -3.141592653589793)
-    t192 = 2.5641025641025643*(T13*t3 - (T33*t7 - T23*t1))
-    t193 = t192 - 1.0256410256410255*t73
-    t194 = t192 - 1.0256410256410255*t132
-    t195 = t192 - 1.0256410256410255*t133
-    t196 = t192 - 1.0256410256410255*t74
-    t197 = 1.5 - 0.5*(t179*t179 + t193*t193)
-    t198 = atan2(t179*t197, t193*t197)
-    t199 = select(less(0.0, t190), 3.141592653589793, -3.141592653589793)
-    t200 = atan2(t14, -t11)
-    t201 = select(less(t184, 0.0), 3.141592653589793, -3.141592653589793)
-    t202 = t184 + t201
-    t203 = sqrt(t130*t130 + t134*t134)
-    t204 = select(t138, t175, t134/t203)
-    t205 = T21*t37 + T11*t41
-    t206 = t115*t205
-    t207 = t206 - T31*t119
-    t208 = T11*t37 - T21*t41
-    t209 = t44*t208
-    t210 = t16*t208
-    t211 = -t166
-    t212 = select(t138, t211, t130/t203)
-    t213 = t134*t204 + t130*t212
-    t214 = T31*t115
-    t215 = t212*(t11*(t210 - t44*t207) - t14*(t214 + t205*t119))
-    t216 = T22*t37 + T12*t41
-    t217 = t115*t216
-    t218 = T32*t115
-    t219 = t217 - T32*t119
-    t220 = atan2(t37, t41)
-    t221 = T12*t37 - T22*t41
-    t222 = t44*t221
-    t223 = t16*t221
-    t224 = t212*(t11*(t223 - t44*t219) - t14*(t218 + t216*t119))
-    t225 = atan2(t204*(t209 + t16*t207) - t215, t204*(t222 + t16*t219) - t224)
-    t226 = atan2(t212, t204)
-    t227 = select(less(0.0, t225), 3.141592653589793, -3.141592653589793)
-    t228 = 1.5 - 0.5*(t213*t213 + t194*t194)
-    t229 = atan2(t213*t228, t194*t228)
-    t230 = select(less(t226, 0.0), 3.141592653589793, -3.141592653589793)
-    t231 = select(less(0.0, t220), 3.141592653589793, -3.141592653589793)
-    t232 = t220 - t231
-    t233 = sqrt(t144*t144 + t145*t145)
-    t234 = select(t149, t176, t145/t233)
-    t235 = select(t149, t166, t144/t233)
-    t236 = t145*t234 + t144*t235
-    t237 = t206 + T31*t120
-    t238 = t217 + T32*t120
-    t239 = t235*(t11*(t210 - t44*t237) - t14*(t214 - t120*t205))
-    t240 = t235*(t11*(t223 - t44*t238) - t14*(t218 - t120*t216))
-    t241 = atan2(t234*(t209 + t16*t237) - t239, -(t240 - t234*(t222 + t16*t238)))
-    t242 = atan2(t235, -t234)
-    t243 = select(less(0.0, t241), 3.141592653589793, -3.141592653589793)
-    t244 = 1.5 - 0.5*(t236*t236 + t195*t195)
-    t245 = atan2(t236*t244, t195*t244)
-    t246 = select(less(0.0, t242), 3.141592653589793, -3.141592653589793)
-    t247 = sqrt(t155*t155 + t156*t156)
-    t248 = select(t160, t175, t156/t247)
-    t249 = select(t160, t211, t155/t247)
-    t250 = t156*t248 + t155*t249
-    t251 = t169 - t63*T31
-    t252 = t181 - t63*T32
-    t253 = t248*(t173 + t16*t251) - t249*(t11*(t172 - t44*t251) + t14*(t174 + t63*t168))
-    t254 = t248*(t186 + t16*t252) - t249*(t14*(t182 + t63*t180) + t11*(t187 - t44*t252))
-    t255 = atan2(t253, t254)
-    t256 = atan2(t249, t248)
-    t257 = select(less(0.0, t255), 3.141592653589793, -3.141592653589793)
-    t258 = 1.5 - 0.5*(t250*t250 + t196*t196)
-    t259 = atan2(t250*t258, t196*t258)
-    t260 = select(less(t256, 0.0), 3.141592653589793, -3.141592653589793)
+    t177 = select(t78, t176, t74/t174)
+    t178 = t36*T21 - t40*T11
+    t179 = t57*t178
+    t180 = t179 + T31*t61
+    t181 = t36*T11 + t40*T21
+    t182 = t44*t181
+    t183 = t16*t181
+    t184 = sin(near5)
+    t185 = select(t78, t184, t70/t174)
+    t186 = t74*t177 + t70*t185
+    t187 = t57*T31
+    t188 = t177*(t182 + t16*t180) - t185*(t11*(t183 - t44*t180) + t14*(t187 - t178*t61))
+    t189 = t36*T22 - t40*T12
+    t190 = t57*t189
+    t191 = t57*T32
+    t192 = t190 + T32*t61
+    t193 = atan2(t36, t40)
+    t194 = t36*T12 + t40*T22
+    t195 = t16*t194
+    t196 = t44*t194
+    t197 = t185*(t11*(t195 - t44*t192) + t14*(t191 - t189*t61)) - t177*(t196 + t16*t192)
+    t198 = atan2(t188, -t197)
+    t199 = atan2(t185, -t177)
+    t200 = select(less(0.0, t198), 3.141592653589793, -3.141592653589793)
+    t201 = 2.5641025641025643*(T13*t3 - (T33*t7 - T23*t1))
+    t202 = t201 - 1.0256410256410255*t72
+    t203 = t201 - 1.0256410256410255*t128
+    t204 = t201 - 1.0256410256410255*t127
+    t205 = t201 - 1.0256410256410255*t73
+    t206 = 1.5 - 0.5*(t186*t186 + t202*t202)
+    t207 = atan2(t186*t206, t202*t206)
+    t208 = select(less(0.0, t199), 3.141592653589793, -3.141592653589793)
+    t209 = atan2(t14, -t11)
+    t210 = select(less(t193, 0.0), 3.141592653589793, -3.141592653589793)
+    t211 = t193 + t210
+    t212 = sqrt(t154*t154 + t155*t155)
+    t213 = select(t159, t175, t155/t212)
+    t214 = -t184
+    t215 = select(t159, t214, t154/t212)
+    t216 = t155*t213 + t154*t215
+    t217 = T21*t37 + T11*t41
+    t218 = t110*t217
+    t219 = t218 - T31*t115
+    t220 = T11*t37 - T21*t41
+    t221 = t16*t220
+    t222 = t44*t220
+    t223 = T31*t110
+    t224 = t215*(t11*(t221 - t44*t219) - t14*(t223 + t217*t115))
+    t225 = T22*t37 + T12*t41
+    t226 = t110*t225
+    t227 = T32*t110
+    t228 = t226 - T32*t115
+    t229 = atan2(t37, t41)
+    t230 = T12*t37 - T22*t41
+    t231 = t16*t230
+    t232 = t215*(t11*(t231 - t44*t228) - t14*(t227 + t225*t115))
+    t233 = t44*t230
+    t234 = atan2(t224 - t213*(t222 + t16*t219), -(t232 - t213*(t233 + t16*t228)))
+    t235 = atan2(t215, t213)
+    t236 = select(less(t234, 0.0), 3.141592653589793, -3.141592653589793)
+    t237 = 1.5 - 0.5*(t216*t216 + t203*t203)
+    t238 = atan2(t216*t237, t203*t237)
+    t239 = select(less(t235, 0.0), 3.141592653589793, -3.141592653589793)
+    t240 = select(less(0.0, t229), 3.141592653589793, -3.141592653589793)
+    t241 = t229 - t240
+    t242 = sqrt(t125*t125 + t129*t129)
+    t243 = select(t133, t176, t129/t242)
+    t244 = select(t133, t184, t125/t242)
+    t245 = t129*t243 + t125*t244
+    t246 = t218 + T31*t114
+    t247 = t226 + T32*t114
+    t248 = t244*(t11*(t221 - t44*t246) - t14*(t223 - t114*t217))
+    t249 = t244*(t14*(t227 - t114*t225) - t11*(t231 - t44*t247))
+    t250 = atan2(t243*(t222 + t16*t246) - t248, t249 + t243*(t233 + t16*t247))
+    t251 = atan2(t244, -t243)
+    t252 = select(less(0.0, t250), 3.141592653589793, -3.141592653589793)
+    t253 = 1.5 - 0.5*(t245*t245 + t204*t204)
+    t254 = atan2(t245*t253, t204*t253)
+    t255 = select(less(0.0, t251), 3.141592653589793, -3.141592653589793)
+    t256 = sqrt(t142*t142 + t143*t143)
+    t257 = select(t147, t175, t143/t256)
+    t258 = select(t147, t214, t142/t256)
+    t259 = t143*t257 + t142*t258
+    t260 = t179 - t62*T31
+    t261 = t190 - t62*T32
+    t262 = t257*(t182 + t16*t260) - t258*(t14*(t187 + t62*t178) + t11*(t183 - t44*t260))
+    t263 = t258*(t11*(t195 - t44*t261) + t14*(t191 + t62*t189)) - t257*(t196 + t16*t261)
+    t264 = atan2(t262, -t263)
+    t265 = atan2(t258, t257)
+    t266 = select(less(0.0, t264), 3.141592653589793, -3.141592653589793)
+    t267 = 1.5 - 0.5*(t259*t259 + t205*t205)
+    t268 = atan2(t259*t267, t205*t267)
+    t269 = select(less(t265, 0.0), 3.141592653589793, -3.141592653589793)
     return (
-        -t184, t66, t46, t200, -t256, t259, t255, -t184, t66, t46, t200, -(t256 + t260), -t259, t255 - t257,
-        t220, t125, t46, t200, t242, t245, t241, t220, t125, t46, t200, t242 - t246, -t245, t241 - t243, t232,
-        t124, t46, -t200, -t226, t229, t225, t232, t124, t46, -t200, -(t226 + t230), -t229, t225 - t227, -t202,
-        t65, t46, -t200, t190, t198, -t189, -t202, t65, t46, -t200, t190 - t199, -t198, -(t189 + t191),
-        select(t105, t163, t164), select(t105 - t160*t105, t163, t164), select(t104, t153, t152),
-        select(t104 - t149*t104, t153, t152), select(t103, t141, t142), select(t103 - t138*t103, t141, t142),
-        select(t102, t100, t101), select(t102 - t79*t102, t100, t101),
+        -t193, t65, given1, t209, -t265, t268, t264, -t193, t65, given1, t209, -(t265 + t269), -t268,
+        t264 - t266, t229, t120, given1, t209, t251, t254, t250, t229, t120, given1, t209, t251 - t255, -t254,
+        t250 - t252, t241, t119, given1, -t209, -t235, t238, -t234, t241, t119, given1, -t209, -(t235 + t239),
+        -t238, -(t234 + t236), -t211, t64, given1, -t209, t199, t207, t198, -t211, t64, given1, -t209,
+        t199 - t208, -t207, t198 - t200, select(t137, t172, t173), select(t151, t172, t173),
+        select(t136, t170, t171), select(t140, t170, t171), select(t138, t168, t169), select(t162, t168, t169),
+        select(t139, t100, t165), select(t163, t100, t165),
     )
 
 
@@ -1074,7 +1092,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t165 = t164 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t166 = maximum(0.0, t165 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     return (
-        q1 + (t162 - t144*t157), q2 - t161, q3, q4 + t160, q5 + t159, q6 - t158, q7 + t157, t166,
+        q1 + (t162 - t144*t157), q2 - t161, q3, q4 + t160, q5 + t159, q6 - t158, q7 + t157, t166, t37,
     )
 
 

@@ -18,7 +18,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -76,7 +76,7 @@ enum {
     planar_2r_perugia_none = 0, /**< The branch does not exist. */
     planar_2r_perugia_exact = 1, /**< A solution. */
     planar_2r_perugia_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    planar_2r_perugia_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    planar_2r_perugia_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -428,7 +428,7 @@ void planar_2r_perugia_base_parameters_constants(const double *params, double *k
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has one solution, and no more.
+ * A reachable pose has one solution, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -439,7 +439,7 @@ void planar_2r_perugia_base_parameters_constants(const double *params, double *k
  * @param[out] status  what each branch is, 1; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 46 mul, 33 add, 4 div, 2 sin, 2 cos, 1 sqrt, 2 atan2, 27 cases.
+ * Closed form, all branches at once: 47 mul, 34 add, 4 div, 2 sin, 2 cos, 1 sqrt, 2 atan2, 28 cases.
  * Once per set of parameters: 2 mul, 1 add.
  */
 int planar_2r_perugia_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

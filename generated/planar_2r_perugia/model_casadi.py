@@ -34,7 +34,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify planar-2r-perugia` compares every function with an independent recursion.
 """
@@ -77,7 +77,7 @@ OPERATIONS = {
     "regressor": {"mul": 25, "add": 17, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 18, "add": 11, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 46, "add": 33, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 27},
+    "inverse_kinematics": {"mul": 47, "add": 34, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -701,7 +701,7 @@ def _inverse_kinematics(functions, k, T, near):
     t15 = cos(near1)
     t16 = select(t12, t5*t8, t15)
     t17 = T11*t2 + T21*t3
-    t18 = T11*t3 - t2*T21
+    t18 = t2*T21 - T11*t3
     t19 = t17*t17 + t18*t18
     t20 = p_a1*t17/t19
     t21 = p_a1*t18/t19
@@ -709,23 +709,24 @@ def _inverse_kinematics(functions, k, T, near):
     t23 = less(t11, t22)
     t24 = 1.5 - 0.5*(t20*t20 + t21*t21)
     t25 = sin(near2)
-    t26 = select(t23, -t21*t24, t25)
+    t26 = select(t23, t21*t24, t25)
     t27 = cos(near2)
     t28 = select(t23, t20*t24, t27)
     t29 = maximum(1.0 - t12, 1.0 - t23)
     t30 = t16*t28 - t14*t26
     t31 = t16*t26 + t14*t28
     t32 = maximum(absolute(T31), maximum(absolute(T11 - t30), absolute(T21 - t31)))
-    t33 = maximum(absolute(T22 - t30), maximum(absolute(T12 + t31), t32))
+    t33 = maximum(absolute(t30 - T22), maximum(absolute(t31 + T12), t32))
     t34 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t33)))
     t35 = maximum(absolute(t14*t14 - (1.0 - t16*t16)), maximum(absolute(1.0 - T33), t34))
-    t36 = maximum(absolute(p_a2*t30 - (T14 - p_a1*t16)), absolute(p_a2*t31 - (T24 - p_a1*t14)))
-    t37 = less(maximum(absolute(t26*t26 - (1.0 - t28*t28)), t35), 1e-07)
-    t38 = 0.001*t10
-    t39 = 4.0*maximum(1.0 - less(t38, t7), 1.0 - less(t38, t22))
-    t40 = select(t37*less(maximum(absolute(T34), t36), 1e-07*t9), select(t29, 3.0, 1.0) + t39, select(t29, 8.0, 4.0*t29))
+    t36 = maximum(absolute(p_a2*t30 - (T14 - p_a1*t16)), t9*maximum(absolute(t26*t26 - (1.0 - t28*t28)), t35))
+    t37 = maximum(absolute(T34), maximum(absolute(p_a2*t31 - (T24 - p_a1*t14)), t36))
+    t38 = less(t37, 1e-07*t9)
+    t39 = 0.001*t10
+    t40 = maximum(1.0 - less(t39, t7), 1.0 - less(t39, t22))
+    t41 = select(t38, select(t29, 3.0, 1.0) + 4.0*t40, select(t29, 8.0, 4.0*maximum(t29, t40 - t38*t40)))
     return (
-        atan2(t14, t16), atan2(t26, t28), t40,
+        atan2(t14, t16), atan2(t26, t28), t41,
     )
 
 
@@ -784,7 +785,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t38 = t37 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t32 + (T12*T12 + T22*T22)))
     t39 = t38 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t33 + t34 + T33*T33))
     return (
-        q1 - (t21/t22 - t24*t25), q2 - t25, maximum(0.0, t39),
+        q1 - (t21/t22 - t24*t25), q2 - t25, maximum(0.0, t39), t10,
     )
 
 

@@ -834,6 +834,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[lanes] = q2 - t48;
     result[2 * lanes] = q3 - t47;
     result[3 * lanes] = t34;
+    result[4 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -916,47 +917,55 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t44 = t11*t21 + t7*t22;
     const double t45 = t33*t43 + t32*t44;
     const double t46 = t32*t43 - t33*t44;
-    const double t47 = maximum(fabs(k1*t45 + (k3*t43 - (T14 - k2*t22))), fabs(k3*t44 - (k1*t46 + (T24 - k2*t21))));
-    const double t48 = fabs(T34);
-    const double t49 = 1e-07*t17;
-    const double t50 = fabs(T31);
-    const double t51 = maximum(t50, maximum(fabs(T11 - t45), fabs(T21 + t46)));
-    const double t52 = maximum(fabs(T22 - t45), maximum(fabs(T12 - t46), t51));
-    const double t53 = fabs(T32);
-    const double t54 = fabs(T13);
-    const double t55 = fabs(T23);
-    const double t56 = fabs(1.0 - T33);
-    const double t57 = maximum(t56, maximum(t55, maximum(t54, maximum(t53, t52))));
-    const double t58 = 1.0 - t7*t7;
-    const double t59 = maximum(fabs(t58 - t11*t11), maximum(fabs(t21*t21 - (1.0 - t22*t22)), t57));
-    const double t60 = maximum(fabs(t32*t32 - (1.0 - t33*t33)), t59) < 1e-07;
-    const double t61 = k6 - k6*(t5 < -1e-11);
-    const double t62 = t6*t61;
-    const double t63 = maximum(k8, t40);
-    const double t64 = 1.0 - (1e-09 < t5);
-    const double t65 = maximum(k8, t64 - t64*(t5 < -9.999999999999999e-10));
-    const double t66 = (t63 > 0.0 ? 3.0 : (t61 - t62 > 0.0 ? 2.0 : 1.0)) + 4.0*maximum(t65, 1.0 - (0.001*t18 < t19));
-    const double t67 = t63 > 0.0 ? 8.0 : 4.0*maximum(t40, t65);
-    const double t68 = (maximum(t48, t47) < t49)*(maximum(k8, t61)*t60) > 0.0 ? t66 : t67;
-    const double t69 = t7*t38 - t12*t39;
-    const double t70 = t7*t39 + t12*t38;
-    const double t71 = t42*t69 - t41*t70;
-    const double t72 = t42*t70 + t41*t69;
-    const double t73 = maximum(fabs(k3*t69 - (k1*t71 + (T14 - k2*t39))), fabs(k1*t72 - (k3*t70 + (T24 - k2*t38))));
-    const double t74 = maximum(t50, maximum(fabs(T11 + t71), fabs(T21 - t72)));
-    const double t75 = maximum(fabs(T22 + t71), maximum(fabs(T12 + t72), t74));
-    const double t76 = maximum(t56, maximum(t55, maximum(t54, maximum(t53, t75))));
-    const double t77 = maximum(fabs(t58 - t12*t12), maximum(fabs(t38*t38 - (1.0 - t39*t39)), t76));
-    const double t78 = maximum(fabs(t41*t41 - (1.0 - t42*t42)), t77) < 1e-07;
-    const double t79 = (maximum(t48, t73) < t49)*(t62*t78) > 0.0 ? t66 : t67;
+    const double t47 = fabs(T31);
+    const double t48 = maximum(t47, maximum(fabs(T11 - t45), fabs(T21 + t46)));
+    const double t49 = maximum(fabs(t45 - T22), maximum(fabs(t46 - T12), t48));
+    const double t50 = fabs(T32);
+    const double t51 = fabs(T13);
+    const double t52 = fabs(T23);
+    const double t53 = fabs(1.0 - T33);
+    const double t54 = maximum(t53, maximum(t52, maximum(t51, maximum(t50, t49))));
+    const double t55 = 1.0 - t7*t7;
+    const double t56 = maximum(fabs(t55 - t11*t11), maximum(fabs(t21*t21 - (1.0 - t22*t22)), t54));
+    const double t57 = maximum(fabs(k1*t45 + (k3*t43 - (T14 - k2*t22))), t17*maximum(fabs(t32*t32 - (1.0 - t33*t33)), t56));
+    const double t58 = maximum(fabs(k1*t46 - (k3*t44 - (T24 - k2*t21))), t57);
+    const double t59 = fabs(T34);
+    const double t60 = maximum(t59, t58);
+    const double t61 = 1e-07*t17;
+    const double t62 = k6 - k6*(t5 < -1e-11);
+    const double t63 = t6*t62;
+    const double t64 = maximum(k8, t62)*(t60 < t61);
+    const double t65 = t7*t39 + t12*t38;
+    const double t66 = t7*t38 - t12*t39;
+    const double t67 = t41*t65 - t42*t66;
+    const double t68 = t42*t65 + t41*t66;
+    const double t69 = maximum(t47, maximum(fabs(T11 - t67), fabs(T21 - t68)));
+    const double t70 = maximum(fabs(T22 - t67), maximum(fabs(T12 + t68), t69));
+    const double t71 = maximum(t53, maximum(t52, maximum(t51, maximum(t50, t70))));
+    const double t72 = maximum(fabs(t55 - t12*t12), maximum(fabs(t38*t38 - (1.0 - t39*t39)), t71));
+    const double t73 = maximum(fabs(k1*t67 + (k3*t66 - (T14 - k2*t39))), t17*maximum(fabs(t41*t41 - (1.0 - t42*t42)), t72));
+    const double t74 = maximum(fabs(k1*t68 - (k3*t65 + (T24 - k2*t38))), t73);
+    const double t75 = maximum(t59, t74);
+    const double t76 = (t75 < t61)*t63;
+    const double t77 = minimum(t64 > 0.0 ? t60 : t61, t76 > 0.0 ? t75 : t61);
+    const double t78 = maximum(1000.0*t77, 3e-11*t17);
+    const double t79 = 1.0 - (1e-09 < t5);
+    const double t80 = maximum(k8, t79 - t79*(t5 < -9.999999999999999e-10));
+    const double t81 = maximum(t80, 1.0 - (0.001*t18 < t19));
+    const double t82 = t64*maximum(t81, t60 < t78);
+    const double t83 = t76*maximum(t81, t75 < t78);
+    const double t84 = maximum(k8, t40);
+    const double t85 = maximum(maximum(t80, t40), t81 - t81*maximum(t82, t83));
+    const double t86 = t84 > 0.0 ? 8.0 : 4.0*t85;
+    const double t87 = (t84 > 0.0 ? 3.0 : (t62 - t63 > 0.0 ? 2.0 : 1.0)) + 4.0*t81;
     result[0] = arctangent(t21, t22);
     result[lanes] = arctangent(t7, t11);
     result[2 * lanes] = -arctangent(t32, t33);
     result[3 * lanes] = arctangent(t38, t39);
     result[4 * lanes] = -arctangent(t7, -t12);
     result[5 * lanes] = arctangent(t41, -t42);
-    result[6 * lanes] = t68;
-    result[7 * lanes] = t79;
+    result[6 * lanes] = t82 > 0.0 ? t87 : t86;
+    result[7 * lanes] = t83 > 0.0 ? t87 : t86;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -978,10 +987,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[3], sines[3], cosines[3];
@@ -993,7 +1002,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 3; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1003,7 +1012,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 3 };
-    double ahead[3 + 1], found[3 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[3 + 2], found[3 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 8, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1085,6 +1094,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06};
+    double row[3], back[3];
+    size_t place = kinds[branch] ? 2 : branch, listed = 0;
+    for (size_t j = 0; j < 3; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 2; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 3 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 2)
+            place = b;
+    }
+    for (size_t j = 0; j < 3; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 2 || (listed && !alone))
+        return;
+    memcpy(q + 3 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1094,6 +1130,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][3] = {
+        {-0.362, -0.658, -0.901},
+        {-0.723, 0.684, 0.199},
+        {0.915, 0.026, -0.702},
+        {0.553, -0.632, 0.398},
+        {0.192, 0.71, -0.503},
+        {-0.17, 0.053, 0.596},
+        {-0.532, -0.605, -0.304},
+        {-0.893, 0.737, 0.795},
+        {0.745, 0.079, -0.105},
+        {0.383, -0.579, 0.994},
+        {0.022, 0.763, 0.093},
+        {-0.34, 0.105, -0.807},
+        {-0.702, -0.553, 0.292},
+        {0.937, 0.789, -0.608},
+        {0.575, 0.131, 0.491},
+        {0.214, -0.527, -0.41},
+        {-0.148, 0.815, 0.69},
+        {-0.51, 0.158, -0.211},
+        {-0.871, -0.5, 0.889},
+        {0.767, 0.842, -0.012},
+        {0.405, 0.184, -0.913},
+        {0.044, -0.474, 0.187},
+        {-0.318, 0.868, -0.714},
+        {-0.68, 0.21, 0.386},
+    };
+    const double damping = 1e-12;
+    double start[3], step[3 + 2], values[8], moved[16] = {0.0};
+    for (size_t j = 0; j < 3; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 8, step);
+    const double unit = step[3 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 2; ++b)
+            inverse_kinematics_added(T, k, unit, values + 3 * b, b, q, kinds);
+    }
+    memcpy(values, q, 6 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 3; ++j) {
+            const double value = values[3 * (i % 2) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 2, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int planar_3r_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1101,7 +1196,7 @@ int planar_3r_inverse_kinematics(const double *restrict T, const double *restric
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[3], values[8];
     const double *const codes = values + 6;
-    int kinds[2], doubts[2], free[2], settled[2] = {0}, lacking = 1;
+    int kinds[2], doubts[2], doubted[2], free[2], settled[2] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 6; ++j)
             q[j] = NAN;
@@ -1117,7 +1212,7 @@ int planar_3r_inverse_kinematics(const double *restrict T, const double *restric
         return count;
     memcpy(q, values, 6 * sizeof *q);
     for (size_t b = 0; b < 2; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1133,9 +1228,13 @@ int planar_3r_inverse_kinematics(const double *restrict T, const double *restric
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 6 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 3])
+            if (inverse_kinematics_turning[j % 3])
                 values[j] += 1.3 * (double)(i * (j / 3 + 1) * (j % 3 + 2));
     }
+    for (size_t b = 0; b < 2; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 2; ++b) {
         for (size_t j = 0; j < 3 && !kinds[b]; ++j)

@@ -19,7 +19,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -52,7 +52,7 @@ enum {
     planar_3r_none = 0, /**< The branch does not exist. */
     planar_3r_exact = 1, /**< A solution. */
     planar_3r_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    planar_3r_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    planar_3r_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -161,7 +161,7 @@ void planar_3r_analytic_jacobian_rpy_constants(const double *params, double *k);
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 2 solutions, and no more.
+ * A reachable pose has up to 2 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -172,7 +172,10 @@ void planar_3r_analytic_jacobian_rpy_constants(const double *params, double *k);
  * @param[out] status  what each branch is, 2; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 98 mul, 75 add, 5 div, 2 sin, 2 cos, 2 sqrt, 6 atan2, 55 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. elbow down
+ * 2. elbow up
+ * Closed form, all branches at once: 103 mul, 76 add, 5 div, 2 sin, 2 cos, 2 sqrt, 6 atan2, 65 cases.
  * Once per set of parameters: 5 mul, 3 add, 1 cases.
  */
 int planar_3r_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

@@ -22,7 +22,10 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+beyond 1e30. A reachable pose has up to 2 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. elbow down
+2. elbow up
 
 Self-check: `derive verify planar-3r` compares every function with an independent recursion.
 """
@@ -41,7 +44,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "inverse_kinematics": {"mul": 98, "add": 75, "div": 5, "sin": 2, "cos": 2, "sqrt": 2, "atan2": 6, "cases": 55},
+    "inverse_kinematics": {"mul": 103, "add": 76, "div": 5, "sin": 2, "cos": 2, "sqrt": 2, "atan2": 6, "cases": 65},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -350,42 +353,52 @@ def _inverse_kinematics(functions, k, T, near):
     t53 = t18*t29 + t13*t31
     t54 = t42*t52 + t41*t53
     t55 = t41*t52 - t42*t53
-    t56 = maximum(absolute(p_a3*t54 + (p_a2*t52 - (T14 - p_a1*t31))), absolute(p_a2*t53 - (p_a3*t55 + (T24 - p_a1*t29))))
-    t57 = absolute(T34)
-    t58 = 1e-07*t24
-    t59 = absolute(T31)
-    t60 = maximum(t59, maximum(absolute(T11 - t54), absolute(T21 + t55)))
-    t61 = maximum(absolute(T22 - t54), maximum(absolute(T12 - t55), t60))
-    t62 = absolute(T32)
-    t63 = absolute(T13)
-    t64 = absolute(T23)
-    t65 = absolute(1.0 - T33)
-    t66 = maximum(t65, maximum(t64, maximum(t63, maximum(t62, t61))))
-    t67 = 1.0 - t13*t13
-    t68 = maximum(absolute(t67 - t18*t18), maximum(absolute(t29*t29 - (1.0 - t31*t31)), t66))
-    t69 = less(maximum(absolute(t41*t41 - (1.0 - t42*t42)), t68), 1e-07)
-    t70 = k6 - k6*less(t10, -1e-11)
-    t71 = t11*t70
-    t72 = maximum(k8, t49)
-    t73 = 1.0 - less(1e-09, t10)
-    t74 = maximum(k8, t73 - t73*less(t10, -9.999999999999999e-10))
-    t75 = select(t72, 3.0, select(t70 - t71, 2.0, 1.0)) + 4.0*maximum(t74, 1.0 - less(0.001*t25, t26))
-    t76 = select(t72, 8.0, 4.0*maximum(t49, t74))
-    t77 = select(less(maximum(t57, t56), t58)*(maximum(k8, t70)*t69), t75, t76)
-    t78 = t13*t47 - t19*t48
-    t79 = t13*t48 + t19*t47
-    t80 = t51*t78 - t50*t79
-    t81 = t51*t79 + t50*t78
-    t82 = maximum(absolute(p_a2*t78 - (p_a3*t80 + (T14 - p_a1*t48))), absolute(p_a3*t81 - (p_a2*t79 + (T24 - p_a1*t47))))
-    t83 = maximum(t59, maximum(absolute(T11 + t80), absolute(T21 - t81)))
-    t84 = maximum(absolute(T22 + t80), maximum(absolute(T12 + t81), t83))
-    t85 = maximum(t65, maximum(t64, maximum(t63, maximum(t62, t84))))
-    t86 = maximum(absolute(t67 - t19*t19), maximum(absolute(t47*t47 - (1.0 - t48*t48)), t85))
-    t87 = less(maximum(absolute(t50*t50 - (1.0 - t51*t51)), t86), 1e-07)
-    t88 = select(less(maximum(t57, t82), t58)*(t71*t87), t75, t76)
+    t56 = absolute(T31)
+    t57 = maximum(t56, maximum(absolute(T11 - t54), absolute(T21 + t55)))
+    t58 = maximum(absolute(t54 - T22), maximum(absolute(t55 - T12), t57))
+    t59 = absolute(T32)
+    t60 = absolute(T13)
+    t61 = absolute(T23)
+    t62 = absolute(1.0 - T33)
+    t63 = maximum(t62, maximum(t61, maximum(t60, maximum(t59, t58))))
+    t64 = 1.0 - t13*t13
+    t65 = maximum(absolute(t64 - t18*t18), maximum(absolute(t29*t29 - (1.0 - t31*t31)), t63))
+    t66 = t24*maximum(absolute(t41*t41 - (1.0 - t42*t42)), t65)
+    t67 = maximum(absolute(p_a3*t54 + (p_a2*t52 - (T14 - p_a1*t31))), t66)
+    t68 = maximum(absolute(p_a3*t55 - (p_a2*t53 - (T24 - p_a1*t29))), t67)
+    t69 = absolute(T34)
+    t70 = maximum(t69, t68)
+    t71 = 1e-07*t24
+    t72 = k6 - k6*less(t10, -1e-11)
+    t73 = t11*t72
+    t74 = maximum(k8, t72)*less(t70, t71)
+    t75 = t13*t48 + t19*t47
+    t76 = t13*t47 - t19*t48
+    t77 = t50*t75 - t51*t76
+    t78 = t51*t75 + t50*t76
+    t79 = maximum(t56, maximum(absolute(T11 - t77), absolute(T21 - t78)))
+    t80 = maximum(absolute(T22 - t77), maximum(absolute(T12 + t78), t79))
+    t81 = maximum(t62, maximum(t61, maximum(t60, maximum(t59, t80))))
+    t82 = maximum(absolute(t64 - t19*t19), maximum(absolute(t47*t47 - (1.0 - t48*t48)), t81))
+    t83 = t24*maximum(absolute(t50*t50 - (1.0 - t51*t51)), t82)
+    t84 = maximum(absolute(p_a3*t77 + (p_a2*t76 - (T14 - p_a1*t48))), t83)
+    t85 = maximum(absolute(p_a3*t78 - (p_a2*t75 + (T24 - p_a1*t47))), t84)
+    t86 = maximum(t69, t85)
+    t87 = less(t86, t71)*t73
+    t88 = minimum(select(t74, t70, t71), select(t87, t86, t71))
+    t89 = maximum(1000.0*t88, 3e-11*t24)
+    t90 = 1.0 - less(1e-09, t10)
+    t91 = maximum(k8, t90 - t90*less(t10, -9.999999999999999e-10))
+    t92 = maximum(t91, 1.0 - less(0.001*t25, t26))
+    t93 = t74*maximum(t92, less(t70, t89))
+    t94 = t87*maximum(t92, less(t86, t89))
+    t95 = maximum(k8, t49)
+    t96 = maximum(maximum(t91, t49), t92 - t92*maximum(t93, t94))
+    t97 = select(t95, 8.0, 4.0*t96)
+    t98 = select(t95, 3.0, select(t72 - t73, 2.0, 1.0)) + 4.0*t92
     return (
         atan2(t29, t31), atan2(t13, t18), -atan2(t41, t42), atan2(t47, t48), -atan2(t13, -t19),
-        atan2(t50, -t51), t77, t88,
+        atan2(t50, -t51), select(t93, t98, t97), select(t94, t98, t97),
     )
 
 
@@ -462,7 +475,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t56 = (t53 - t16*t25 + t20*t27 - t54*t46 - t51*t55)/t52
     t57 = t55/t50 - t51*t56
     return (
-        q1 - (t54/t45 - t49*t57 - t46*t56), q2 - t57, q3 - t56, maximum(0.0, t43),
+        q1 - (t54/t45 - t49*t57 - t46*t56), q2 - t57, q3 - t56, maximum(0.0, t43), t5,
     )
 
 

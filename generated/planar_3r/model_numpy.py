@@ -38,7 +38,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
-    "inverse_kinematics": {"mul": 98, "add": 75, "div": 5, "sin": 2, "cos": 2, "sqrt": 2, "atan2": 6, "cases": 55},
+    "inverse_kinematics": {"mul": 103, "add": 76, "div": 5, "sin": 2, "cos": 2, "sqrt": 2, "atan2": 6, "cases": 65},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -176,7 +176,11 @@ def analytic_jacobian_rpy(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 2 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. elbow down
+    2. elbow up
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -195,7 +199,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 98 mul, 75 add, 5 div, 2 sin, 2 cos, 2 sqrt, 6 atan2, 55 cases.
+    Closed form, all branches at once: 103 mul, 76 add, 5 div, 2 sin, 2 cos, 2 sqrt, 6 atan2, 65 cases.
     Once per set of parameters: 5 mul, 3 add, 1 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -503,42 +507,52 @@ def _inverse_kinematics(functions, k, T, near):
     t53 = t18*t29 + t13*t31
     t54 = t42*t52 + t41*t53
     t55 = t41*t52 - t42*t53
-    t56 = maximum(absolute(p_a3*t54 + (p_a2*t52 - (T14 - p_a1*t31))), absolute(p_a2*t53 - (p_a3*t55 + (T24 - p_a1*t29))))
-    t57 = absolute(T34)
-    t58 = 1e-07*t24
-    t59 = absolute(T31)
-    t60 = maximum(t59, maximum(absolute(T11 - t54), absolute(T21 + t55)))
-    t61 = maximum(absolute(T22 - t54), maximum(absolute(T12 - t55), t60))
-    t62 = absolute(T32)
-    t63 = absolute(T13)
-    t64 = absolute(T23)
-    t65 = absolute(1.0 - T33)
-    t66 = maximum(t65, maximum(t64, maximum(t63, maximum(t62, t61))))
-    t67 = 1.0 - t13*t13
-    t68 = maximum(absolute(t67 - t18*t18), maximum(absolute(t29*t29 - (1.0 - t31*t31)), t66))
-    t69 = less(maximum(absolute(t41*t41 - (1.0 - t42*t42)), t68), 1e-07)
-    t70 = k6 - k6*less(t10, -1e-11)
-    t71 = t11*t70
-    t72 = maximum(k8, t49)
-    t73 = 1.0 - less(1e-09, t10)
-    t74 = maximum(k8, t73 - t73*less(t10, -9.999999999999999e-10))
-    t75 = select(t72, 3.0, select(t70 - t71, 2.0, 1.0)) + 4.0*maximum(t74, 1.0 - less(0.001*t25, t26))
-    t76 = select(t72, 8.0, 4.0*maximum(t49, t74))
-    t77 = select(less(maximum(t57, t56), t58)*(maximum(k8, t70)*t69), t75, t76)
-    t78 = t13*t47 - t19*t48
-    t79 = t13*t48 + t19*t47
-    t80 = t51*t78 - t50*t79
-    t81 = t51*t79 + t50*t78
-    t82 = maximum(absolute(p_a2*t78 - (p_a3*t80 + (T14 - p_a1*t48))), absolute(p_a3*t81 - (p_a2*t79 + (T24 - p_a1*t47))))
-    t83 = maximum(t59, maximum(absolute(T11 + t80), absolute(T21 - t81)))
-    t84 = maximum(absolute(T22 + t80), maximum(absolute(T12 + t81), t83))
-    t85 = maximum(t65, maximum(t64, maximum(t63, maximum(t62, t84))))
-    t86 = maximum(absolute(t67 - t19*t19), maximum(absolute(t47*t47 - (1.0 - t48*t48)), t85))
-    t87 = less(maximum(absolute(t50*t50 - (1.0 - t51*t51)), t86), 1e-07)
-    t88 = select(less(maximum(t57, t82), t58)*(t71*t87), t75, t76)
+    t56 = absolute(T31)
+    t57 = maximum(t56, maximum(absolute(T11 - t54), absolute(T21 + t55)))
+    t58 = maximum(absolute(t54 - T22), maximum(absolute(t55 - T12), t57))
+    t59 = absolute(T32)
+    t60 = absolute(T13)
+    t61 = absolute(T23)
+    t62 = absolute(1.0 - T33)
+    t63 = maximum(t62, maximum(t61, maximum(t60, maximum(t59, t58))))
+    t64 = 1.0 - t13*t13
+    t65 = maximum(absolute(t64 - t18*t18), maximum(absolute(t29*t29 - (1.0 - t31*t31)), t63))
+    t66 = t24*maximum(absolute(t41*t41 - (1.0 - t42*t42)), t65)
+    t67 = maximum(absolute(p_a3*t54 + (p_a2*t52 - (T14 - p_a1*t31))), t66)
+    t68 = maximum(absolute(p_a3*t55 - (p_a2*t53 - (T24 - p_a1*t29))), t67)
+    t69 = absolute(T34)
+    t70 = maximum(t69, t68)
+    t71 = 1e-07*t24
+    t72 = k6 - k6*less(t10, -1e-11)
+    t73 = t11*t72
+    t74 = maximum(k8, t72)*less(t70, t71)
+    t75 = t13*t48 + t19*t47
+    t76 = t13*t47 - t19*t48
+    t77 = t50*t75 - t51*t76
+    t78 = t51*t75 + t50*t76
+    t79 = maximum(t56, maximum(absolute(T11 - t77), absolute(T21 - t78)))
+    t80 = maximum(absolute(T22 - t77), maximum(absolute(T12 + t78), t79))
+    t81 = maximum(t62, maximum(t61, maximum(t60, maximum(t59, t80))))
+    t82 = maximum(absolute(t64 - t19*t19), maximum(absolute(t47*t47 - (1.0 - t48*t48)), t81))
+    t83 = t24*maximum(absolute(t50*t50 - (1.0 - t51*t51)), t82)
+    t84 = maximum(absolute(p_a3*t77 + (p_a2*t76 - (T14 - p_a1*t48))), t83)
+    t85 = maximum(absolute(p_a3*t78 - (p_a2*t75 + (T24 - p_a1*t47))), t84)
+    t86 = maximum(t69, t85)
+    t87 = less(t86, t71)*t73
+    t88 = minimum(select(t74, t70, t71), select(t87, t86, t71))
+    t89 = maximum(1000.0*t88, 3e-11*t24)
+    t90 = 1.0 - less(1e-09, t10)
+    t91 = maximum(k8, t90 - t90*less(t10, -9.999999999999999e-10))
+    t92 = maximum(t91, 1.0 - less(0.001*t25, t26))
+    t93 = t74*maximum(t92, less(t70, t89))
+    t94 = t87*maximum(t92, less(t86, t89))
+    t95 = maximum(k8, t49)
+    t96 = maximum(maximum(t91, t49), t92 - t92*maximum(t93, t94))
+    t97 = select(t95, 8.0, 4.0*t96)
+    t98 = select(t95, 3.0, select(t72 - t73, 2.0, 1.0)) + 4.0*t92
     return (
         atan2(t29, t31), atan2(t13, t18), -atan2(t41, t42), atan2(t47, t48), -atan2(t13, -t19),
-        atan2(t50, -t51), t77, t88,
+        atan2(t50, -t51), select(t93, t98, t97), select(t94, t98, t97),
     )
 
 
@@ -615,7 +629,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t56 = (t53 - t16*t25 + t20*t27 - t54*t46 - t51*t55)/t52
     t57 = t55/t50 - t51*t56
     return (
-        q1 - (t54/t45 - t49*t57 - t46*t56), q2 - t57, q3 - t56, maximum(0.0, t43),
+        q1 - (t54/t45 - t49*t57 - t46*t56), q2 - t57, q3 - t56, maximum(0.0, t43), t5,
     )
 
 
@@ -1379,6 +1393,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1389,11 +1406,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.362, -0.658, -0.901,),
+    (-0.723, 0.684, 0.199,),
+    (0.915, 0.026, -0.702,),
+    (0.553, -0.632, 0.398,),
+    (0.192, 0.71, -0.503,),
+    (-0.17, 0.053, 0.596,),
+    (-0.532, -0.605, -0.304,),
+    (-0.893, 0.737, 0.795,),
+    (0.745, 0.079, -0.105,),
+    (0.383, -0.579, 0.994,),
+    (0.022, 0.763, 0.093,),
+    (-0.34, 0.105, -0.807,),
+    (-0.702, -0.553, 0.292,),
+    (0.937, 0.789, -0.608,),
+    (0.575, 0.131, 0.491,),
+    (0.214, -0.527, -0.41,),
+    (-0.148, 0.815, 0.69,),
+    (-0.51, 0.158, -0.211,),
+    (-0.871, -0.5, 0.889,),
+    (0.767, 0.842, -0.012,),
+    (0.405, 0.184, -0.913,),
+    (0.044, -0.474, 0.187,),
+    (-0.318, 0.868, -0.714,),
+    (-0.68, 0.21, 0.386,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1428,12 +1484,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1449,6 +1510,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1534,7 +1602,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1550,7 +1618,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -1580,10 +1684,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -1597,10 +1698,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

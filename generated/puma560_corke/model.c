@@ -4254,6 +4254,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[4 * lanes] = q5 - t112;
     result[5 * lanes] = q6 - t111;
     result[6 * lanes] = t121;
+    result[7 * lanes] = t23;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -4318,221 +4319,231 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t26 = t14 > 0.0 ? sa1 : t24 + t21;
     const double t27 = t14 > 0.0 ? -sa1 : t24 - t21;
     const double t28 = T24*t27;
-    const double t29 = t14 > 0.0 ? ca1 : t25 + t22;
-    const double t30 = t14 > 0.0 ? -ca1 : t25 - t22;
-    const double t31 = t28 - T14*t29;
-    const double t32 = t5 + t31*t31;
-    const double t33 = 0.1393635983561168 - t9*t9;
-    const double t34 = 1.393635983561168e-15 < t33;
-    const double t35 = t34 > 0.0 ? sqrt(maximum(0.0, t33)) : 0.0;
-    const double t36 = 2.675752380095121*t35;
-    const double t37 = 0.12579382426107213*t35;
-    const double t38 = 0.12579382426107213*t9;
-    const double t39 = 2.675752380095121*t9;
-    const double t40 = t38 - t36;
-    const double t41 = t38 + t36;
-    const double t42 = 0.0203 - 0.4318*t40;
-    const double t43 = t39 + t37;
-    const double t44 = t39 - t37;
-    const double t45 = 0.4318 - 0.4318*t43;
-    const double t46 = T34*t45;
-    const double t47 = (t46 + t42*t31)/t32;
-    const double t48 = T34*t42;
-    const double t49 = (t48 - t45*t31)/t32;
-    const double t50 = 1.5 - 0.5*(t47*t47 + t49*t49);
-    const double t51 = 0.0203 - 0.4318*t41;
-    const double t52 = 0.4318 - 0.4318*t44;
-    const double t53 = T34*t52;
-    const double t54 = 2.0*T14;
-    const double t55 = fabs(t6 - t29*(t4*t29 + t54*t28));
-    const double t56 = t15 < t55;
-    const double t57 = ca2*ca3 - sa2*sa3;
-    const double t58 = t56 > 0.0 ? t50*((t53 + t51*t31)/t32) : t57;
-    const double t59 = ca2*sa3 + ca3*sa2;
-    const double t60 = t56 > 0.0 ? t47*t50 : t57;
-    const double t61 = t56 > 0.0 ? t49*t50 : t59;
-    const double t62 = T23*t27 - T13*t29;
-    const double t63 = T34*t51;
-    const double t64 = t56 > 0.0 ? t50*((t63 - t52*t31)/t32) : t59;
-    const double t65 = 1.0 - t56;
-    const double t66 = t62*t58 + T33*t64;
-    const double t67 = fabs(t66);
-    const double t68 = T13*t27 + T23*t29;
+    const double t29 = t14 > 0.0 ? ca1 : t22 + t25;
+    const double t30 = t14 > 0.0 ? ca1 : t22 - t25;
+    const double t31 = arctangent(t26, t30);
+    const double t32 = t28 - T14*t29;
+    const double t33 = t5 + t32*t32;
+    const double t34 = 0.1393635983561168 - t9*t9;
+    const double t35 = 1.393635983561168e-15 < t34;
+    const double t36 = t35 > 0.0 ? sqrt(maximum(0.0, t34)) : 0.0;
+    const double t37 = 2.675752380095121*t36;
+    const double t38 = 0.12579382426107213*t36;
+    const double t39 = 0.12579382426107213*t9;
+    const double t40 = 2.675752380095121*t9;
+    const double t41 = t37 - t39;
+    const double t42 = t37 + t39;
+    const double t43 = 0.0203 + 0.4318*t41;
+    const double t44 = t40 + t38;
+    const double t45 = t40 - t38;
+    const double t46 = arctangent(t44, t41);
+    const double t47 = 0.4318 - 0.4318*t44;
+    const double t48 = T34*t47;
+    const double t49 = (t48 + t43*t32)/t33;
+    const double t50 = T34*t43;
+    const double t51 = (t50 - t47*t32)/t33;
+    const double t52 = 1.5 - 0.5*(t49*t49 + t51*t51);
+    const double t53 = 0.0203 - 0.4318*t42;
+    const double t54 = 0.4318 - 0.4318*t45;
+    const double t55 = T34*t54;
+    const double t56 = 2.0*T14;
+    const double t57 = fabs(t6 - t29*(t4*t29 + t56*t28));
+    const double t58 = t15 < t57;
+    const double t59 = ca2*ca3 - sa3*sa2;
+    const double t60 = t58 > 0.0 ? t52*((t55 + t53*t32)/t33) : t59;
+    const double t61 = ca2*sa3 + sa2*ca3;
+    const double t62 = t58 > 0.0 ? t49*t52 : t59;
+    const double t63 = t58 > 0.0 ? t51*t52 : t61;
+    const double t64 = T23*t27 - T13*t29;
+    const double t65 = T34*t53;
+    const double t66 = t58 > 0.0 ? t52*((t65 - t54*t32)/t33) : t61;
+    const double t67 = 1.0 - t58;
+    const double t68 = t64*t60 + T33*t66;
     const double t69 = fabs(t68);
-    const double t70 = 1.0 - (1e-12 < t69);
-    const double t71 = t70 - t70*(1e-12 < t67);
-    const double t72 = maximum(t14, t65);
-    const double t73 = maximum(t71, t72);
-    const double t74 = (1.0 - t14)*(1.0 - (1e-11*t16 < t17));
-    const double t75 = t19*t74;
-    const double t76 = maximum(t14, t74);
-    const double t77 = 1.0 - (t33 < -1.3936359835611679e-12);
-    const double t78 = t34*t77;
-    const double t79 = maximum(t74 - t75, t77 - t78) > 0.0 ? 2.0 : 1.0;
-    const double t80 = 1.0 - (0.001 < t69);
-    const double t81 = 1.0 - (1e-14*fabs(100000.0*t3) < t18);
-    const double t82 = t81 - t81*(1e-11*fabs(100.0*t3) < t17);
-    const double t83 = 0.001*t8;
-    const double t84 = 1.0 - (t83 < t11);
-    const double t85 = t8*t83;
-    const double t86 = 1.0 - (1.393635983561168e-10 < t33);
-    const double t87 = t86 - t86*(t33 < -1.3936359835611678e-10);
-    const double t88 = maximum(maximum(t82, t84 - t84*(t83 < t13)), t87);
-    const double t89 = maximum(t88, 1.0 - (t85 < t55));
-    const double t90 = maximum(t87, maximum(t14, t82));
-    const double t91 = maximum(t90, t65);
-    const double t92 = (t73 > 0.0 ? 3.0 : t79) + 4.0*maximum(t89, t80 - t80*(0.001 < t67));
-    const double t93 = t73 > 0.0 ? 8.0 : 4.0*maximum(t71, t91);
-    const double t94 = t75*t78;
-    const double t95 = t77*t75;
-    const double t96 = t76*t78;
-    const double t97 = t76*t77;
-    const double t98 = t60*t62 + T33*t61;
-    const double t99 = fabs(t98);
-    const double t100 = t70 - t70*(1e-12 < t99);
-    const double t101 = maximum(t100, t72);
-    const double t102 = t101 > 0.0 ? 8.0 : 4.0*maximum(t100, t91);
-    const double t103 = (t101 > 0.0 ? 3.0 : t79) + 4.0*maximum(t80 - t80*(0.001 < t99), t89);
-    const double t104 = T24*t26;
-    const double t105 = fabs(t6 - t30*(t30*t4 + t54*t104));
-    const double t106 = t15 < t105;
-    const double t107 = maximum(1.0 - (t85 < t105), t88);
-    const double t108 = t104 - T14*t30;
-    const double t109 = t5 + t108*t108;
-    const double t110 = (t46 + t108*t42)/t109;
-    const double t111 = (t48 - t108*t45)/t109;
-    const double t112 = 1.5 - 0.5*(t110*t110 + t111*t111);
-    const double t113 = t106 > 0.0 ? t112*((t53 + t108*t51)/t109) : t57;
-    const double t114 = t106 > 0.0 ? t112*((t63 - t108*t52)/t109) : t59;
-    const double t115 = t106 > 0.0 ? t110*t112 : t57;
-    const double t116 = t106 > 0.0 ? t111*t112 : t59;
-    const double t117 = 1.0 - t106;
-    const double t118 = maximum(t14, t117);
-    const double t119 = maximum(t117, t90);
-    const double t120 = t26*T23 - t30*T13;
-    const double t121 = t120*t113 + T33*t114;
-    const double t122 = fabs(t121);
-    const double t123 = t26*T13 + t30*T23;
-    const double t124 = fabs(t123);
-    const double t125 = 1.0 - (1e-12 < t124);
-    const double t126 = t125 - t125*(1e-12 < t122);
-    const double t127 = 1.0 - (0.001 < t124);
-    const double t128 = maximum(t126, t118);
-    const double t129 = (t128 > 0.0 ? 3.0 : t79) + 4.0*maximum(t107, t127 - t127*(0.001 < t122));
-    const double t130 = t128 > 0.0 ? 8.0 : 4.0*maximum(t126, t119);
-    const double t131 = t115*t120 + t116*T33;
-    const double t132 = fabs(t131);
-    const double t133 = t125 - t125*(1e-12 < t132);
-    const double t134 = maximum(t133, t118);
-    const double t135 = (t134 > 0.0 ? 3.0 : t79) + 4.0*maximum(t127 - t127*(0.001 < t132), t107);
-    const double t136 = t134 > 0.0 ? 8.0 : 4.0*maximum(t133, t119);
-    const double t137 = t68*t68;
-    const double t138 = sqrt(t137 + t66*t66);
-    const double t139 = -ca4;
-    const double t140 = t71 > 0.0 ? t139 : t66/t138;
-    const double t141 = T11*t27 + T21*t29;
-    const double t142 = t71 > 0.0 ? sa4 : t68/t138;
-    const double t143 = T21*t27 - T11*t29;
-    const double t144 = T12*t27 + T22*t29;
-    const double t145 = arctangent(t142, -t140);
-    const double t146 = T22*t27 - T12*t29;
-    const double t147 = arctangent(t27, -t29);
-    const double t148 = arctangent(t141*t140 - t142*(T31*t64 + t143*t58), t144*t140 - t142*(T32*t64 + t146*t58));
-    const double t149 = (0.0 < t148) ? 3.141592653589793 : -3.141592653589793;
-    const double t150 = arctangent(t66*t140 + t68*t142, -(t62*t64 - T33*t58));
-    const double t151 = (0.0 < t145) ? 3.141592653589793 : -3.141592653589793;
-    const double t152 = arctangent(t44, -t41);
-    const double t153 = arctangent(t44*t58 + t41*t64, t44*t64 - t41*t58);
-    const double t154 = sqrt(t137 + t98*t98);
-    const double t155 = t100 > 0.0 ? t139 : t98/t154;
-    const double t156 = t100 > 0.0 ? sa4 : t68/t154;
-    const double t157 = arctangent(t156, -t155);
-    const double t158 = arctangent(t155*t141 - t156*(T31*t61 + t60*t143), t155*t144 - t156*(T32*t61 + t60*t146));
-    const double t159 = (0.0 < t158) ? 3.141592653589793 : -3.141592653589793;
-    const double t160 = arctangent(t98*t155 + t68*t156, -(t61*t62 - T33*t60));
-    const double t161 = (0.0 < t157) ? 3.141592653589793 : -3.141592653589793;
-    const double t162 = arctangent(t43, -t40);
-    const double t163 = arctangent(t43*t60 + t40*t61, t43*t61 - t40*t60);
-    const double t164 = t123*t123;
-    const double t165 = sqrt(t164 + t121*t121);
-    const double t166 = t126 > 0.0 ? t139 : t121/t165;
-    const double t167 = t126 > 0.0 ? sa4 : t123/t165;
-    const double t168 = t26*T11 + t30*T21;
-    const double t169 = t26*T21 - t30*T11;
-    const double t170 = t26*T12 + t30*T22;
-    const double t171 = arctangent(t167, -t166);
-    const double t172 = t26*T22 - t30*T12;
-    const double t173 = arctangent(t26, -t30);
-    const double t174 = arctangent(t168*t166 - t167*(T31*t114 + t169*t113), t170*t166 - t167*(T32*t114 + t172*t113));
-    const double t175 = (0.0 < t174) ? 3.141592653589793 : -3.141592653589793;
-    const double t176 = arctangent(t121*t166 + t123*t167, -(t120*t114 - T33*t113));
-    const double t177 = (0.0 < t171) ? 3.141592653589793 : -3.141592653589793;
-    const double t178 = arctangent(t41*t114 + t44*t113, t44*t114 - t41*t113);
-    const double t179 = sqrt(t164 + t131*t131);
-    const double t180 = t133 > 0.0 ? t139 : t131/t179;
-    const double t181 = t133 > 0.0 ? sa4 : t123/t179;
-    const double t182 = arctangent(t181, -t180);
-    const double t183 = arctangent(t180*t168 - t181*(t116*T31 + t115*t169), t180*t170 - t181*(t116*T32 + t115*t172));
-    const double t184 = (0.0 < t183) ? 3.141592653589793 : -3.141592653589793;
-    const double t185 = arctangent(t131*t180 + t123*t181, -(t116*t120 - t115*T33));
-    const double t186 = (0.0 < t182) ? 3.141592653589793 : -3.141592653589793;
-    const double t187 = arctangent(t43*t115 + t40*t116, t43*t116 - t40*t115);
-    result[0] = t173;
-    result[lanes] = -t187;
-    result[2 * lanes] = t162;
-    result[3 * lanes] = t182;
-    result[4 * lanes] = t185;
-    result[5 * lanes] = t183;
-    result[6 * lanes] = t173;
-    result[7 * lanes] = -t187;
-    result[8 * lanes] = t162;
-    result[9 * lanes] = t182 - t186;
-    result[10 * lanes] = -t185;
-    result[11 * lanes] = t183 - t184;
-    result[12 * lanes] = t173;
-    result[13 * lanes] = -t178;
-    result[14 * lanes] = t152;
-    result[15 * lanes] = t171;
-    result[16 * lanes] = t176;
-    result[17 * lanes] = t174;
-    result[18 * lanes] = t173;
-    result[19 * lanes] = -t178;
-    result[20 * lanes] = t152;
-    result[21 * lanes] = t171 - t177;
-    result[22 * lanes] = -t176;
-    result[23 * lanes] = t174 - t175;
-    result[24 * lanes] = t147;
-    result[25 * lanes] = -t163;
-    result[26 * lanes] = t162;
-    result[27 * lanes] = t157;
-    result[28 * lanes] = t160;
-    result[29 * lanes] = t158;
-    result[30 * lanes] = t147;
-    result[31 * lanes] = -t163;
-    result[32 * lanes] = t162;
-    result[33 * lanes] = t157 - t161;
-    result[34 * lanes] = -t160;
-    result[35 * lanes] = t158 - t159;
-    result[36 * lanes] = t147;
-    result[37 * lanes] = -t153;
-    result[38 * lanes] = t152;
-    result[39 * lanes] = t145;
-    result[40 * lanes] = t150;
-    result[41 * lanes] = t148;
-    result[42 * lanes] = t147;
-    result[43 * lanes] = -t153;
-    result[44 * lanes] = t152;
-    result[45 * lanes] = t145 - t151;
-    result[46 * lanes] = -t150;
-    result[47 * lanes] = t148 - t149;
-    result[48 * lanes] = t97 > 0.0 ? t135 : t136;
-    result[49 * lanes] = t97 - t133*t97 > 0.0 ? t135 : t136;
-    result[50 * lanes] = t96 > 0.0 ? t129 : t130;
-    result[51 * lanes] = t96 - t126*t96 > 0.0 ? t129 : t130;
-    result[52 * lanes] = t95 > 0.0 ? t103 : t102;
-    result[53 * lanes] = t95 - t100*t95 > 0.0 ? t103 : t102;
-    result[54 * lanes] = t94 > 0.0 ? t92 : t93;
-    result[55 * lanes] = t94 - t71*t94 > 0.0 ? t92 : t93;
+    const double t70 = T13*t27 + T23*t29;
+    const double t71 = fabs(t70);
+    const double t72 = 1.0 - (1e-12 < t71);
+    const double t73 = t72 - t72*(1e-12 < t69);
+    const double t74 = maximum(t14, t67);
+    const double t75 = maximum(t73, t74);
+    const double t76 = (1.0 - t14)*(1.0 - (1e-11*t16 < t17));
+    const double t77 = t19*t76;
+    const double t78 = maximum(t14, t76);
+    const double t79 = 1.0 - (t34 < -1.3936359835611679e-12);
+    const double t80 = t35*t79;
+    const double t81 = maximum(t76 - t77, t79 - t80) > 0.0 ? 2.0 : 1.0;
+    const double t82 = 1.0 - (0.001 < t71);
+    const double t83 = 1.0 - (1e-14*fabs(100000.0*t3) < t18);
+    const double t84 = t83 - t83*(1e-11*fabs(100.0*t3) < t17);
+    const double t85 = 0.001*t8;
+    const double t86 = 1.0 - (t85 < t11);
+    const double t87 = t8*t85;
+    const double t88 = 1.0 - (1.393635983561168e-10 < t34);
+    const double t89 = t88 - t88*(t34 < -1.3936359835611678e-10);
+    const double t90 = maximum(maximum(t84, t86 - t86*(t85 < t13)), t89);
+    const double t91 = maximum(t90, 1.0 - (t87 < t57));
+    const double t92 = maximum(t91, t82 - t82*(0.001 < t69));
+    const double t93 = maximum(t89, maximum(t14, t84));
+    const double t94 = maximum(t93, t67);
+    const double t95 = (t75 > 0.0 ? 3.0 : t81) + 4.0*t92;
+    const double t96 = T24*t26;
+    const double t97 = fabs(t6 - t30*(t30*t4 - t56*t96));
+    const double t98 = t15 < t97;
+    const double t99 = maximum(1.0 - (t87 < t97), t90);
+    const double t100 = t96 + T14*t30;
+    const double t101 = t5 + t100*t100;
+    const double t102 = (t48 + t100*t43)/t101;
+    const double t103 = (t50 - t100*t47)/t101;
+    const double t104 = 1.5 - 0.5*(t102*t102 + t103*t103);
+    const double t105 = t98 > 0.0 ? t104*((t55 + t100*t53)/t101) : t59;
+    const double t106 = t98 > 0.0 ? t104*((t65 - t100*t54)/t101) : t61;
+    const double t107 = t98 > 0.0 ? t102*t104 : t59;
+    const double t108 = t98 > 0.0 ? t103*t104 : t61;
+    const double t109 = 1.0 - t98;
+    const double t110 = maximum(t14, t109);
+    const double t111 = maximum(t109, t93);
+    const double t112 = t26*T23 + t30*T13;
+    const double t113 = t112*t105 + T33*t106;
+    const double t114 = fabs(t113);
+    const double t115 = t26*T13 - t30*T23;
+    const double t116 = fabs(t115);
+    const double t117 = 1.0 - (1e-12 < t116);
+    const double t118 = t117 - t117*(1e-12 < t114);
+    const double t119 = 1.0 - (0.001 < t116);
+    const double t120 = maximum(t99, t119 - t119*(0.001 < t114));
+    const double t121 = t78*t80;
+    const double t122 = t78*t79;
+    const double t123 = t79*t77;
+    const double t124 = t77*t80;
+    const double t125 = t121 - t118*t121;
+    const double t126 = t107*t112 + t108*T33;
+    const double t127 = fabs(t126);
+    const double t128 = t117 - t117*(1e-12 < t127);
+    const double t129 = maximum(t119 - t119*(0.001 < t127), t99);
+    const double t130 = t122 - t128*t122;
+    const double t131 = maximum(t123, maximum(t125, maximum(t121, maximum(t122, t130))));
+    const double t132 = t62*t64 + T33*t63;
+    const double t133 = fabs(t132);
+    const double t134 = t72 - t72*(1e-12 < t133);
+    const double t135 = maximum(t134, t74);
+    const double t136 = maximum(t82 - t82*(0.001 < t133), t91);
+    const double t137 = t123 - t134*t123;
+    const double t138 = t124 - t73*t124;
+    const double t139 = 1.0 - maximum(t138, maximum(t124, maximum(t137, t131)));
+    const double t140 = t75 > 0.0 ? 8.0 : 4.0*maximum(maximum(t73, t94), t139*t92);
+    const double t141 = (t135 > 0.0 ? 3.0 : t81) + 4.0*t136;
+    const double t142 = t135 > 0.0 ? 8.0 : 4.0*maximum(maximum(t134, t94), t139*t136);
+    const double t143 = maximum(t118, t110);
+    const double t144 = maximum(t128, t110);
+    const double t145 = (t143 > 0.0 ? 3.0 : t81) + 4.0*t120;
+    const double t146 = (t144 > 0.0 ? 3.0 : t81) + 4.0*t129;
+    const double t147 = t143 > 0.0 ? 8.0 : 4.0*maximum(maximum(t118, t111), t139*t120);
+    const double t148 = t144 > 0.0 ? 8.0 : 4.0*maximum(maximum(t128, t111), t129*t139);
+    const double t149 = t70*t70;
+    const double t150 = sqrt(t149 + t68*t68);
+    const double t151 = -ca4;
+    const double t152 = t73 > 0.0 ? t151 : t68/t150;
+    const double t153 = T11*t27 + T21*t29;
+    const double t154 = t73 > 0.0 ? sa4 : t70/t150;
+    const double t155 = T21*t27 - T11*t29;
+    const double t156 = T12*t27 + T22*t29;
+    const double t157 = arctangent(t154, -t152);
+    const double t158 = T22*t27 - T12*t29;
+    const double t159 = arctangent(t27, -t29);
+    const double t160 = arctangent(t153*t152 - t154*(T31*t66 + t155*t60), t156*t152 - t154*(T32*t66 + t158*t60));
+    const double t161 = (0.0 < t160) ? 3.141592653589793 : -3.141592653589793;
+    const double t162 = arctangent(t68*t152 + t70*t154, -(t64*t66 - T33*t60));
+    const double t163 = (0.0 < t157) ? 3.141592653589793 : -3.141592653589793;
+    const double t164 = arctangent(t45, -t42);
+    const double t165 = arctangent(t45*t60 + t42*t66, t45*t66 - t42*t60);
+    const double t166 = sqrt(t149 + t132*t132);
+    const double t167 = t134 > 0.0 ? t151 : t132/t166;
+    const double t168 = t134 > 0.0 ? sa4 : t70/t166;
+    const double t169 = arctangent(t168, -t167);
+    const double t170 = arctangent(t167*t153 - t168*(T31*t63 + t62*t155), t167*t156 - t168*(T32*t63 + t62*t158));
+    const double t171 = (0.0 < t170) ? 3.141592653589793 : -3.141592653589793;
+    const double t172 = arctangent(t132*t167 + t70*t168, -(t63*t64 - T33*t62));
+    const double t173 = (0.0 < t169) ? 3.141592653589793 : -3.141592653589793;
+    const double t174 = arctangent(t41*t63 - t44*t62, t41*t62 + t44*t63);
+    const double t175 = t115*t115;
+    const double t176 = sqrt(t175 + t113*t113);
+    const double t177 = t118 > 0.0 ? t151 : t113/t176;
+    const double t178 = t118 > 0.0 ? sa4 : t115/t176;
+    const double t179 = t26*T11 - t30*T21;
+    const double t180 = t26*T21 + t30*T11;
+    const double t181 = t26*T12 - t30*T22;
+    const double t182 = t26*T22 + t30*T12;
+    const double t183 = arctangent(t178, -t177);
+    const double t184 = arctangent(t179*t177 - t178*(T31*t106 + t180*t105), t181*t177 - t178*(T32*t106 + t182*t105));
+    const double t185 = (0.0 < t184) ? 3.141592653589793 : -3.141592653589793;
+    const double t186 = arctangent(t113*t177 + t115*t178, -(t112*t106 - T33*t105));
+    const double t187 = (0.0 < t183) ? 3.141592653589793 : -3.141592653589793;
+    const double t188 = arctangent(t45*t105 + t42*t106, t45*t106 - t42*t105);
+    const double t189 = sqrt(t175 + t126*t126);
+    const double t190 = t128 > 0.0 ? t151 : t126/t189;
+    const double t191 = t128 > 0.0 ? sa4 : t115/t189;
+    const double t192 = arctangent(t191, -t190);
+    const double t193 = arctangent(t190*t179 - t191*(t108*T31 + t107*t180), t190*t181 - t191*(t108*T32 + t107*t182));
+    const double t194 = (0.0 < t193) ? 3.141592653589793 : -3.141592653589793;
+    const double t195 = arctangent(t126*t190 + t115*t191, -(t108*t112 - t107*T33));
+    const double t196 = (0.0 < t192) ? 3.141592653589793 : -3.141592653589793;
+    const double t197 = arctangent(t41*t108 - t44*t107, t41*t107 + t44*t108);
+    result[0] = t31;
+    result[lanes] = t197;
+    result[2 * lanes] = t46;
+    result[3 * lanes] = t192;
+    result[4 * lanes] = t195;
+    result[5 * lanes] = t193;
+    result[6 * lanes] = t31;
+    result[7 * lanes] = t197;
+    result[8 * lanes] = t46;
+    result[9 * lanes] = t192 - t196;
+    result[10 * lanes] = -t195;
+    result[11 * lanes] = t193 - t194;
+    result[12 * lanes] = t31;
+    result[13 * lanes] = -t188;
+    result[14 * lanes] = t164;
+    result[15 * lanes] = t183;
+    result[16 * lanes] = t186;
+    result[17 * lanes] = t184;
+    result[18 * lanes] = t31;
+    result[19 * lanes] = -t188;
+    result[20 * lanes] = t164;
+    result[21 * lanes] = t183 - t187;
+    result[22 * lanes] = -t186;
+    result[23 * lanes] = t184 - t185;
+    result[24 * lanes] = t159;
+    result[25 * lanes] = t174;
+    result[26 * lanes] = t46;
+    result[27 * lanes] = t169;
+    result[28 * lanes] = t172;
+    result[29 * lanes] = t170;
+    result[30 * lanes] = t159;
+    result[31 * lanes] = t174;
+    result[32 * lanes] = t46;
+    result[33 * lanes] = t169 - t173;
+    result[34 * lanes] = -t172;
+    result[35 * lanes] = t170 - t171;
+    result[36 * lanes] = t159;
+    result[37 * lanes] = -t165;
+    result[38 * lanes] = t164;
+    result[39 * lanes] = t157;
+    result[40 * lanes] = t162;
+    result[41 * lanes] = t160;
+    result[42 * lanes] = t159;
+    result[43 * lanes] = -t165;
+    result[44 * lanes] = t164;
+    result[45 * lanes] = t157 - t163;
+    result[46 * lanes] = -t162;
+    result[47 * lanes] = t160 - t161;
+    result[48 * lanes] = t122 > 0.0 ? t146 : t148;
+    result[49 * lanes] = t130 > 0.0 ? t146 : t148;
+    result[50 * lanes] = t121 > 0.0 ? t145 : t147;
+    result[51 * lanes] = t125 > 0.0 ? t145 : t147;
+    result[52 * lanes] = t123 > 0.0 ? t141 : t142;
+    result[53 * lanes] = t137 > 0.0 ? t141 : t142;
+    result[54 * lanes] = t124 > 0.0 ? t95 : t140;
+    result[55 * lanes] = t138 > 0.0 ? t95 : t140;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -4554,10 +4565,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
 {
     double angles[6], sines[6], cosines[6];
@@ -4569,7 +4580,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 6; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -4579,7 +4590,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
 {
     enum { error = 6 };
-    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[6 + 2], found[6 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -4661,6 +4672,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, result, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06};
+    double row[6], back[6];
+    size_t place = kinds[branch] ? 8 : branch, listed = 0;
+    for (size_t j = 0; j < 6; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 8; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 6 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 8)
+            place = b;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 8 || (listed && !alone))
+        return;
+    memcpy(q + 6 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -4670,6 +4708,31 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    const double damping = 1e-12;
+    double start[6], step[6 + 2], values[56], moved[16] = {0.0};
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, step);
+    const double unit = step[6 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, values);
+        for (size_t b = 0; b < 8; ++b)
+            inverse_kinematics_added(T, unit, values + 6 * b, b, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int puma560_corke_inverse_kinematics(const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
@@ -4677,7 +4740,7 @@ int puma560_corke_inverse_kinematics(const double *restrict T, const double *res
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[6], values[56];
     const double *const codes = values + 48;
-    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    int kinds[8], doubts[8], doubted[8], free[8], settled[8] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 48; ++j)
             q[j] = NAN;
@@ -4693,7 +4756,7 @@ int puma560_corke_inverse_kinematics(const double *restrict T, const double *res
         return count;
     memcpy(q, values, 48 * sizeof *q);
     for (size_t b = 0; b < 8; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -4709,9 +4772,13 @@ int puma560_corke_inverse_kinematics(const double *restrict T, const double *res
         if (lacking)
             inverse_kinematics_values(T, start, values);
         for (size_t j = 0; j < 48 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 6])
+            if (inverse_kinematics_turning[j % 6])
                 values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
     }
+    for (size_t b = 0; b < 8; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, q, kinds);
     count = 0;
     for (size_t b = 0; b < 8; ++b) {
         for (size_t j = 0; j < 6 && !kinds[b]; ++j)

@@ -22,7 +22,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * Self-check: `derive verify puma560-corke` compares every function with an independent recursion.
  */
@@ -42,7 +42,7 @@ enum {
     puma560_corke_none = 0, /**< The branch does not exist. */
     puma560_corke_exact = 1, /**< A solution. */
     puma560_corke_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    puma560_corke_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    puma560_corke_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -319,7 +319,7 @@ void puma560_corke_base_parameters(double *result);
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 8 solutions, and no more.
+ * A reachable pose has up to 8 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -329,7 +329,16 @@ void puma560_corke_base_parameters(double *result);
  * @param[out] status  what each branch is, 8; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 202 mul, 139 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 109 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. shoulder right, elbow down, wrist not flipped
+ * 2. shoulder right, elbow down, wrist flipped
+ * 3. shoulder right, elbow up, wrist not flipped
+ * 4. shoulder right, elbow up, wrist flipped
+ * 5. shoulder left, elbow up, wrist not flipped
+ * 6. shoulder left, elbow up, wrist flipped
+ * 7. shoulder left, elbow down, wrist not flipped
+ * 8. shoulder left, elbow down, wrist flipped
+ * Closed form, all branches at once: 206 mul, 140 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 120 cases.
  */
 int puma560_corke_inverse_kinematics(const double *T, const double *near, double *q, int *status);
 

@@ -39,7 +39,16 @@ Every parameter has its number in this file.
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+beyond 1e30. A reachable pose has up to 8 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. shoulder right, elbow down, wrist not flipped
+2. shoulder right, elbow down, wrist flipped
+3. shoulder right, elbow up, wrist not flipped
+4. shoulder right, elbow up, wrist flipped
+5. shoulder left, elbow up, wrist not flipped
+6. shoulder left, elbow up, wrist flipped
+7. shoulder left, elbow down, wrist not flipped
+8. shoulder left, elbow down, wrist flipped
 
 Self-check: `derive verify puma560-corke` compares every function with an independent recursion.
 """
@@ -105,7 +114,7 @@ OPERATIONS = {
     "regressor": {"mul": 440, "add": 340, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_regressor": {"mul": 387, "add": 282, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 202, "add": 139, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 109},
+    "inverse_kinematics": {"mul": 206, "add": 140, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -2153,179 +2162,188 @@ def _inverse_kinematics(functions, k, T, near):
     t28 = select(t14, -t26, t24 - t21)
     t29 = T24*t28
     t30 = cos(near1)
-    t31 = select(t14, t30, t25 + t22)
-    t32 = select(t14, -t30, t25 - t22)
-    t33 = t29 - T14*t31
-    t34 = t5 + t33*t33
-    t35 = 0.1393635983561168 - t9*t9
-    t36 = less(1.393635983561168e-15, t35)
-    t37 = select(t36, sqrt(maximum(0.0, t35)), 0.0)
-    t38 = 2.675752380095121*t37
-    t39 = 0.12579382426107213*t37
-    t40 = 0.12579382426107213*t9
-    t41 = 2.675752380095121*t9
-    t42 = t40 - t38
-    t43 = t40 + t38
-    t44 = 0.0203 - 0.4318*t42
-    t45 = t41 + t39
-    t46 = t41 - t39
-    t47 = 0.4318 - 0.4318*t45
-    t48 = T34*t47
-    t49 = (t48 + t44*t33)/t34
-    t50 = T34*t44
-    t51 = (t50 - t47*t33)/t34
-    t52 = 1.5 - 0.5*(t49*t49 + t51*t51)
-    t53 = 0.0203 - 0.4318*t43
-    t54 = 0.4318 - 0.4318*t46
-    t55 = T34*t54
-    t56 = 2.0*T14
-    t57 = absolute(t6 - t31*(t4*t31 + t56*t29))
-    t58 = less(t15, t57)
-    t59 = cos(near3)
-    t60 = cos(near2)
-    t61 = sin(near3)
-    t62 = sin(near2)
-    t63 = t59*t60 - t61*t62
-    t64 = select(t58, t52*((t55 + t53*t33)/t34), t63)
-    t65 = t59*t62 + t60*t61
-    t66 = select(t58, t49*t52, t63)
-    t67 = select(t58, t51*t52, t65)
-    t68 = T23*t28 - T13*t31
-    t69 = T34*t53
-    t70 = select(t58, t52*((t69 - t54*t33)/t34), t65)
-    t71 = 1.0 - t58
-    t72 = t68*t64 + T33*t70
-    t73 = absolute(t72)
-    t74 = T13*t28 + T23*t31
+    t31 = select(t14, t30, t22 + t25)
+    t32 = select(t14, t30, t22 - t25)
+    t33 = atan2(t27, t32)
+    t34 = t29 - T14*t31
+    t35 = t5 + t34*t34
+    t36 = 0.1393635983561168 - t9*t9
+    t37 = less(1.393635983561168e-15, t36)
+    t38 = select(t37, sqrt(maximum(0.0, t36)), 0.0)
+    t39 = 2.675752380095121*t38
+    t40 = 0.12579382426107213*t38
+    t41 = 0.12579382426107213*t9
+    t42 = 2.675752380095121*t9
+    t43 = t39 - t41
+    t44 = t39 + t41
+    t45 = 0.0203 + 0.4318*t43
+    t46 = t42 + t40
+    t47 = t42 - t40
+    t48 = atan2(t46, t43)
+    t49 = 0.4318 - 0.4318*t46
+    t50 = T34*t49
+    t51 = (t50 + t45*t34)/t35
+    t52 = T34*t45
+    t53 = (t52 - t49*t34)/t35
+    t54 = 1.5 - 0.5*(t51*t51 + t53*t53)
+    t55 = 0.0203 - 0.4318*t44
+    t56 = 0.4318 - 0.4318*t47
+    t57 = T34*t56
+    t58 = 2.0*T14
+    t59 = absolute(t6 - t31*(t4*t31 + t58*t29))
+    t60 = less(t15, t59)
+    t61 = cos(near3)
+    t62 = cos(near2)
+    t63 = sin(near2)
+    t64 = sin(near3)
+    t65 = t61*t62 - t63*t64
+    t66 = select(t60, t54*((t57 + t55*t34)/t35), t65)
+    t67 = t61*t63 + t64*t62
+    t68 = select(t60, t51*t54, t65)
+    t69 = select(t60, t53*t54, t67)
+    t70 = T23*t28 - T13*t31
+    t71 = T34*t55
+    t72 = select(t60, t54*((t71 - t56*t34)/t35), t67)
+    t73 = 1.0 - t60
+    t74 = t70*t66 + T33*t72
     t75 = absolute(t74)
-    t76 = 1.0 - less(1e-12, t75)
-    t77 = t76 - t76*less(1e-12, t73)
-    t78 = maximum(t14, t71)
-    t79 = maximum(t77, t78)
-    t80 = (1.0 - t14)*(1.0 - less(1e-11*t16, t17))
-    t81 = t19*t80
-    t82 = maximum(t14, t80)
-    t83 = 1.0 - less(t35, -1.3936359835611679e-12)
-    t84 = t36*t83
-    t85 = select(maximum(t80 - t81, t83 - t84), 2.0, 1.0)
-    t86 = 1.0 - less(0.001, t75)
-    t87 = 1.0 - less(1e-14*absolute(100000.0*t3), t18)
-    t88 = t87 - t87*less(1e-11*absolute(100.0*t3), t17)
-    t89 = 0.001*t8
-    t90 = 1.0 - less(t89, t11)
-    t91 = t8*t89
-    t92 = 1.0 - less(1.393635983561168e-10, t35)
-    t93 = t92 - t92*less(t35, -1.3936359835611678e-10)
-    t94 = maximum(maximum(t88, t90 - t90*less(t89, t13)), t93)
-    t95 = maximum(t94, 1.0 - less(t91, t57))
-    t96 = maximum(t93, maximum(t14, t88))
-    t97 = maximum(t96, t71)
-    t98 = select(t79, 3.0, t85) + 4.0*maximum(t95, t86 - t86*less(0.001, t73))
-    t99 = select(t79, 8.0, 4.0*maximum(t77, t97))
-    t100 = t81*t84
-    t101 = t83*t81
-    t102 = t82*t84
-    t103 = t82*t83
-    t104 = t66*t68 + T33*t67
-    t105 = absolute(t104)
-    t106 = t76 - t76*less(1e-12, t105)
-    t107 = maximum(t106, t78)
-    t108 = select(t107, 8.0, 4.0*maximum(t106, t97))
-    t109 = select(t107, 3.0, t85) + 4.0*maximum(t86 - t86*less(0.001, t105), t95)
-    t110 = T24*t27
-    t111 = absolute(t6 - t32*(t32*t4 + t56*t110))
-    t112 = less(t15, t111)
-    t113 = maximum(1.0 - less(t91, t111), t94)
-    t114 = t110 - T14*t32
-    t115 = t5 + t114*t114
-    t116 = (t48 + t114*t44)/t115
-    t117 = (t50 - t114*t47)/t115
-    t118 = 1.5 - 0.5*(t116*t116 + t117*t117)
-    t119 = select(t112, t118*((t55 + t114*t53)/t115), t63)
-    t120 = select(t112, t118*((t69 - t114*t54)/t115), t65)
-    t121 = select(t112, t116*t118, t63)
-    t122 = select(t112, t117*t118, t65)
-    t123 = 1.0 - t112
-    t124 = maximum(t14, t123)
-    t125 = maximum(t123, t96)
-    t126 = t27*T23 - t32*T13
-    t127 = t126*t119 + T33*t120
-    t128 = absolute(t127)
-    t129 = t27*T13 + t32*T23
-    t130 = absolute(t129)
-    t131 = 1.0 - less(1e-12, t130)
-    t132 = t131 - t131*less(1e-12, t128)
-    t133 = 1.0 - less(0.001, t130)
-    t134 = maximum(t132, t124)
-    t135 = select(t134, 3.0, t85) + 4.0*maximum(t113, t133 - t133*less(0.001, t128))
-    t136 = select(t134, 8.0, 4.0*maximum(t132, t125))
-    t137 = t121*t126 + t122*T33
-    t138 = absolute(t137)
-    t139 = t131 - t131*less(1e-12, t138)
-    t140 = maximum(t139, t124)
-    t141 = select(t140, 3.0, t85) + 4.0*maximum(t133 - t133*less(0.001, t138), t113)
-    t142 = select(t140, 8.0, 4.0*maximum(t139, t125))
-    t143 = t74*t74
-    t144 = sqrt(t143 + t72*t72)
-    t145 = cos(near4)
-    t146 = -t145
-    t147 = select(t77, t146, t72/t144)
-    t148 = T11*t28 + T21*t31
-    t149 = sin(near4)
-    t150 = select(t77, t149, t74/t144)
-    t151 = T21*t28 - T11*t31
-    t152 = T12*t28 + T22*t31
-    t153 = atan2(t150, -t147)
-    t154 = T22*t28 - T12*t31
-    t155 = atan2(t28, -t31)
-    t156 = atan2(t148*t147 - t150*(T31*t70 + t151*t64), t152*t147 - t150*(T32*t70 + t154*t64))
-    t157 = select(less(0.0, t156), 3.141592653589793, -3.141592653589793)
-    t158 = atan2(t72*t147 + t74*t150, -(t68*t70 - T33*t64))
-    t159 = select(less(0.0, t153), 3.141592653589793, -3.141592653589793)
-    t160 = atan2(t46, -t43)
-    t161 = atan2(t46*t64 + t43*t70, t46*t70 - t43*t64)
-    t162 = sqrt(t143 + t104*t104)
-    t163 = select(t106, t146, t104/t162)
-    t164 = select(t106, t149, t74/t162)
-    t165 = atan2(t164, -t163)
-    t166 = atan2(t163*t148 - t164*(T31*t67 + t66*t151), t163*t152 - t164*(T32*t67 + t66*t154))
-    t167 = select(less(0.0, t166), 3.141592653589793, -3.141592653589793)
-    t168 = atan2(t104*t163 + t74*t164, -(t67*t68 - T33*t66))
-    t169 = select(less(0.0, t165), 3.141592653589793, -3.141592653589793)
-    t170 = atan2(t45, -t42)
-    t171 = atan2(t45*t66 + t42*t67, t45*t67 - t42*t66)
-    t172 = t129*t129
-    t173 = sqrt(t172 + t127*t127)
-    t174 = select(t132, t146, t127/t173)
-    t175 = select(t132, t149, t129/t173)
-    t176 = t27*T11 + t32*T21
-    t177 = t27*T21 - t32*T11
-    t178 = t27*T12 + t32*T22
-    t179 = atan2(t175, -t174)
-    t180 = t27*T22 - t32*T12
-    t181 = atan2(t27, -t32)
-    t182 = atan2(t176*t174 - t175*(T31*t120 + t177*t119), t178*t174 - t175*(T32*t120 + t180*t119))
-    t183 = select(less(0.0, t182), 3.141592653589793, -3.141592653589793)
-    t184 = atan2(t127*t174 + t129*t175, -(t126*t120 - T33*t119))
-    t185 = select(less(0.0, t179), 3.141592653589793, -3.141592653589793)
-    t186 = atan2(t43*t120 + t46*t119, t46*t120 - t43*t119)
-    t187 = sqrt(t172 + t137*t137)
-    t188 = select(t139, t146, t137/t187)
-    t189 = select(t139, t149, t129/t187)
-    t190 = atan2(t189, -t188)
-    t191 = atan2(t188*t176 - t189*(t122*T31 + t121*t177), t188*t178 - t189*(t122*T32 + t121*t180))
-    t192 = select(less(0.0, t191), 3.141592653589793, -3.141592653589793)
-    t193 = atan2(t137*t188 + t129*t189, -(t122*t126 - t121*T33))
-    t194 = select(less(0.0, t190), 3.141592653589793, -3.141592653589793)
-    t195 = atan2(t45*t121 + t42*t122, t45*t122 - t42*t121)
+    t76 = T13*t28 + T23*t31
+    t77 = absolute(t76)
+    t78 = 1.0 - less(1e-12, t77)
+    t79 = t78 - t78*less(1e-12, t75)
+    t80 = maximum(t14, t73)
+    t81 = maximum(t79, t80)
+    t82 = (1.0 - t14)*(1.0 - less(1e-11*t16, t17))
+    t83 = t19*t82
+    t84 = maximum(t14, t82)
+    t85 = 1.0 - less(t36, -1.3936359835611679e-12)
+    t86 = t37*t85
+    t87 = select(maximum(t82 - t83, t85 - t86), 2.0, 1.0)
+    t88 = 1.0 - less(0.001, t77)
+    t89 = 1.0 - less(1e-14*absolute(100000.0*t3), t18)
+    t90 = t89 - t89*less(1e-11*absolute(100.0*t3), t17)
+    t91 = 0.001*t8
+    t92 = 1.0 - less(t91, t11)
+    t93 = t8*t91
+    t94 = 1.0 - less(1.393635983561168e-10, t36)
+    t95 = t94 - t94*less(t36, -1.3936359835611678e-10)
+    t96 = maximum(maximum(t90, t92 - t92*less(t91, t13)), t95)
+    t97 = maximum(t96, 1.0 - less(t93, t59))
+    t98 = maximum(t97, t88 - t88*less(0.001, t75))
+    t99 = maximum(t95, maximum(t14, t90))
+    t100 = maximum(t99, t73)
+    t101 = select(t81, 3.0, t87) + 4.0*t98
+    t102 = T24*t27
+    t103 = absolute(t6 - t32*(t32*t4 - t58*t102))
+    t104 = less(t15, t103)
+    t105 = maximum(1.0 - less(t93, t103), t96)
+    t106 = t102 + T14*t32
+    t107 = t5 + t106*t106
+    t108 = (t50 + t106*t45)/t107
+    t109 = (t52 - t106*t49)/t107
+    t110 = 1.5 - 0.5*(t108*t108 + t109*t109)
+    t111 = select(t104, t110*((t57 + t106*t55)/t107), t65)
+    t112 = select(t104, t110*((t71 - t106*t56)/t107), t67)
+    t113 = select(t104, t108*t110, t65)
+    t114 = select(t104, t109*t110, t67)
+    t115 = 1.0 - t104
+    t116 = maximum(t14, t115)
+    t117 = maximum(t115, t99)
+    t118 = t27*T23 + t32*T13
+    t119 = t118*t111 + T33*t112
+    t120 = absolute(t119)
+    t121 = t27*T13 - t32*T23
+    t122 = absolute(t121)
+    t123 = 1.0 - less(1e-12, t122)
+    t124 = t123 - t123*less(1e-12, t120)
+    t125 = 1.0 - less(0.001, t122)
+    t126 = maximum(t105, t125 - t125*less(0.001, t120))
+    t127 = t84*t86
+    t128 = t84*t85
+    t129 = t85*t83
+    t130 = t83*t86
+    t131 = t127 - t124*t127
+    t132 = t113*t118 + t114*T33
+    t133 = absolute(t132)
+    t134 = t123 - t123*less(1e-12, t133)
+    t135 = maximum(t125 - t125*less(0.001, t133), t105)
+    t136 = t128 - t134*t128
+    t137 = maximum(t129, maximum(t131, maximum(t127, maximum(t128, t136))))
+    t138 = t68*t70 + T33*t69
+    t139 = absolute(t138)
+    t140 = t78 - t78*less(1e-12, t139)
+    t141 = maximum(t140, t80)
+    t142 = maximum(t88 - t88*less(0.001, t139), t97)
+    t143 = t129 - t140*t129
+    t144 = t130 - t79*t130
+    t145 = 1.0 - maximum(t144, maximum(t130, maximum(t143, t137)))
+    t146 = select(t81, 8.0, 4.0*maximum(maximum(t79, t100), t145*t98))
+    t147 = select(t141, 3.0, t87) + 4.0*t142
+    t148 = select(t141, 8.0, 4.0*maximum(maximum(t140, t100), t145*t142))
+    t149 = maximum(t124, t116)
+    t150 = maximum(t134, t116)
+    t151 = select(t149, 3.0, t87) + 4.0*t126
+    t152 = select(t150, 3.0, t87) + 4.0*t135
+    t153 = select(t149, 8.0, 4.0*maximum(maximum(t124, t117), t145*t126))
+    t154 = select(t150, 8.0, 4.0*maximum(maximum(t134, t117), t135*t145))
+    t155 = t76*t76
+    t156 = sqrt(t155 + t74*t74)
+    t157 = cos(near4)
+    t158 = -t157
+    t159 = select(t79, t158, t74/t156)
+    t160 = T11*t28 + T21*t31
+    t161 = sin(near4)
+    t162 = select(t79, t161, t76/t156)
+    t163 = T21*t28 - T11*t31
+    t164 = T12*t28 + T22*t31
+    t165 = atan2(t162, -t159)
+    t166 = T22*t28 - T12*t31
+    t167 = atan2(t28, -t31)
+    t168 = atan2(t160*t159 - t162*(T31*t72 + t163*t66), t164*t159 - t162*(T32*t72 + t166*t66))
+    t169 = select(less(0.0, t168), 3.141592653589793, -3.141592653589793)
+    t170 = atan2(t74*t159 + t76*t162, -(t70*t72 - T33*t66))
+    t171 = select(less(0.0, t165), 3.141592653589793, -3.141592653589793)
+    t172 = atan2(t47, -t44)
+    t173 = atan2(t47*t66 + t44*t72, t47*t72 - t44*t66)
+    t174 = sqrt(t155 + t138*t138)
+    t175 = select(t140, t158, t138/t174)
+    t176 = select(t140, t161, t76/t174)
+    t177 = atan2(t176, -t175)
+    t178 = atan2(t175*t160 - t176*(T31*t69 + t68*t163), t175*t164 - t176*(T32*t69 + t68*t166))
+    t179 = select(less(0.0, t178), 3.141592653589793, -3.141592653589793)
+    t180 = atan2(t138*t175 + t76*t176, -(t69*t70 - T33*t68))
+    t181 = select(less(0.0, t177), 3.141592653589793, -3.141592653589793)
+    t182 = atan2(t43*t69 - t46*t68, t43*t68 + t46*t69)
+    t183 = t121*t121
+    t184 = sqrt(t183 + t119*t119)
+    t185 = select(t124, t158, t119/t184)
+    t186 = select(t124, t161, t121/t184)
+    t187 = t27*T11 - t32*T21
+    t188 = t27*T21 + t32*T11
+    t189 = t27*T12 - t32*T22
+    t190 = t27*T22 + t32*T12
+    t191 = atan2(t186, -t185)
+    t192 = atan2(t187*t185 - t186*(T31*t112 + t188*t111), t189*t185 - t186*(T32*t112 + t190*t111))
+    t193 = select(less(0.0, t192), 3.141592653589793, -3.141592653589793)
+    t194 = atan2(t119*t185 + t121*t186, -(t118*t112 - T33*t111))
+    t195 = select(less(0.0, t191), 3.141592653589793, -3.141592653589793)
+    t196 = atan2(t47*t111 + t44*t112, t47*t112 - t44*t111)
+    t197 = sqrt(t183 + t132*t132)
+    t198 = select(t134, t158, t132/t197)
+    t199 = select(t134, t161, t121/t197)
+    t200 = atan2(t199, -t198)
+    t201 = atan2(t198*t187 - t199*(t114*T31 + t113*t188), t198*t189 - t199*(t114*T32 + t113*t190))
+    t202 = select(less(0.0, t201), 3.141592653589793, -3.141592653589793)
+    t203 = atan2(t132*t198 + t121*t199, -(t114*t118 - t113*T33))
+    t204 = select(less(0.0, t200), 3.141592653589793, -3.141592653589793)
+    t205 = atan2(t43*t114 - t46*t113, t43*t113 + t46*t114)
     return (
-        t181, -t195, t170, t190, t193, t191, t181, -t195, t170, t190 - t194, -t193, t191 - t192, t181, -t186,
-        t160, t179, t184, t182, t181, -t186, t160, t179 - t185, -t184, t182 - t183, t155, -t171, t170, t165,
-        t168, t166, t155, -t171, t170, t165 - t169, -t168, t166 - t167, t155, -t161, t160, t153, t158, t156,
-        t155, -t161, t160, t153 - t159, -t158, t156 - t157, select(t103, t141, t142),
-        select(t103 - t139*t103, t141, t142), select(t102, t135, t136), select(t102 - t132*t102, t135, t136),
-        select(t101, t109, t108), select(t101 - t106*t101, t109, t108), select(t100, t98, t99),
-        select(t100 - t77*t100, t98, t99),
+        t33, t205, t48, t200, t203, t201, t33, t205, t48, t200 - t204, -t203, t201 - t202, t33, -t196, t172,
+        t191, t194, t192, t33, -t196, t172, t191 - t195, -t194, t192 - t193, t167, t182, t48, t177, t180, t178,
+        t167, t182, t48, t177 - t181, -t180, t178 - t179, t167, -t173, t172, t165, t170, t168, t167, -t173,
+        t172, t165 - t171, -t170, t168 - t169, select(t128, t152, t154), select(t136, t152, t154),
+        select(t127, t151, t153), select(t131, t151, t153), select(t129, t147, t148), select(t143, t147, t148),
+        select(t130, t101, t146), select(t144, t101, t146),
     )
 
 
@@ -2468,7 +2486,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t122 = t121 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t123 = maximum(0.0, t122 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     return (
-        q1 + t118, q2 - t117, q3 - t116, q4 + t115, q5 - t114, q6 - t113, t123,
+        q1 + t118, q2 - t117, q3 - t116, q4 + t115, q5 - t114, q6 - t113, t123, t26,
     )
 
 

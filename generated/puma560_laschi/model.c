@@ -1306,6 +1306,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[4 * lanes] = q5 + t133;
     result[5 * lanes] = q6 - t132;
     result[6 * lanes] = t141;
+    result[7 * lanes] = t11;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1315,8 +1316,8 @@ KERNEL void inverse_kinematics_angles(const double *restrict near, double *restr
     const double near3 = near[2 * lanes];
     const double near4 = near[3 * lanes];
     angles[0] = near1;
-    angles[lanes] = near3;
-    angles[2 * lanes] = near2;
+    angles[lanes] = near2;
+    angles[2 * lanes] = near3;
     angles[3 * lanes] = near4;
 }
 
@@ -1356,224 +1357,232 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t12 = t8 + t10;
     const double t13 = t8 - t10;
     const double t14 = 43307.0 - 43180.0*t12;
-    const double t15 = t11 - t9;
-    const double t16 = t11 + t9;
+    const double t15 = t9 - t11;
+    const double t16 = t9 + t11;
     const double t17 = arctangent(t13, t16);
-    const double t18 = arctangent(t12, t15);
-    const double t19 = 2032.0 - 43180.0*t15;
-    const double t20 = t14*t14 + t19*t19;
-    const double t21 = 100000.0*t3;
-    const double t22 = 100000.0*t2;
-    const double t23 = 100000.0*t1;
-    const double t24 = t21*t21 + t22*t22;
-    const double t25 = fabs(t24);
-    const double t26 = 222278281.0 - t24;
-    const double t27 = -t26;
-    const double t28 = 1e-14*t25 < t27;
-    const double t29 = (t28 > 0.0 ? sqrt(-minimum(0.0, t26)) : 0.0)/t24;
-    const double t30 = t21*t29;
-    const double t31 = t22*t29;
-    const double t32 = 14909.0/t24;
-    const double t33 = t22*t32;
-    const double t34 = t21*t32;
-    const double t35 = sqrt(T34*T34 + (T24*T24 + (0.3998056579 + T14*T14)));
-    const double t36 = 1e-07*t35;
-    const double t37 = fabs(t21);
-    const double t38 = 1.0 - (t36 < t37);
-    const double t39 = fabs(t22);
-    const double t40 = t38 - t38*(t36 < t39);
-    const double t41 = -sa1;
-    const double t42 = t40 > 0.0 ? t41 : t30 - t33;
-    const double t43 = t40 > 0.0 ? t41 : t30 + t33;
-    const double t44 = t40 > 0.0 ? ca1 : t34 - t31;
-    const double t45 = t40 > 0.0 ? -ca1 : t34 + t31;
-    const double t46 = arctangent(t42, t45);
-    const double t47 = arctangent(t43, t44);
-    const double t48 = t21*t42 + t22*t45;
-    const double t49 = t21*t43 - t22*t44;
-    const double t50 = t14*t23;
-    const double t51 = (t50 - t19*t48)/t20;
-    const double t52 = t19*t23;
-    const double t53 = (t52 + t14*t48)/t20;
-    const double t54 = (t50 + t49*t19)/t20;
-    const double t55 = (t52 - t14*t49)/t20;
-    const double t56 = 1.5 - 0.5*(t51*t51 + t53*t53);
-    const double t57 = 2032.0 - 43180.0*t16;
-    const double t58 = 43307.0 + 43180.0*t13;
-    const double t59 = t23*t58;
-    const double t60 = t23*t57;
-    const double t61 = fabs(3739992520.0*t12 - (3744137673.0 - 175483520.0*t15));
-    const double t62 = t35*t35;
-    const double t63 = 0.01*t62 < t61;
-    const double t64 = ca2*ca3 - sa3*sa2;
-    const double t65 = t63 > 0.0 ? t56*((t59 - t57*t48)/t20) : t64;
-    const double t66 = sa3*ca2 + ca3*sa2;
-    const double t67 = t63 > 0.0 ? t56*((t60 + t58*t48)/t20) : t66;
-    const double t68 = t63 > 0.0 ? t51*t56 : t64;
-    const double t69 = t63 > 0.0 ? t53*t56 : t66;
-    const double t70 = T23*t42 + T13*t45;
-    const double t71 = t70*t65 - T33*t67;
+    const double t18 = 2032.0 + 43180.0*t15;
+    const double t19 = t14*t14 + t18*t18;
+    const double t20 = 100000.0*t3;
+    const double t21 = 100000.0*t2;
+    const double t22 = 100000.0*t1;
+    const double t23 = t20*t20 + t21*t21;
+    const double t24 = fabs(t23);
+    const double t25 = 222278281.0 - t23;
+    const double t26 = -t25;
+    const double t27 = 1e-14*t24 < t26;
+    const double t28 = (t27 > 0.0 ? sqrt(-minimum(0.0, t25)) : 0.0)/t23;
+    const double t29 = t20*t28;
+    const double t30 = t21*t28;
+    const double t31 = 14909.0/t23;
+    const double t32 = t21*t31;
+    const double t33 = t20*t31;
+    const double t34 = sqrt(T34*T34 + (T24*T24 + (0.3998056579 + T14*T14)));
+    const double t35 = 1e-07*t34;
+    const double t36 = fabs(t20);
+    const double t37 = 1.0 - (t35 < t36);
+    const double t38 = fabs(t21);
+    const double t39 = t37 - t37*(t35 < t38);
+    const double t40 = t39 > 0.0 ? sa1 : t32 - t29;
+    const double t41 = t39 > 0.0 ? -sa1 : t32 + t29;
+    const double t42 = t39 > 0.0 ? ca1 : t33 - t30;
+    const double t43 = t39 > 0.0 ? -ca1 : t33 + t30;
+    const double t44 = arctangent(t40, t43);
+    const double t45 = arctangent(t41, t42);
+    const double t46 = t20*t40 - t21*t43;
+    const double t47 = t20*t41 - t21*t42;
+    const double t48 = t14*t22;
+    const double t49 = (t48 + t18*t46)/t19;
+    const double t50 = t18*t22;
+    const double t51 = (t50 - t14*t46)/t19;
+    const double t52 = (t48 + t18*t47)/t19;
+    const double t53 = (t50 - t47*t14)/t19;
+    const double t54 = 1.5 - 0.5*(t49*t49 + t51*t51);
+    const double t55 = 2032.0 - 43180.0*t16;
+    const double t56 = 43307.0 + 43180.0*t13;
+    const double t57 = t22*t56;
+    const double t58 = t22*t55;
+    const double t59 = fabs(175483520.0*t15 + (3744137673.0 - 3739992520.0*t12));
+    const double t60 = t34*t34;
+    const double t61 = 0.01*t60 < t59;
+    const double t62 = ca2*ca3 - sa2*sa3;
+    const double t63 = t61 > 0.0 ? t54*((t57 + t55*t46)/t19) : t62;
+    const double t64 = ca3*sa2 + ca2*sa3;
+    const double t65 = t61 > 0.0 ? t54*((t58 - t56*t46)/t19) : t64;
+    const double t66 = t61 > 0.0 ? t49*t54 : t62;
+    const double t67 = t61 > 0.0 ? t51*t54 : t64;
+    const double t68 = T23*t40 - T13*t43;
+    const double t69 = t68*t63 + T33*t65;
+    const double t70 = fabs(t69);
+    const double t71 = T13*t40 + T23*t43;
     const double t72 = fabs(t71);
-    const double t73 = T13*t42 - T23*t45;
-    const double t74 = fabs(t73);
-    const double t75 = 1.0 - (1e-12 < t74);
-    const double t76 = t75 - t75*(1e-12 < t72);
-    const double t77 = 1.0 - t63;
-    const double t78 = maximum(t40, t77);
-    const double t79 = maximum(t76, t78);
-    const double t80 = (1.0 - t40)*(1.0 - (1e-11*t25 < t26));
-    const double t81 = t28*t80;
-    const double t82 = maximum(t40, t80);
-    const double t83 = 1.0 - (t5 < -35045846.28861885);
-    const double t84 = t6*t83;
-    const double t85 = maximum(t80 - t81, t83 - t84) > 0.0 ? 2.0 : 1.0;
-    const double t86 = 1.0 - (0.001 < t74);
-    const double t87 = 1.0 - (1e-14*fabs(100000.0*t24) < t27);
-    const double t88 = t87 - t87*(1e-11*fabs(100.0*t24) < t26);
-    const double t89 = 100.0*t35;
-    const double t90 = 1.0 - (t89 < t37);
-    const double t91 = 1.0 - (3504584628.861885 < t5);
-    const double t92 = t91 - t91*(t5 < -3504584628.861885);
-    const double t93 = maximum(1.0 - (10000000.0*t62 < t61), maximum(maximum(t88, t90 - t90*(t89 < t39)), t92));
-    const double t94 = maximum(t77, maximum(t92, maximum(t40, t88)));
-    const double t95 = (t79 > 0.0 ? 3.0 : t85) + 4.0*maximum(t93, t86 - t86*(0.001 < t72));
-    const double t96 = t79 > 0.0 ? 8.0 : 4.0*maximum(t76, t94);
-    const double t97 = t81*t84;
-    const double t98 = t83*t81;
-    const double t99 = t82*t84;
-    const double t100 = t82*t83;
-    const double t101 = t68*t70 - T33*t69;
+    const double t73 = 1.0 - (1e-12 < t72);
+    const double t74 = t73 - t73*(1e-12 < t70);
+    const double t75 = 1.0 - t61;
+    const double t76 = maximum(t39, t75);
+    const double t77 = maximum(t74, t76);
+    const double t78 = (1.0 - t39)*(1.0 - (1e-11*t24 < t25));
+    const double t79 = t27*t78;
+    const double t80 = maximum(t39, t78);
+    const double t81 = 1.0 - (t5 < -35045846.28861885);
+    const double t82 = t6*t81;
+    const double t83 = maximum(t78 - t79, t81 - t82) > 0.0 ? 2.0 : 1.0;
+    const double t84 = 1.0 - (0.001 < t72);
+    const double t85 = 1.0 - (1e-14*fabs(100000.0*t23) < t26);
+    const double t86 = t85 - t85*(1e-11*fabs(100.0*t23) < t25);
+    const double t87 = 100.0*t34;
+    const double t88 = 1.0 - (t87 < t36);
+    const double t89 = 1.0 - (3504584628.861885 < t5);
+    const double t90 = t89 - t89*(t5 < -3504584628.861885);
+    const double t91 = maximum(1.0 - (10000000.0*t60 < t59), maximum(maximum(t86, t88 - t88*(t87 < t38)), t90));
+    const double t92 = maximum(t91, t84 - t84*(0.001 < t70));
+    const double t93 = maximum(t75, maximum(t90, maximum(t39, t86)));
+    const double t94 = (t77 > 0.0 ? 3.0 : t83) + 4.0*t92;
+    const double t95 = 1.5 - 0.5*(t52*t52 + t53*t53);
+    const double t96 = t61 > 0.0 ? t95*((t57 + t47*t55)/t19) : t62;
+    const double t97 = t61 > 0.0 ? t95*((t58 - t47*t56)/t19) : t64;
+    const double t98 = t61 > 0.0 ? t52*t95 : t62;
+    const double t99 = t61 > 0.0 ? t53*t95 : t64;
+    const double t100 = T23*t41 - T13*t42;
+    const double t101 = t100*t96 + T33*t97;
     const double t102 = fabs(t101);
-    const double t103 = t75 - t75*(1e-12 < t102);
-    const double t104 = maximum(t103, t78);
-    const double t105 = (t104 > 0.0 ? 3.0 : t85) + 4.0*maximum(t93, t86 - t86*(0.001 < t102));
-    const double t106 = t104 > 0.0 ? 8.0 : 4.0*maximum(t103, t94);
-    const double t107 = 1.5 - 0.5*(t54*t54 + t55*t55);
-    const double t108 = t63 > 0.0 ? t107*((t59 + t49*t57)/t20) : t64;
-    const double t109 = t63 > 0.0 ? t107*((t60 - t49*t58)/t20) : t66;
-    const double t110 = t63 > 0.0 ? t54*t107 : t64;
-    const double t111 = t63 > 0.0 ? t55*t107 : t66;
-    const double t112 = T23*t43 - T13*t44;
-    const double t113 = t112*t108 + T33*t109;
-    const double t114 = fabs(t113);
-    const double t115 = T13*t43 + T23*t44;
-    const double t116 = fabs(t115);
-    const double t117 = 1.0 - (1e-12 < t116);
-    const double t118 = t117 - t117*(1e-12 < t114);
-    const double t119 = 1.0 - (0.001 < t116);
-    const double t120 = maximum(t118, t78);
-    const double t121 = (t120 > 0.0 ? 3.0 : t85) + 4.0*maximum(t93, t119 - t119*(0.001 < t114));
-    const double t122 = t120 > 0.0 ? 8.0 : 4.0*maximum(t118, t94);
-    const double t123 = t110*t112 + T33*t111;
-    const double t124 = fabs(t123);
-    const double t125 = t117 - t117*(1e-12 < t124);
-    const double t126 = maximum(t125, t78);
-    const double t127 = (t126 > 0.0 ? 3.0 : t85) + 4.0*maximum(t119 - t119*(0.001 < t124), t93);
-    const double t128 = t126 > 0.0 ? 8.0 : 4.0*maximum(t125, t94);
-    const double t129 = t73*t73;
-    const double t130 = sqrt(t129 + t71*t71);
-    const double t131 = -ca4;
-    const double t132 = t76 > 0.0 ? t131 : t71/t130;
-    const double t133 = T11*t42 - T21*t45;
-    const double t134 = t76 > 0.0 ? sa4 : t73/t130;
-    const double t135 = T21*t42 + T11*t45;
-    const double t136 = T12*t42 - T22*t45;
-    const double t137 = T22*t42 + T12*t45;
-    const double t138 = arctangent(t134, -t132);
-    const double t139 = arctangent(t133*t132 + t134*(T31*t67 - t135*t65), t136*t132 + t134*(T32*t67 - t137*t65));
-    const double t140 = (0.0 < t139) ? 3.141592653589793 : -3.141592653589793;
-    const double t141 = arctangent(t71*t132 + t73*t134, t70*t67 + T33*t65);
-    const double t142 = (0.0 < t138) ? 3.141592653589793 : -3.141592653589793;
-    const double t143 = arctangent(t13*t65 - t16*t67, t13*t67 + t16*t65);
-    const double t144 = sqrt(t129 + t101*t101);
-    const double t145 = t103 > 0.0 ? t131 : t101/t144;
-    const double t146 = t103 > 0.0 ? sa4 : t73/t144;
-    const double t147 = arctangent(t146, -t145);
-    const double t148 = -sa4;
-    const double t149 = arctangent(t145*t133 + t146*(T31*t69 - t68*t135), t145*t136 + t146*(T32*t69 - t68*t137));
-    const double t150 = (0.0 < t149) ? 3.141592653589793 : -3.141592653589793;
-    const double t151 = arctangent(t101*t145 + t73*t146, t69*t70 + T33*t68);
-    const double t152 = (0.0 < t147) ? 3.141592653589793 : -3.141592653589793;
-    const double t153 = arctangent(t15*t69 + t12*t68, t15*t68 - t12*t69);
-    const double t154 = t115*t115;
-    const double t155 = sqrt(t154 + t113*t113);
-    const double t156 = t118 > 0.0 ? ca4 : t113/t155;
-    const double t157 = t118 > 0.0 ? t148 : t115/t155;
-    const double t158 = t43*T11 + t44*T21;
-    const double t159 = t43*T21 - t44*T11;
-    const double t160 = t43*T12 + t44*T22;
-    const double t161 = t43*T22 - t44*T12;
-    const double t162 = arctangent(t157, t156);
-    const double t163 = arctangent(t158*t156 - t157*(T31*t109 + t159*t108), t160*t156 - t157*(T32*t109 + t161*t108));
-    const double t164 = (0.0 < t163) ? 3.141592653589793 : -3.141592653589793;
-    const double t165 = arctangent(t113*t156 + t115*t157, -(t112*t109 - T33*t108));
-    const double t166 = (t162 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t167 = arctangent(t13*t108 - t16*t109, t13*t109 + t16*t108);
-    const double t168 = sqrt(t154 + t123*t123);
-    const double t169 = t125 > 0.0 ? ca4 : t123/t168;
-    const double t170 = t125 > 0.0 ? t148 : t115/t168;
-    const double t171 = arctangent(t170, t169);
-    const double t172 = arctangent(t169*t158 - t170*(t111*T31 + t110*t159), t169*t160 - t170*(t111*T32 + t110*t161));
-    const double t173 = (0.0 < t172) ? 3.141592653589793 : -3.141592653589793;
-    const double t174 = arctangent(t123*t169 + t115*t170, -(t111*t112 - T33*t110));
-    const double t175 = (t171 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t176 = arctangent(t15*t111 + t12*t110, t15*t110 - t12*t111);
-    result[0] = -t47;
-    result[lanes] = t176;
-    result[2 * lanes] = -t18;
-    result[3 * lanes] = -t171;
-    result[4 * lanes] = -t174;
-    result[5 * lanes] = t172;
-    result[6 * lanes] = -t47;
-    result[7 * lanes] = t176;
-    result[8 * lanes] = -t18;
-    result[9 * lanes] = -(t171 + t175);
-    result[10 * lanes] = t174;
-    result[11 * lanes] = t172 - t173;
-    result[12 * lanes] = -t47;
-    result[13 * lanes] = -t167;
+    const double t103 = T13*t41 + T23*t42;
+    const double t104 = fabs(t103);
+    const double t105 = 1.0 - (1e-12 < t104);
+    const double t106 = t105 - t105*(1e-12 < t102);
+    const double t107 = 1.0 - (0.001 < t104);
+    const double t108 = maximum(t91, t107 - t107*(0.001 < t102));
+    const double t109 = t80*t82;
+    const double t110 = t80*t81;
+    const double t111 = t81*t79;
+    const double t112 = t79*t82;
+    const double t113 = t109 - t106*t109;
+    const double t114 = t98*t100 + T33*t99;
+    const double t115 = fabs(t114);
+    const double t116 = t105 - t105*(1e-12 < t115);
+    const double t117 = maximum(t107 - t107*(0.001 < t115), t91);
+    const double t118 = t110 - t116*t110;
+    const double t119 = maximum(t111, maximum(t113, maximum(t109, maximum(t110, t118))));
+    const double t120 = t66*t68 + T33*t67;
+    const double t121 = fabs(t120);
+    const double t122 = t73 - t73*(1e-12 < t121);
+    const double t123 = maximum(t91, t84 - t84*(0.001 < t121));
+    const double t124 = t111 - t122*t111;
+    const double t125 = t112 - t74*t112;
+    const double t126 = 1.0 - maximum(t125, maximum(t112, maximum(t124, t119)));
+    const double t127 = t77 > 0.0 ? 8.0 : 4.0*maximum(maximum(t74, t93), t126*t92);
+    const double t128 = maximum(t122, t76);
+    const double t129 = (t128 > 0.0 ? 3.0 : t83) + 4.0*t123;
+    const double t130 = t128 > 0.0 ? 8.0 : 4.0*maximum(maximum(t122, t93), t126*t123);
+    const double t131 = maximum(t106, t76);
+    const double t132 = maximum(t116, t76);
+    const double t133 = (t131 > 0.0 ? 3.0 : t83) + 4.0*t108;
+    const double t134 = (t132 > 0.0 ? 3.0 : t83) + 4.0*t117;
+    const double t135 = t131 > 0.0 ? 8.0 : 4.0*maximum(maximum(t106, t93), t126*t108);
+    const double t136 = t132 > 0.0 ? 8.0 : 4.0*maximum(maximum(t116, t93), t117*t126);
+    const double t137 = t71*t71;
+    const double t138 = sqrt(t137 + t69*t69);
+    const double t139 = t74 > 0.0 ? ca4 : t69/t138;
+    const double t140 = T11*t40 + T21*t43;
+    const double t141 = -sa4;
+    const double t142 = t74 > 0.0 ? t141 : t71/t138;
+    const double t143 = T21*t40 - T11*t43;
+    const double t144 = T12*t40 + T22*t43;
+    const double t145 = T22*t40 - T12*t43;
+    const double t146 = arctangent(t142, t139);
+    const double t147 = arctangent(t140*t139 - t142*(T31*t65 + t143*t63), t144*t139 - t142*(T32*t65 + t145*t63));
+    const double t148 = (0.0 < t147) ? 3.141592653589793 : -3.141592653589793;
+    const double t149 = arctangent(t69*t139 + t71*t142, -(t68*t65 - T33*t63));
+    const double t150 = (t146 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t151 = arctangent(t13*t63 - t16*t65, t13*t65 + t16*t63);
+    const double t152 = sqrt(t137 + t120*t120);
+    const double t153 = t122 > 0.0 ? ca4 : t120/t152;
+    const double t154 = t122 > 0.0 ? t141 : t71/t152;
+    const double t155 = arctangent(t154, t153);
+    const double t156 = arctangent(t153*t140 - t154*(T31*t67 + t66*t143), t153*t144 - t154*(T32*t67 + t66*t145));
+    const double t157 = (0.0 < t156) ? 3.141592653589793 : -3.141592653589793;
+    const double t158 = arctangent(t120*t153 + t71*t154, -(t67*t68 - T33*t66));
+    const double t159 = (t155 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t160 = arctangent(t12, -t15);
+    const double t161 = arctangent(t12*t66 - t15*t67, -(t15*t66 + t12*t67));
+    const double t162 = t103*t103;
+    const double t163 = sqrt(t162 + t101*t101);
+    const double t164 = t106 > 0.0 ? ca4 : t101/t163;
+    const double t165 = t106 > 0.0 ? t141 : t103/t163;
+    const double t166 = t41*T11 + t42*T21;
+    const double t167 = t41*T21 - t42*T11;
+    const double t168 = t41*T12 + t42*T22;
+    const double t169 = t41*T22 - t42*T12;
+    const double t170 = arctangent(t165, t164);
+    const double t171 = arctangent(t166*t164 - t165*(T31*t97 + t167*t96), t168*t164 - t165*(T32*t97 + t169*t96));
+    const double t172 = (0.0 < t171) ? 3.141592653589793 : -3.141592653589793;
+    const double t173 = arctangent(t101*t164 + t103*t165, -(t100*t97 - T33*t96));
+    const double t174 = (t170 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t175 = arctangent(t13*t96 - t16*t97, t13*t97 + t16*t96);
+    const double t176 = sqrt(t162 + t114*t114);
+    const double t177 = t116 > 0.0 ? ca4 : t114/t176;
+    const double t178 = t116 > 0.0 ? t141 : t103/t176;
+    const double t179 = arctangent(t178, t177);
+    const double t180 = arctangent(t177*t166 - t178*(t99*T31 + t98*t167), t177*t168 - t178*(t99*T32 + t98*t169));
+    const double t181 = (0.0 < t180) ? 3.141592653589793 : -3.141592653589793;
+    const double t182 = arctangent(t114*t177 + t103*t178, -(t99*t100 - T33*t98));
+    const double t183 = (t179 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t184 = arctangent(t12*t98 - t15*t99, -(t12*t99 + t15*t98));
+    result[0] = -t45;
+    result[lanes] = t184;
+    result[2 * lanes] = -t160;
+    result[3 * lanes] = -t179;
+    result[4 * lanes] = -t182;
+    result[5 * lanes] = t180;
+    result[6 * lanes] = -t45;
+    result[7 * lanes] = t184;
+    result[8 * lanes] = -t160;
+    result[9 * lanes] = -(t179 + t183);
+    result[10 * lanes] = t182;
+    result[11 * lanes] = t180 - t181;
+    result[12 * lanes] = -t45;
+    result[13 * lanes] = -t175;
     result[14 * lanes] = t17;
-    result[15 * lanes] = -t162;
-    result[16 * lanes] = -t165;
-    result[17 * lanes] = t163;
-    result[18 * lanes] = -t47;
-    result[19 * lanes] = -t167;
+    result[15 * lanes] = -t170;
+    result[16 * lanes] = -t173;
+    result[17 * lanes] = t171;
+    result[18 * lanes] = -t45;
+    result[19 * lanes] = -t175;
     result[20 * lanes] = t17;
-    result[21 * lanes] = -(t162 + t166);
-    result[22 * lanes] = t165;
-    result[23 * lanes] = t163 - t164;
-    result[24 * lanes] = t46;
-    result[25 * lanes] = t153;
-    result[26 * lanes] = -t18;
-    result[27 * lanes] = t147;
-    result[28 * lanes] = -t151;
-    result[29 * lanes] = t149;
-    result[30 * lanes] = t46;
-    result[31 * lanes] = t153;
-    result[32 * lanes] = -t18;
-    result[33 * lanes] = t147 - t152;
-    result[34 * lanes] = t151;
-    result[35 * lanes] = t149 - t150;
-    result[36 * lanes] = t46;
-    result[37 * lanes] = -t143;
+    result[21 * lanes] = -(t170 + t174);
+    result[22 * lanes] = t173;
+    result[23 * lanes] = t171 - t172;
+    result[24 * lanes] = -t44;
+    result[25 * lanes] = t161;
+    result[26 * lanes] = -t160;
+    result[27 * lanes] = -t155;
+    result[28 * lanes] = -t158;
+    result[29 * lanes] = t156;
+    result[30 * lanes] = -t44;
+    result[31 * lanes] = t161;
+    result[32 * lanes] = -t160;
+    result[33 * lanes] = -(t155 + t159);
+    result[34 * lanes] = t158;
+    result[35 * lanes] = t156 - t157;
+    result[36 * lanes] = -t44;
+    result[37 * lanes] = -t151;
     result[38 * lanes] = t17;
-    result[39 * lanes] = t138;
-    result[40 * lanes] = -t141;
-    result[41 * lanes] = t139;
-    result[42 * lanes] = t46;
-    result[43 * lanes] = -t143;
+    result[39 * lanes] = -t146;
+    result[40 * lanes] = -t149;
+    result[41 * lanes] = t147;
+    result[42 * lanes] = -t44;
+    result[43 * lanes] = -t151;
     result[44 * lanes] = t17;
-    result[45 * lanes] = t138 - t142;
-    result[46 * lanes] = t141;
-    result[47 * lanes] = t139 - t140;
-    result[48 * lanes] = t100 > 0.0 ? t127 : t128;
-    result[49 * lanes] = t100 - t125*t100 > 0.0 ? t127 : t128;
-    result[50 * lanes] = t99 > 0.0 ? t121 : t122;
-    result[51 * lanes] = t99 - t118*t99 > 0.0 ? t121 : t122;
-    result[52 * lanes] = t98 > 0.0 ? t105 : t106;
-    result[53 * lanes] = t98 - t103*t98 > 0.0 ? t105 : t106;
-    result[54 * lanes] = t97 > 0.0 ? t95 : t96;
-    result[55 * lanes] = t97 - t76*t97 > 0.0 ? t95 : t96;
+    result[45 * lanes] = -(t146 + t150);
+    result[46 * lanes] = t149;
+    result[47 * lanes] = t147 - t148;
+    result[48 * lanes] = t110 > 0.0 ? t134 : t136;
+    result[49 * lanes] = t118 > 0.0 ? t134 : t136;
+    result[50 * lanes] = t109 > 0.0 ? t133 : t135;
+    result[51 * lanes] = t113 > 0.0 ? t133 : t135;
+    result[52 * lanes] = t111 > 0.0 ? t129 : t130;
+    result[53 * lanes] = t124 > 0.0 ? t129 : t130;
+    result[54 * lanes] = t112 > 0.0 ? t94 : t127;
+    result[55 * lanes] = t125 > 0.0 ? t94 : t127;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1595,10 +1604,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
 {
     double angles[6], sines[6], cosines[6];
@@ -1610,7 +1619,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 6; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1620,7 +1629,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
 {
     enum { error = 6 };
-    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[6 + 2], found[6 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1702,6 +1711,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, result, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06};
+    double row[6], back[6];
+    size_t place = kinds[branch] ? 8 : branch, listed = 0;
+    for (size_t j = 0; j < 6; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 8; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 6 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 8)
+            place = b;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 8 || (listed && !alone))
+        return;
+    memcpy(q + 6 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1711,6 +1747,31 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    const double damping = 1e-12;
+    double start[6], step[6 + 2], values[56], moved[16] = {0.0};
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, step);
+    const double unit = step[6 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, values);
+        for (size_t b = 0; b < 8; ++b)
+            inverse_kinematics_added(T, unit, values + 6 * b, b, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int puma560_laschi_inverse_kinematics(const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
@@ -1718,7 +1779,7 @@ int puma560_laschi_inverse_kinematics(const double *restrict T, const double *re
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[6], values[56];
     const double *const codes = values + 48;
-    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    int kinds[8], doubts[8], doubted[8], free[8], settled[8] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 48; ++j)
             q[j] = NAN;
@@ -1734,7 +1795,7 @@ int puma560_laschi_inverse_kinematics(const double *restrict T, const double *re
         return count;
     memcpy(q, values, 48 * sizeof *q);
     for (size_t b = 0; b < 8; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1750,9 +1811,13 @@ int puma560_laschi_inverse_kinematics(const double *restrict T, const double *re
         if (lacking)
             inverse_kinematics_values(T, start, values);
         for (size_t j = 0; j < 48 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 6])
+            if (inverse_kinematics_turning[j % 6])
                 values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
     }
+    for (size_t b = 0; b < 8; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, q, kinds);
     count = 0;
     for (size_t b = 0; b < 8; ++b) {
         for (size_t j = 0; j < 6 && !kinds[b]; ++j)

@@ -22,7 +22,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * Self-check: `derive verify puma560-laschi` compares every function with an independent recursion.
  */
@@ -42,7 +42,7 @@ enum {
     puma560_laschi_none = 0, /**< The branch does not exist. */
     puma560_laschi_exact = 1, /**< A solution. */
     puma560_laschi_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    puma560_laschi_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    puma560_laschi_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -140,7 +140,7 @@ void puma560_laschi_analytic_jacobian_zyz_batch(size_t count, const double *q, d
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 8 solutions, and no more.
+ * A reachable pose has up to 8 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -150,7 +150,16 @@ void puma560_laschi_analytic_jacobian_zyz_batch(size_t count, const double *q, d
  * @param[out] status  what each branch is, 8; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 210 mul, 138 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 104 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. shoulder left, elbow down, wrist flipped
+ * 2. shoulder left, elbow down, wrist not flipped
+ * 3. shoulder left, elbow up, wrist flipped
+ * 4. shoulder left, elbow up, wrist not flipped
+ * 5. shoulder right, elbow up, wrist flipped
+ * 6. shoulder right, elbow up, wrist not flipped
+ * 7. shoulder right, elbow down, wrist flipped
+ * 8. shoulder right, elbow down, wrist not flipped
+ * Closed form, all branches at once: 214 mul, 139 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 115 cases.
  */
 int puma560_laschi_inverse_kinematics(const double *T, const double *near, double *q, int *status);
 

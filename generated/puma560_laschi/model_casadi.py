@@ -26,7 +26,16 @@ Every parameter has its number in this file.
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+beyond 1e30. A reachable pose has up to 8 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. shoulder left, elbow down, wrist flipped
+2. shoulder left, elbow down, wrist not flipped
+3. shoulder left, elbow up, wrist flipped
+4. shoulder left, elbow up, wrist not flipped
+5. shoulder right, elbow up, wrist flipped
+6. shoulder right, elbow up, wrist not flipped
+7. shoulder right, elbow down, wrist flipped
+8. shoulder right, elbow down, wrist not flipped
 
 Self-check: `derive verify puma560-laschi` compares every function with an independent recursion.
 """
@@ -50,7 +59,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
-    "inverse_kinematics": {"mul": 210, "add": 138, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 104},
+    "inverse_kinematics": {"mul": 214, "add": 139, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 115},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -525,184 +534,191 @@ def _inverse_kinematics(functions, k, T, near):
     t12 = t8 + t10
     t13 = t8 - t10
     t14 = 43307.0 - 43180.0*t12
-    t15 = t11 - t9
-    t16 = t11 + t9
+    t15 = t9 - t11
+    t16 = t9 + t11
     t17 = atan2(t13, t16)
-    t18 = atan2(t12, t15)
-    t19 = 2032.0 - 43180.0*t15
-    t20 = t14*t14 + t19*t19
-    t21 = 100000.0*t3
-    t22 = 100000.0*t2
-    t23 = 100000.0*t1
-    t24 = t21*t21 + t22*t22
-    t25 = absolute(t24)
-    t26 = 222278281.0 - t24
-    t27 = -t26
-    t28 = less(1e-14*t25, t27)
-    t29 = select(t28, sqrt(-minimum(0.0, t26)), 0.0)/t24
-    t30 = t21*t29
-    t31 = t22*t29
-    t32 = 14909.0/t24
-    t33 = t22*t32
-    t34 = t21*t32
-    t35 = sqrt(T34*T34 + (T24*T24 + (0.3998056579 + T14*T14)))
-    t36 = 1e-07*t35
-    t37 = absolute(t21)
-    t38 = 1.0 - less(t36, t37)
-    t39 = absolute(t22)
-    t40 = t38 - t38*less(t36, t39)
-    t41 = sin(near1)
-    t42 = -t41
-    t43 = select(t40, t42, t30 - t33)
-    t44 = select(t40, t42, t30 + t33)
-    t45 = cos(near1)
-    t46 = select(t40, t45, t34 - t31)
-    t47 = select(t40, -t45, t34 + t31)
-    t48 = atan2(t43, t47)
-    t49 = atan2(t44, t46)
-    t50 = t21*t43 + t22*t47
-    t51 = t21*t44 - t22*t46
-    t52 = t14*t23
-    t53 = (t52 - t19*t50)/t20
-    t54 = t19*t23
-    t55 = (t54 + t14*t50)/t20
-    t56 = (t52 + t51*t19)/t20
-    t57 = (t54 - t14*t51)/t20
-    t58 = 1.5 - 0.5*(t53*t53 + t55*t55)
-    t59 = 2032.0 - 43180.0*t16
-    t60 = 43307.0 + 43180.0*t13
-    t61 = t23*t60
-    t62 = t23*t59
-    t63 = absolute(3739992520.0*t12 - (3744137673.0 - 175483520.0*t15))
-    t64 = t35*t35
-    t65 = less(0.01*t64, t63)
-    t66 = cos(near3)
-    t67 = cos(near2)
-    t68 = sin(near2)
-    t69 = sin(near3)
-    t70 = t66*t67 - t68*t69
-    t71 = select(t65, t58*((t61 - t59*t50)/t20), t70)
-    t72 = t68*t66 + t67*t69
-    t73 = select(t65, t58*((t62 + t60*t50)/t20), t72)
-    t74 = select(t65, t53*t58, t70)
-    t75 = select(t65, t55*t58, t72)
-    t76 = T23*t43 + T13*t47
-    t77 = t76*t71 - T33*t73
+    t18 = 2032.0 + 43180.0*t15
+    t19 = t14*t14 + t18*t18
+    t20 = 100000.0*t3
+    t21 = 100000.0*t2
+    t22 = 100000.0*t1
+    t23 = t20*t20 + t21*t21
+    t24 = absolute(t23)
+    t25 = 222278281.0 - t23
+    t26 = -t25
+    t27 = less(1e-14*t24, t26)
+    t28 = select(t27, sqrt(-minimum(0.0, t25)), 0.0)/t23
+    t29 = t20*t28
+    t30 = t21*t28
+    t31 = 14909.0/t23
+    t32 = t21*t31
+    t33 = t20*t31
+    t34 = sqrt(T34*T34 + (T24*T24 + (0.3998056579 + T14*T14)))
+    t35 = 1e-07*t34
+    t36 = absolute(t20)
+    t37 = 1.0 - less(t35, t36)
+    t38 = absolute(t21)
+    t39 = t37 - t37*less(t35, t38)
+    t40 = sin(near1)
+    t41 = select(t39, t40, t32 - t29)
+    t42 = select(t39, -t40, t32 + t29)
+    t43 = cos(near1)
+    t44 = select(t39, t43, t33 - t30)
+    t45 = select(t39, -t43, t33 + t30)
+    t46 = atan2(t41, t45)
+    t47 = atan2(t42, t44)
+    t48 = t20*t41 - t21*t45
+    t49 = t20*t42 - t21*t44
+    t50 = t14*t22
+    t51 = (t50 + t18*t48)/t19
+    t52 = t18*t22
+    t53 = (t52 - t14*t48)/t19
+    t54 = (t50 + t18*t49)/t19
+    t55 = (t52 - t49*t14)/t19
+    t56 = 1.5 - 0.5*(t51*t51 + t53*t53)
+    t57 = 2032.0 - 43180.0*t16
+    t58 = 43307.0 + 43180.0*t13
+    t59 = t22*t58
+    t60 = t22*t57
+    t61 = absolute(175483520.0*t15 + (3744137673.0 - 3739992520.0*t12))
+    t62 = t34*t34
+    t63 = less(0.01*t62, t61)
+    t64 = cos(near2)
+    t65 = cos(near3)
+    t66 = sin(near2)
+    t67 = sin(near3)
+    t68 = t64*t65 - t66*t67
+    t69 = select(t63, t56*((t59 + t57*t48)/t19), t68)
+    t70 = t65*t66 + t64*t67
+    t71 = select(t63, t56*((t60 - t58*t48)/t19), t70)
+    t72 = select(t63, t51*t56, t68)
+    t73 = select(t63, t53*t56, t70)
+    t74 = T23*t41 - T13*t45
+    t75 = t74*t69 + T33*t71
+    t76 = absolute(t75)
+    t77 = T13*t41 + T23*t45
     t78 = absolute(t77)
-    t79 = T13*t43 - T23*t47
-    t80 = absolute(t79)
-    t81 = 1.0 - less(1e-12, t80)
-    t82 = t81 - t81*less(1e-12, t78)
-    t83 = 1.0 - t65
-    t84 = maximum(t40, t83)
-    t85 = maximum(t82, t84)
-    t86 = (1.0 - t40)*(1.0 - less(1e-11*t25, t26))
-    t87 = t28*t86
-    t88 = maximum(t40, t86)
-    t89 = 1.0 - less(t5, -35045846.28861885)
-    t90 = t6*t89
-    t91 = select(maximum(t86 - t87, t89 - t90), 2.0, 1.0)
-    t92 = 1.0 - less(0.001, t80)
-    t93 = 1.0 - less(1e-14*absolute(100000.0*t24), t27)
-    t94 = t93 - t93*less(1e-11*absolute(100.0*t24), t26)
-    t95 = 100.0*t35
-    t96 = 1.0 - less(t95, t37)
-    t97 = 1.0 - less(3504584628.861885, t5)
-    t98 = t97 - t97*less(t5, -3504584628.861885)
-    t99 = maximum(1.0 - less(10000000.0*t64, t63), maximum(maximum(t94, t96 - t96*less(t95, t39)), t98))
-    t100 = maximum(t83, maximum(t98, maximum(t40, t94)))
-    t101 = select(t85, 3.0, t91) + 4.0*maximum(t99, t92 - t92*less(0.001, t78))
-    t102 = select(t85, 8.0, 4.0*maximum(t82, t100))
-    t103 = t87*t90
-    t104 = t89*t87
-    t105 = t88*t90
-    t106 = t88*t89
-    t107 = t74*t76 - T33*t75
+    t79 = 1.0 - less(1e-12, t78)
+    t80 = t79 - t79*less(1e-12, t76)
+    t81 = 1.0 - t63
+    t82 = maximum(t39, t81)
+    t83 = maximum(t80, t82)
+    t84 = (1.0 - t39)*(1.0 - less(1e-11*t24, t25))
+    t85 = t27*t84
+    t86 = maximum(t39, t84)
+    t87 = 1.0 - less(t5, -35045846.28861885)
+    t88 = t6*t87
+    t89 = select(maximum(t84 - t85, t87 - t88), 2.0, 1.0)
+    t90 = 1.0 - less(0.001, t78)
+    t91 = 1.0 - less(1e-14*absolute(100000.0*t23), t26)
+    t92 = t91 - t91*less(1e-11*absolute(100.0*t23), t25)
+    t93 = 100.0*t34
+    t94 = 1.0 - less(t93, t36)
+    t95 = 1.0 - less(3504584628.861885, t5)
+    t96 = t95 - t95*less(t5, -3504584628.861885)
+    t97 = maximum(1.0 - less(10000000.0*t62, t61), maximum(maximum(t92, t94 - t94*less(t93, t38)), t96))
+    t98 = maximum(t97, t90 - t90*less(0.001, t76))
+    t99 = maximum(t81, maximum(t96, maximum(t39, t92)))
+    t100 = select(t83, 3.0, t89) + 4.0*t98
+    t101 = 1.5 - 0.5*(t54*t54 + t55*t55)
+    t102 = select(t63, t101*((t59 + t49*t57)/t19), t68)
+    t103 = select(t63, t101*((t60 - t49*t58)/t19), t70)
+    t104 = select(t63, t54*t101, t68)
+    t105 = select(t63, t55*t101, t70)
+    t106 = T23*t42 - T13*t44
+    t107 = t106*t102 + T33*t103
     t108 = absolute(t107)
-    t109 = t81 - t81*less(1e-12, t108)
-    t110 = maximum(t109, t84)
-    t111 = select(t110, 3.0, t91) + 4.0*maximum(t99, t92 - t92*less(0.001, t108))
-    t112 = select(t110, 8.0, 4.0*maximum(t109, t100))
-    t113 = 1.5 - 0.5*(t56*t56 + t57*t57)
-    t114 = select(t65, t113*((t61 + t51*t59)/t20), t70)
-    t115 = select(t65, t113*((t62 - t51*t60)/t20), t72)
-    t116 = select(t65, t56*t113, t70)
-    t117 = select(t65, t57*t113, t72)
-    t118 = T23*t44 - T13*t46
-    t119 = t118*t114 + T33*t115
-    t120 = absolute(t119)
-    t121 = T13*t44 + T23*t46
-    t122 = absolute(t121)
-    t123 = 1.0 - less(1e-12, t122)
-    t124 = t123 - t123*less(1e-12, t120)
-    t125 = 1.0 - less(0.001, t122)
-    t126 = maximum(t124, t84)
-    t127 = select(t126, 3.0, t91) + 4.0*maximum(t99, t125 - t125*less(0.001, t120))
-    t128 = select(t126, 8.0, 4.0*maximum(t124, t100))
-    t129 = t116*t118 + T33*t117
-    t130 = absolute(t129)
-    t131 = t123 - t123*less(1e-12, t130)
-    t132 = maximum(t131, t84)
-    t133 = select(t132, 3.0, t91) + 4.0*maximum(t125 - t125*less(0.001, t130), t99)
-    t134 = select(t132, 8.0, 4.0*maximum(t131, t100))
-    t135 = t79*t79
-    t136 = sqrt(t135 + t77*t77)
-    t137 = cos(near4)
-    t138 = -t137
-    t139 = select(t82, t138, t77/t136)
-    t140 = T11*t43 - T21*t47
-    t141 = sin(near4)
-    t142 = select(t82, t141, t79/t136)
-    t143 = T21*t43 + T11*t47
-    t144 = T12*t43 - T22*t47
-    t145 = T22*t43 + T12*t47
-    t146 = atan2(t142, -t139)
-    t147 = atan2(t140*t139 + t142*(T31*t73 - t143*t71), t144*t139 + t142*(T32*t73 - t145*t71))
-    t148 = select(less(0.0, t147), 3.141592653589793, -3.141592653589793)
-    t149 = atan2(t77*t139 + t79*t142, t76*t73 + T33*t71)
-    t150 = select(less(0.0, t146), 3.141592653589793, -3.141592653589793)
-    t151 = atan2(t13*t71 - t16*t73, t13*t73 + t16*t71)
-    t152 = sqrt(t135 + t107*t107)
-    t153 = select(t109, t138, t107/t152)
-    t154 = select(t109, t141, t79/t152)
-    t155 = atan2(t154, -t153)
-    t156 = -t141
-    t157 = atan2(t153*t140 + t154*(T31*t75 - t74*t143), t153*t144 + t154*(T32*t75 - t74*t145))
-    t158 = select(less(0.0, t157), 3.141592653589793, -3.141592653589793)
-    t159 = atan2(t107*t153 + t79*t154, t75*t76 + T33*t74)
-    t160 = select(less(0.0, t155), 3.141592653589793, -3.141592653589793)
-    t161 = atan2(t15*t75 + t12*t74, t15*t74 - t12*t75)
-    t162 = t121*t121
-    t163 = sqrt(t162 + t119*t119)
-    t164 = select(t124, t137, t119/t163)
-    t165 = select(t124, t156, t121/t163)
-    t166 = t44*T11 + t46*T21
-    t167 = t44*T21 - t46*T11
-    t168 = t44*T12 + t46*T22
-    t169 = t44*T22 - t46*T12
-    t170 = atan2(t165, t164)
-    t171 = atan2(t166*t164 - t165*(T31*t115 + t167*t114), t168*t164 - t165*(T32*t115 + t169*t114))
-    t172 = select(less(0.0, t171), 3.141592653589793, -3.141592653589793)
-    t173 = atan2(t119*t164 + t121*t165, -(t118*t115 - T33*t114))
-    t174 = select(less(t170, 0.0), 3.141592653589793, -3.141592653589793)
-    t175 = atan2(t13*t114 - t16*t115, t13*t115 + t16*t114)
-    t176 = sqrt(t162 + t129*t129)
-    t177 = select(t131, t137, t129/t176)
-    t178 = select(t131, t156, t121/t176)
-    t179 = atan2(t178, t177)
-    t180 = atan2(t177*t166 - t178*(t117*T31 + t116*t167), t177*t168 - t178*(t117*T32 + t116*t169))
-    t181 = select(less(0.0, t180), 3.141592653589793, -3.141592653589793)
-    t182 = atan2(t129*t177 + t121*t178, -(t117*t118 - T33*t116))
-    t183 = select(less(t179, 0.0), 3.141592653589793, -3.141592653589793)
-    t184 = atan2(t15*t117 + t12*t116, t15*t116 - t12*t117)
+    t109 = T13*t42 + T23*t44
+    t110 = absolute(t109)
+    t111 = 1.0 - less(1e-12, t110)
+    t112 = t111 - t111*less(1e-12, t108)
+    t113 = 1.0 - less(0.001, t110)
+    t114 = maximum(t97, t113 - t113*less(0.001, t108))
+    t115 = t86*t88
+    t116 = t86*t87
+    t117 = t87*t85
+    t118 = t85*t88
+    t119 = t115 - t112*t115
+    t120 = t104*t106 + T33*t105
+    t121 = absolute(t120)
+    t122 = t111 - t111*less(1e-12, t121)
+    t123 = maximum(t113 - t113*less(0.001, t121), t97)
+    t124 = t116 - t122*t116
+    t125 = maximum(t117, maximum(t119, maximum(t115, maximum(t116, t124))))
+    t126 = t72*t74 + T33*t73
+    t127 = absolute(t126)
+    t128 = t79 - t79*less(1e-12, t127)
+    t129 = maximum(t97, t90 - t90*less(0.001, t127))
+    t130 = t117 - t128*t117
+    t131 = t118 - t80*t118
+    t132 = 1.0 - maximum(t131, maximum(t118, maximum(t130, t125)))
+    t133 = select(t83, 8.0, 4.0*maximum(maximum(t80, t99), t132*t98))
+    t134 = maximum(t128, t82)
+    t135 = select(t134, 3.0, t89) + 4.0*t129
+    t136 = select(t134, 8.0, 4.0*maximum(maximum(t128, t99), t132*t129))
+    t137 = maximum(t112, t82)
+    t138 = maximum(t122, t82)
+    t139 = select(t137, 3.0, t89) + 4.0*t114
+    t140 = select(t138, 3.0, t89) + 4.0*t123
+    t141 = select(t137, 8.0, 4.0*maximum(maximum(t112, t99), t132*t114))
+    t142 = select(t138, 8.0, 4.0*maximum(maximum(t122, t99), t123*t132))
+    t143 = t77*t77
+    t144 = sqrt(t143 + t75*t75)
+    t145 = cos(near4)
+    t146 = select(t80, t145, t75/t144)
+    t147 = T11*t41 + T21*t45
+    t148 = sin(near4)
+    t149 = -t148
+    t150 = select(t80, t149, t77/t144)
+    t151 = T21*t41 - T11*t45
+    t152 = T12*t41 + T22*t45
+    t153 = T22*t41 - T12*t45
+    t154 = atan2(t150, t146)
+    t155 = atan2(t147*t146 - t150*(T31*t71 + t151*t69), t152*t146 - t150*(T32*t71 + t153*t69))
+    t156 = select(less(0.0, t155), 3.141592653589793, -3.141592653589793)
+    t157 = atan2(t75*t146 + t77*t150, -(t74*t71 - T33*t69))
+    t158 = select(less(t154, 0.0), 3.141592653589793, -3.141592653589793)
+    t159 = atan2(t13*t69 - t16*t71, t13*t71 + t16*t69)
+    t160 = sqrt(t143 + t126*t126)
+    t161 = select(t128, t145, t126/t160)
+    t162 = select(t128, t149, t77/t160)
+    t163 = atan2(t162, t161)
+    t164 = atan2(t161*t147 - t162*(T31*t73 + t72*t151), t161*t152 - t162*(T32*t73 + t72*t153))
+    t165 = select(less(0.0, t164), 3.141592653589793, -3.141592653589793)
+    t166 = atan2(t126*t161 + t77*t162, -(t73*t74 - T33*t72))
+    t167 = select(less(t163, 0.0), 3.141592653589793, -3.141592653589793)
+    t168 = atan2(t12, -t15)
+    t169 = atan2(t12*t72 - t15*t73, -(t15*t72 + t12*t73))
+    t170 = t109*t109
+    t171 = sqrt(t170 + t107*t107)
+    t172 = select(t112, t145, t107/t171)
+    t173 = select(t112, t149, t109/t171)
+    t174 = t42*T11 + t44*T21
+    t175 = t42*T21 - t44*T11
+    t176 = t42*T12 + t44*T22
+    t177 = t42*T22 - t44*T12
+    t178 = atan2(t173, t172)
+    t179 = atan2(t174*t172 - t173*(T31*t103 + t175*t102), t176*t172 - t173*(T32*t103 + t177*t102))
+    t180 = select(less(0.0, t179), 3.141592653589793, -3.141592653589793)
+    t181 = atan2(t107*t172 + t109*t173, -(t106*t103 - T33*t102))
+    t182 = select(less(t178, 0.0), 3.141592653589793, -3.141592653589793)
+    t183 = atan2(t13*t102 - t16*t103, t13*t103 + t16*t102)
+    t184 = sqrt(t170 + t120*t120)
+    t185 = select(t122, t145, t120/t184)
+    t186 = select(t122, t149, t109/t184)
+    t187 = atan2(t186, t185)
+    t188 = atan2(t185*t174 - t186*(t105*T31 + t104*t175), t185*t176 - t186*(t105*T32 + t104*t177))
+    t189 = select(less(0.0, t188), 3.141592653589793, -3.141592653589793)
+    t190 = atan2(t120*t185 + t109*t186, -(t105*t106 - T33*t104))
+    t191 = select(less(t187, 0.0), 3.141592653589793, -3.141592653589793)
+    t192 = atan2(t12*t104 - t15*t105, -(t12*t105 + t15*t104))
     return (
-        -t49, t184, -t18, -t179, -t182, t180, -t49, t184, -t18, -(t179 + t183), t182, t180 - t181, -t49, -t175,
-        t17, -t170, -t173, t171, -t49, -t175, t17, -(t170 + t174), t173, t171 - t172, t48, t161, -t18, t155,
-        -t159, t157, t48, t161, -t18, t155 - t160, t159, t157 - t158, t48, -t151, t17, t146, -t149, t147, t48,
-        -t151, t17, t146 - t150, t149, t147 - t148, select(t106, t133, t134),
-        select(t106 - t131*t106, t133, t134), select(t105, t127, t128), select(t105 - t124*t105, t127, t128),
-        select(t104, t111, t112), select(t104 - t109*t104, t111, t112), select(t103, t101, t102),
-        select(t103 - t82*t103, t101, t102),
+        -t47, t192, -t168, -t187, -t190, t188, -t47, t192, -t168, -(t187 + t191), t190, t188 - t189, -t47,
+        -t183, t17, -t178, -t181, t179, -t47, -t183, t17, -(t178 + t182), t181, t179 - t180, -t46, t169, -t168,
+        -t163, -t166, t164, -t46, t169, -t168, -(t163 + t167), t166, t164 - t165, -t46, -t159, t17, -t154,
+        -t157, t155, -t46, -t159, t17, -(t154 + t158), t157, t155 - t156, select(t116, t140, t142),
+        select(t124, t140, t142), select(t115, t139, t141), select(t119, t139, t141), select(t117, t135, t136),
+        select(t130, t135, t136), select(t118, t100, t133), select(t131, t100, t133),
     )
 
 
@@ -865,7 +881,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t142 = t141 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t143 = maximum(0.0, t142 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     return (
-        q1 - t139, q2 + t138, q3 + t137, q4 - t136, q5 + t135, q6 - t134, t143,
+        q1 - t139, q2 + t138, q3 + t137, q4 - t136, q5 + t135, q6 - t134, t143, t14,
     )
 
 

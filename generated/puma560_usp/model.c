@@ -1271,29 +1271,29 @@ void puma560_usp_inverse_kinematics_constants(const double *restrict params, dou
     const double t2 = p_d4*p_d4 + (p_a3*p_a3 + (t1 + p_a2*p_a2));
     const double t3 = 2.0*p_a2;
     const double t4 = p_a3*t3;
-    const double t5 = p_d4*t3;
-    const double t6 = t4*t4 + t5*t5;
-    const double t7 = fabs(t6);
-    const double t8 = 1.0 - (0.0 < fabs(t4));
-    const double t9 = t8 - t8*(0.0 < fabs(t5));
-    const double t10 = 1.0 - t9;
-    k[0] = p_d6;
-    k[1] = p_d2;
-    k[2] = t1;
-    k[3] = p_a2;
-    k[4] = p_a3;
-    k[5] = p_d4;
-    k[6] = t2;
-    k[7] = t4;
-    k[8] = t5;
+    const double t5 = 1.0 - (0.0 < fabs(t4));
+    const double t6 = p_d4*t3;
+    const double t7 = t5 - t5*(0.0 < fabs(t6));
+    const double t8 = t4*t4 + t6*t6;
+    const double t9 = fabs(t8);
+    const double t10 = 1.0 - t7;
+    k[0] = p_d4;
+    k[1] = p_a3;
+    k[2] = p_d2;
+    k[3] = t1;
+    k[4] = p_a2;
+    k[5] = t2;
+    k[6] = p_d6;
+    k[7] = t2 + p_d6*p_d6;
+    k[8] = t4;
     k[9] = t6;
-    k[10] = 1e-14*t7;
-    k[11] = t9;
-    k[12] = t2 + p_d6*p_d6;
-    k[13] = -1e-11*t7;
-    k[14] = t10;
-    k[15] = 1e-14*fabs(100000.0*t6);
-    k[16] = -1e-11*fabs(100.0*t6);
+    k[10] = t7;
+    k[11] = t8;
+    k[12] = 1e-14*t9;
+    k[13] = t10;
+    k[14] = -1e-11*t9;
+    k[15] = 1e-14*fabs(100000.0*t8);
+    k[16] = -1e-11*fabs(100.0*t8);
     inverse_kinematics_step_constants(params, k + 17);
 }
 
@@ -1506,6 +1506,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[4 * lanes] = q5 + t134;
     result[5 * lanes] = q6 - t133;
     result[6 * lanes] = t142;
+    result[7 * lanes] = t12;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1514,8 +1515,8 @@ KERNEL void inverse_kinematics_angles(const double *restrict near, double *restr
     const double near2 = near[lanes];
     const double near3 = near[2 * lanes];
     const double near4 = near[3 * lanes];
-    angles[0] = near3;
-    angles[lanes] = near1;
+    angles[0] = near1;
+    angles[lanes] = near3;
     angles[2 * lanes] = near2;
     angles[3 * lanes] = near4;
 }
@@ -1559,261 +1560,269 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double k15 = k[14 * k_lanes];
     const double k16 = k[15 * k_lanes];
     const double k17 = k[16 * k_lanes];
-    const double t1 = T24 - k1*T23;
-    const double t2 = t1*t1;
-    const double t3 = T14 - k1*T13;
-    const double t4 = t3*t3;
-    const double t5 = t2 + t4;
-    const double t6 = t2 - t4;
-    const double t7 = T34 - k1*T33;
-    const double t8 = t7*t7;
-    const double t9 = t8 - (k7 - t5);
-    const double t10 = t2 + t8;
-    const double t11 = k10 - t9*t9;
-    const double t12 = t9/k10;
-    const double t13 = k11 < t11;
-    const double t14 = (t13 > 0.0 ? sqrt(maximum(0.0, t11)) : 0.0)/k10;
-    const double t15 = k9*t14;
-    const double t16 = k8*t14;
-    const double t17 = k8*t12;
-    const double t18 = k9*t12;
-    const double t19 = -ca1;
-    const double t20 = k12 > 0.0 ? t19 : t15 + t17;
-    const double t21 = k12 > 0.0 ? t19 : t15 - t17;
-    const double t22 = k5 + k4*t20;
-    const double t23 = fabs(t5);
-    const double t24 = k3 - t5;
-    const double t25 = -t24;
-    const double t26 = 1e-14*t23 < t25;
-    const double t27 = (t26 > 0.0 ? sqrt(-minimum(0.0, t24)) : 0.0)/t5;
-    const double t28 = t1*t27;
-    const double t29 = t3*t27;
-    const double t30 = k2/t5;
-    const double t31 = t3*t30;
-    const double t32 = t1*t30;
-    const double t33 = sqrt(T34*T34 + (T24*T24 + (k13 + T14*T14)));
-    const double t34 = 1e-12*t33;
-    const double t35 = fabs(t1);
-    const double t36 = 1.0 - (t34 < t35);
-    const double t37 = fabs(t3);
-    const double t38 = t36 - t36*(t34 < t37);
-    const double t39 = t33*t34;
-    const double t40 = t38 > 0.0 ? sa2 : t31 - t28;
-    const double t41 = t38 > 0.0 ? -sa2 : t31 + t28;
-    const double t42 = t1*t40;
-    const double t43 = t1*t41;
-    const double t44 = -ca2;
-    const double t45 = t38 > 0.0 ? t44 : t29 + t32;
-    const double t46 = t38 > 0.0 ? t44 : t29 - t32;
-    const double t47 = arctangent(t40, t45);
-    const double t48 = t42 - t3*t45;
-    const double t49 = k12 > 0.0 ? sa1 : t18 + t16;
-    const double t50 = k12 > 0.0 ? -sa1 : t18 - t16;
-    const double t51 = arctangent(t50, t20);
-    const double t52 = k6 + k4*t50;
-    const double t53 = t7*t52;
-    const double t54 = t8 + t48*t48;
-    const double t55 = (t53 - t22*t48)/t54;
-    const double t56 = t7*t22;
-    const double t57 = (t56 + t52*t48)/t54;
-    const double t58 = 1.5 - 0.5*(t55*t55 + t57*t57);
-    const double t59 = 2.0*t3;
-    const double t60 = fabs(t10 - t45*(t6*t45 + t59*t42));
-    const double t61 = t43 + t3*t46;
-    const double t62 = fabs(t10 - t46*(t46*t6 - t59*t43));
-    const double t63 = t39 < t60;
-    const double t64 = t39 < t62;
-    const double t65 = ca1*ca3 - sa1*sa3;
-    const double t66 = t63 > 0.0 ? t55*t58 : t65;
-    const double t67 = ca1*sa3 + sa1*ca3;
-    const double t68 = t63 > 0.0 ? -t57*t58 : t67;
-    const double t69 = T23*t40 - T13*t45;
-    const double t70 = t69*t66 + T33*t68;
+    const double t1 = sqrt(T34*T34 + (T24*T24 + (k8 + T14*T14)));
+    const double t2 = 1e-12*t1;
+    const double t3 = T24 - k7*T23;
+    const double t4 = fabs(t3);
+    const double t5 = 1.0 - (t2 < t4);
+    const double t6 = T14 - k7*T13;
+    const double t7 = fabs(t6);
+    const double t8 = t5 - t5*(t2 < t7);
+    const double t9 = t1*t2;
+    const double t10 = t3*t3;
+    const double t11 = t6*t6;
+    const double t12 = t10 + t11;
+    const double t13 = t10 - t11;
+    const double t14 = k3/t12;
+    const double t15 = t6*t14;
+    const double t16 = t3*t14;
+    const double t17 = fabs(t12);
+    const double t18 = k4 - t12;
+    const double t19 = -t18;
+    const double t20 = 1e-14*t17 < t19;
+    const double t21 = (t20 > 0.0 ? sqrt(-minimum(0.0, t18)) : 0.0)/t12;
+    const double t22 = t3*t21;
+    const double t23 = t6*t21;
+    const double t24 = t8 > 0.0 ? -sa1 : t15 + t22;
+    const double t25 = t8 > 0.0 ? sa1 : t15 - t22;
+    const double t26 = t8 > 0.0 ? ca1 : t16 - t23;
+    const double t27 = arctangent(t24, t26);
+    const double t28 = t8 > 0.0 ? -ca1 : t16 + t23;
+    const double t29 = arctangent(t25, t28);
+    const double t30 = T34 - k7*T33;
+    const double t31 = t30*t30;
+    const double t32 = t10 + t31;
+    const double t33 = t31 - (k6 - t12);
+    const double t34 = t33/k12;
+    const double t35 = k12 - t33*t33;
+    const double t36 = k9*t34;
+    const double t37 = k10*t34;
+    const double t38 = k13 < t35;
+    const double t39 = (t38 > 0.0 ? sqrt(maximum(0.0, t35)) : 0.0)/k12;
+    const double t40 = k10*t39;
+    const double t41 = k9*t39;
+    const double t42 = k11 > 0.0 ? ca2 : t36 - t40;
+    const double t43 = 2.0*t6;
+    const double t44 = t3*t24;
+    const double t45 = t3*t25;
+    const double t46 = fabs(t32 - t26*(t26*t13 + t43*t44));
+    const double t47 = fabs(t32 - t28*(t13*t28 + t43*t45));
+    const double t48 = t9 < t46;
+    const double t49 = t9 < t47;
+    const double t50 = k2 + k5*t42;
+    const double t51 = t30*t50;
+    const double t52 = t44 - t6*t26;
+    const double t53 = t45 - t6*t28;
+    const double t54 = k11 > 0.0 ? sa2 : t41 + t37;
+    const double t55 = arctangent(t54, t42);
+    const double t56 = k11 > 0.0 ? sa2 : t41 - t37;
+    const double t57 = k1 + k5*t54;
+    const double t58 = t31 + t52*t52;
+    const double t59 = (t51 + t52*t57)/t58;
+    const double t60 = t30*t57;
+    const double t61 = (t60 - t52*t50)/t58;
+    const double t62 = 1.5 - 0.5*(t61*t61 + t59*t59);
+    const double t63 = ca2*sa3 + sa2*ca3;
+    const double t64 = t48 > 0.0 ? -t59*t62 : t63;
+    const double t65 = ca2*ca3 - sa2*sa3;
+    const double t66 = t48 > 0.0 ? t61*t62 : t65;
+    const double t67 = k11 > 0.0 ? -ca2 : t36 + t40;
+    const double t68 = arctangent(t56, t67);
+    const double t69 = arctangent(t42*t64 - t54*t66, t42*t66 + t54*t64);
+    const double t70 = T13*t24 + T23*t26;
     const double t71 = fabs(t70);
-    const double t72 = T13*t40 + T23*t45;
-    const double t73 = fabs(t72);
-    const double t74 = 1.0 - (1e-12 < t73);
-    const double t75 = t74 - t74*(1e-12 < t71);
-    const double t76 = 1.0 - t63;
-    const double t77 = maximum(k12, maximum(t38, maximum(k12, t76)));
-    const double t78 = maximum(t75, t77);
-    const double t79 = (1.0 - t38)*(1.0 - (1e-11*t23 < t24));
-    const double t80 = t26*t79;
-    const double t81 = maximum(t38, t79);
-    const double t82 = k15 - k15*(t11 < k14);
-    const double t83 = t13*t82;
-    const double t84 = maximum(t79 - t80, t82 - t83) > 0.0 ? 2.0 : 1.0;
-    const double t85 = maximum(k12, t82);
-    const double t86 = 1.0 - (0.001 < t73);
-    const double t87 = 1.0 - (1e-14*fabs(100000.0*t5) < t25);
-    const double t88 = t87 - t87*(1e-11*fabs(100.0*t5) < t24);
-    const double t89 = 0.001*t33;
-    const double t90 = 1.0 - (t89 < t35);
-    const double t91 = t33*t89;
-    const double t92 = 1.0 - (k16 < t11);
-    const double t93 = maximum(k12, t92 - t92*(t11 < k17));
-    const double t94 = maximum(maximum(t88, t90 - t90*(t89 < t37)), t93);
-    const double t95 = maximum(t94, 1.0 - (t91 < t60));
-    const double t96 = maximum(t93, maximum(t38, t88));
-    const double t97 = maximum(t96, t76);
-    const double t98 = maximum(1.0 - (t91 < t62), t94);
-    const double t99 = (t78 > 0.0 ? 3.0 : t84) + 4.0*maximum(t95, t86 - t86*(0.001 < t71));
-    const double t100 = t78 > 0.0 ? 8.0 : 4.0*maximum(t75, t97);
-    const double t101 = t80*t83;
-    const double t102 = t85*t80;
-    const double t103 = t81*t83;
-    const double t104 = t81*t85;
-    const double t105 = k5 - k4*t21;
-    const double t106 = k6 + k4*t49;
-    const double t107 = t7*t106;
-    const double t108 = (t107 - t105*t48)/t54;
-    const double t109 = t7*t105;
-    const double t110 = (t109 + t106*t48)/t54;
-    const double t111 = t8 + t61*t61;
-    const double t112 = (t53 - t61*t22)/t111;
-    const double t113 = (t56 + t61*t52)/t111;
-    const double t114 = (t107 - t61*t105)/t111;
-    const double t115 = (t109 + t61*t106)/t111;
-    const double t116 = 1.5 - 0.5*(t108*t108 + t110*t110);
-    const double t117 = t63 > 0.0 ? t108*t116 : t65;
-    const double t118 = t63 > 0.0 ? -t110*t116 : t67;
-    const double t119 = t117*t69 + T33*t118;
-    const double t120 = fabs(t119);
-    const double t121 = t74 - t74*(1e-12 < t120);
-    const double t122 = maximum(t121, t77);
-    const double t123 = t122 > 0.0 ? 8.0 : 4.0*maximum(t121, t97);
-    const double t124 = (t122 > 0.0 ? 3.0 : t84) + 4.0*maximum(t86 - t86*(0.001 < t120), t95);
-    const double t125 = 1.5 - 0.5*(t112*t112 + t113*t113);
-    const double t126 = t64 > 0.0 ? t112*t125 : t65;
-    const double t127 = t64 > 0.0 ? -t113*t125 : t67;
-    const double t128 = T23*t41 + T13*t46;
-    const double t129 = t128*t126 + T33*t127;
-    const double t130 = fabs(t129);
-    const double t131 = T13*t41 - T23*t46;
-    const double t132 = fabs(t131);
-    const double t133 = 1.0 - (1e-12 < t132);
-    const double t134 = t133 - t133*(1e-12 < t130);
-    const double t135 = 1.0 - (0.001 < t132);
-    const double t136 = 1.0 - t64;
-    const double t137 = maximum(t136, t96);
-    const double t138 = maximum(k12, maximum(t38, maximum(k12, t136)));
-    const double t139 = maximum(t134, t138);
-    const double t140 = (t139 > 0.0 ? 3.0 : t84) + 4.0*maximum(t98, t135 - t135*(0.001 < t130));
-    const double t141 = t139 > 0.0 ? 8.0 : 4.0*maximum(t134, t137);
-    const double t142 = 1.5 - 0.5*(t114*t114 + t115*t115);
-    const double t143 = t64 > 0.0 ? t114*t142 : t65;
-    const double t144 = t64 > 0.0 ? -t115*t142 : t67;
-    const double t145 = t143*t128 + T33*t144;
-    const double t146 = fabs(t145);
-    const double t147 = t133 - t133*(1e-12 < t146);
-    const double t148 = maximum(t147, t138);
-    const double t149 = (t148 > 0.0 ? 3.0 : t84) + 4.0*maximum(t135 - t135*(0.001 < t146), t98);
-    const double t150 = t148 > 0.0 ? 8.0 : 4.0*maximum(t147, t137);
-    const double t151 = t72*t72;
-    const double t152 = sqrt(t151 + t70*t70);
-    const double t153 = t75 > 0.0 ? ca4 : t70/t152;
-    const double t154 = T11*t40 + T21*t45;
-    const double t155 = -sa4;
-    const double t156 = t75 > 0.0 ? t155 : t72/t152;
-    const double t157 = T21*t40 - T11*t45;
-    const double t158 = T12*t40 + T22*t45;
-    const double t159 = T22*t40 - T12*t45;
-    const double t160 = arctangent(t156, t153);
-    const double t161 = arctangent(t154*t153 - t156*(T31*t68 + t157*t66), t158*t153 - t156*(T32*t68 + t159*t66));
-    const double t162 = (0.0 < t161) ? 3.141592653589793 : -3.141592653589793;
-    const double t163 = arctangent(t70*t153 + t72*t156, -(t69*t68 - T33*t66));
-    const double t164 = (t160 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t165 = arctangent(t20*t68 - t50*t66, t20*t66 + t50*t68);
-    const double t166 = sqrt(t151 + t119*t119);
-    const double t167 = t121 > 0.0 ? ca4 : t119/t166;
-    const double t168 = t121 > 0.0 ? t155 : t72/t166;
-    const double t169 = arctangent(t168, t167);
-    const double t170 = arctangent(t167*t154 - t168*(T31*t118 + t117*t157), t167*t158 - t168*(T32*t118 + t117*t159));
-    const double t171 = (0.0 < t170) ? 3.141592653589793 : -3.141592653589793;
-    const double t172 = arctangent(t119*t167 + t72*t168, -(t118*t69 - T33*t117));
-    const double t173 = (t169 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t174 = arctangent(t49, -t21);
-    const double t175 = arctangent(t21*t118 + t49*t117, -(t21*t117 - t49*t118));
-    const double t176 = t131*t131;
-    const double t177 = sqrt(t176 + t129*t129);
-    const double t178 = t134 > 0.0 ? ca4 : t129/t177;
-    const double t179 = t134 > 0.0 ? t155 : t131/t177;
-    const double t180 = t41*T11 - t46*T21;
-    const double t181 = t41*T21 + t46*T11;
-    const double t182 = t41*T12 - t46*T22;
-    const double t183 = arctangent(t179, t178);
-    const double t184 = t41*T22 + t46*T12;
-    const double t185 = arctangent(t41, -t46);
-    const double t186 = arctangent(t180*t178 - t179*(T31*t127 + t181*t126), t182*t178 - t179*(T32*t127 + t184*t126));
-    const double t187 = (0.0 < t186) ? 3.141592653589793 : -3.141592653589793;
-    const double t188 = arctangent(t129*t178 + t131*t179, -(t128*t127 - T33*t126));
-    const double t189 = (t183 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t190 = arctangent(t20*t127 - t50*t126, t20*t126 + t50*t127);
-    const double t191 = sqrt(t176 + t145*t145);
-    const double t192 = t147 > 0.0 ? ca4 : t145/t191;
-    const double t193 = t147 > 0.0 ? t155 : t131/t191;
-    const double t194 = arctangent(t193, t192);
-    const double t195 = arctangent(t192*t180 - t193*(t144*T31 + t143*t181), t192*t182 - t193*(t144*T32 + t143*t184));
-    const double t196 = (0.0 < t195) ? 3.141592653589793 : -3.141592653589793;
-    const double t197 = arctangent(t145*t192 + t131*t193, -(t144*t128 - T33*t143));
-    const double t198 = (t194 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t199 = arctangent(t21*t144 + t49*t143, -(t21*t143 - t49*t144));
-    result[0] = -t185;
-    result[lanes] = -t199;
-    result[2 * lanes] = t174;
-    result[3 * lanes] = -t194;
-    result[4 * lanes] = -t197;
-    result[5 * lanes] = t195;
-    result[6 * lanes] = -t185;
-    result[7 * lanes] = -t199;
-    result[8 * lanes] = t174;
-    result[9 * lanes] = -(t194 + t198);
-    result[10 * lanes] = t197;
-    result[11 * lanes] = t195 - t196;
-    result[12 * lanes] = -t185;
-    result[13 * lanes] = t190;
-    result[14 * lanes] = t51;
-    result[15 * lanes] = -t183;
-    result[16 * lanes] = -t188;
-    result[17 * lanes] = t186;
-    result[18 * lanes] = -t185;
-    result[19 * lanes] = t190;
-    result[20 * lanes] = t51;
-    result[21 * lanes] = -(t183 + t189);
-    result[22 * lanes] = t188;
-    result[23 * lanes] = t186 - t187;
-    result[24 * lanes] = -t47;
-    result[25 * lanes] = -t175;
-    result[26 * lanes] = t174;
-    result[27 * lanes] = -t169;
-    result[28 * lanes] = -t172;
-    result[29 * lanes] = t170;
-    result[30 * lanes] = -t47;
-    result[31 * lanes] = -t175;
-    result[32 * lanes] = t174;
-    result[33 * lanes] = -(t169 + t173);
-    result[34 * lanes] = t172;
-    result[35 * lanes] = t170 - t171;
-    result[36 * lanes] = -t47;
-    result[37 * lanes] = t165;
-    result[38 * lanes] = t51;
-    result[39 * lanes] = -t160;
-    result[40 * lanes] = -t163;
-    result[41 * lanes] = t161;
-    result[42 * lanes] = -t47;
-    result[43 * lanes] = t165;
-    result[44 * lanes] = t51;
-    result[45 * lanes] = -(t160 + t164);
-    result[46 * lanes] = t163;
-    result[47 * lanes] = t161 - t162;
-    result[48 * lanes] = t104 > 0.0 ? t149 : t150;
-    result[49 * lanes] = t104 - t147*t104 > 0.0 ? t149 : t150;
-    result[50 * lanes] = t103 > 0.0 ? t140 : t141;
-    result[51 * lanes] = t103 - t134*t103 > 0.0 ? t140 : t141;
-    result[52 * lanes] = t102 > 0.0 ? t124 : t123;
-    result[53 * lanes] = t102 - t121*t102 > 0.0 ? t124 : t123;
-    result[54 * lanes] = t101 > 0.0 ? t99 : t100;
-    result[55 * lanes] = t101 - t75*t101 > 0.0 ? t99 : t100;
+    const double t72 = 1.0 - (1e-12 < t71);
+    const double t73 = T23*t24 - T13*t26;
+    const double t74 = t66*t73 + T33*t64;
+    const double t75 = fabs(t74);
+    const double t76 = t72 - t72*(1e-12 < t75);
+    const double t77 = -sa4;
+    const double t78 = t70*t70;
+    const double t79 = sqrt(t78 + t74*t74);
+    const double t80 = t76 > 0.0 ? t77 : t70/t79;
+    const double t81 = t76 > 0.0 ? ca4 : t74/t79;
+    const double t82 = arctangent(t80, t81);
+    const double t83 = arctangent(t74*t81 + t70*t80, -(t64*t73 - T33*t66));
+    const double t84 = t24*T11 + t26*T21;
+    const double t85 = t24*T21 - t26*T11;
+    const double t86 = t24*T12 + t26*T22;
+    const double t87 = t24*T22 - t26*T12;
+    const double t88 = arctangent(t81*t84 - t80*(t64*T31 + t66*t85), t81*t86 - t80*(t64*T32 + t66*t87));
+    const double t89 = t82 + ((t82 < 0.0) ? 3.141592653589793 : -3.141592653589793);
+    const double t90 = t88 - ((0.0 < t88) ? 3.141592653589793 : -3.141592653589793);
+    const double t91 = k2 + k5*t67;
+    const double t92 = t30*t91;
+    const double t93 = k1 - k5*t56;
+    const double t94 = t30*t93;
+    const double t95 = (t92 + t52*t93)/t58;
+    const double t96 = (t94 - t52*t91)/t58;
+    const double t97 = t31 + t53*t53;
+    const double t98 = (t51 + t57*t53)/t97;
+    const double t99 = (t60 - t50*t53)/t97;
+    const double t100 = (t92 + t93*t53)/t97;
+    const double t101 = (t94 - t91*t53)/t97;
+    const double t102 = 1.5 - 0.5*(t96*t96 + t95*t95);
+    const double t103 = t48 > 0.0 ? -t95*t102 : t63;
+    const double t104 = t48 > 0.0 ? t96*t102 : t65;
+    const double t105 = 1.0 - t48;
+    const double t106 = arctangent(t67*t103 + t56*t104, t67*t104 - t56*t103);
+    const double t107 = t73*t104 + T33*t103;
+    const double t108 = fabs(t107);
+    const double t109 = t72 - t72*(1e-12 < t108);
+    const double t110 = sqrt(t78 + t107*t107);
+    const double t111 = t109 > 0.0 ? t77 : t70/t110;
+    const double t112 = t109 > 0.0 ? ca4 : t107/t110;
+    const double t113 = arctangent(t107*t112 + t70*t111, -(t73*t103 - T33*t104));
+    const double t114 = arctangent(t111, t112);
+    const double t115 = arctangent(t84*t112 - t111*(T31*t103 + t85*t104), t86*t112 - t111*(T32*t103 + t87*t104));
+    const double t116 = (t114 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t117 = (0.0 < t115) ? 3.141592653589793 : -3.141592653589793;
+    const double t118 = 1.5 - 0.5*(t99*t99 + t98*t98);
+    const double t119 = t49 > 0.0 ? -t98*t118 : t63;
+    const double t120 = t49 > 0.0 ? t99*t118 : t65;
+    const double t121 = arctangent(t42*t119 - t54*t120, t42*t120 + t54*t119);
+    const double t122 = T13*t25 + T23*t28;
+    const double t123 = fabs(t122);
+    const double t124 = 1.0 - (1e-12 < t123);
+    const double t125 = T23*t25 - T13*t28;
+    const double t126 = t120*t125 + T33*t119;
+    const double t127 = fabs(t126);
+    const double t128 = t124 - t124*(1e-12 < t127);
+    const double t129 = t122*t122;
+    const double t130 = sqrt(t129 + t126*t126);
+    const double t131 = t128 > 0.0 ? t77 : t122/t130;
+    const double t132 = t128 > 0.0 ? ca4 : t126/t130;
+    const double t133 = arctangent(t131, t132);
+    const double t134 = arctangent(t126*t132 + t122*t131, -(t119*t125 - T33*t120));
+    const double t135 = T11*t25 + T21*t28;
+    const double t136 = T21*t25 - T11*t28;
+    const double t137 = T12*t25 + T22*t28;
+    const double t138 = T22*t25 - T12*t28;
+    const double t139 = arctangent(t132*t135 - t131*(T31*t119 + t120*t136), t132*t137 - t131*(T32*t119 + t120*t138));
+    const double t140 = (t133 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t141 = (0.0 < t139) ? 3.141592653589793 : -3.141592653589793;
+    const double t142 = 1.5 - 0.5*(t101*t101 + t100*t100);
+    const double t143 = t49 > 0.0 ? -t100*t142 : t63;
+    const double t144 = t49 > 0.0 ? t101*t142 : t65;
+    const double t145 = 1.0 - t49;
+    const double t146 = arctangent(t67*t143 + t56*t144, t67*t144 - t56*t143);
+    const double t147 = t125*t144 + T33*t143;
+    const double t148 = fabs(t147);
+    const double t149 = t124 - t124*(1e-12 < t148);
+    const double t150 = sqrt(t129 + t147*t147);
+    const double t151 = t149 > 0.0 ? t77 : t122/t150;
+    const double t152 = t149 > 0.0 ? ca4 : t147/t150;
+    const double t153 = arctangent(t147*t152 + t122*t151, -(t125*t143 - T33*t144));
+    const double t154 = arctangent(t151, t152);
+    const double t155 = arctangent(t135*t152 - t151*(T31*t143 + t136*t144), t137*t152 - t151*(T32*t143 + t138*t144));
+    const double t156 = (t154 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t157 = (0.0 < t155) ? 3.141592653589793 : -3.141592653589793;
+    const double t158 = (1.0 - t8)*(1.0 - (1e-11*t17 < t18));
+    const double t159 = t20*t158;
+    const double t160 = maximum(t8, t158);
+    const double t161 = k14 - k14*(t35 < k15);
+    const double t162 = t38*t161;
+    const double t163 = maximum(k11, t161);
+    const double t164 = maximum(t158 - t159, t161 - t162) > 0.0 ? 2.0 : 1.0;
+    const double t165 = t160*t163;
+    const double t166 = t163*t159;
+    const double t167 = t159*t162;
+    const double t168 = t160*t162;
+    const double t169 = maximum(k11, maximum(t8, maximum(k11, t105)));
+    const double t170 = maximum(t76, t169);
+    const double t171 = maximum(t109, t169);
+    const double t172 = 1.0 - (0.001 < t71);
+    const double t173 = 1.0 - (0.001 < t123);
+    const double t174 = 0.001*t1;
+    const double t175 = t1*t174;
+    const double t176 = 1.0 - (t174 < t4);
+    const double t177 = 1.0 - (1e-14*fabs(100000.0*t12) < t19);
+    const double t178 = t177 - t177*(1e-11*fabs(100.0*t12) < t18);
+    const double t179 = 1.0 - (k16 < t35);
+    const double t180 = maximum(k11, t179 - t179*(t35 < k17));
+    const double t181 = maximum(maximum(t178, t176 - t176*(t174 < t7)), t180);
+    const double t182 = maximum(1.0 - (t175 < t46), t181);
+    const double t183 = maximum(t172 - t172*(0.001 < t75), t182);
+    const double t184 = maximum(t180, maximum(t8, t178));
+    const double t185 = maximum(t105, t184);
+    const double t186 = maximum(t182, t172 - t172*(0.001 < t108));
+    const double t187 = maximum(t181, 1.0 - (t175 < t47));
+    const double t188 = maximum(t173 - t173*(0.001 < t127), t187);
+    const double t189 = maximum(t184, t145);
+    const double t190 = maximum(k11, maximum(t8, maximum(k11, t145)));
+    const double t191 = maximum(t187, t173 - t173*(0.001 < t148));
+    const double t192 = (t170 > 0.0 ? 3.0 : t164) + 4.0*t183;
+    const double t193 = t165 - t76*t165;
+    const double t194 = t168 - t109*t168;
+    const double t195 = t167 - t149*t167;
+    const double t196 = t166 - t128*t166;
+    const double t197 = maximum(t166, maximum(t194, maximum(t168, maximum(t165, t193))));
+    const double t198 = 1.0 - maximum(t195, maximum(t167, maximum(t196, t197)));
+    const double t199 = t170 > 0.0 ? 8.0 : 4.0*maximum(maximum(t76, t185), t183*t198);
+    const double t200 = (t171 > 0.0 ? 3.0 : t164) + 4.0*t186;
+    const double t201 = t171 > 0.0 ? 8.0 : 4.0*maximum(maximum(t109, t185), t198*t186);
+    const double t202 = maximum(t128, t190);
+    const double t203 = maximum(t149, t190);
+    const double t204 = (t202 > 0.0 ? 3.0 : t164) + 4.0*t188;
+    const double t205 = t202 > 0.0 ? 8.0 : 4.0*maximum(maximum(t128, t189), t198*t188);
+    const double t206 = (t203 > 0.0 ? 3.0 : t164) + 4.0*t191;
+    const double t207 = t203 > 0.0 ? 8.0 : 4.0*maximum(maximum(t149, t189), t198*t191);
+    result[0] = -t27;
+    result[lanes] = t69;
+    result[2 * lanes] = t55;
+    result[3 * lanes] = -t82;
+    result[4 * lanes] = -t83;
+    result[5 * lanes] = t88;
+    result[6 * lanes] = -t27;
+    result[7 * lanes] = t69;
+    result[8 * lanes] = t55;
+    result[9 * lanes] = -t89;
+    result[10 * lanes] = t83;
+    result[11 * lanes] = t90;
+    result[12 * lanes] = -t27;
+    result[13 * lanes] = t106;
+    result[14 * lanes] = -t68;
+    result[15 * lanes] = -t114;
+    result[16 * lanes] = -t113;
+    result[17 * lanes] = t115;
+    result[18 * lanes] = -t27;
+    result[19 * lanes] = t106;
+    result[20 * lanes] = -t68;
+    result[21 * lanes] = -(t114 + t116);
+    result[22 * lanes] = t113;
+    result[23 * lanes] = t115 - t117;
+    result[24 * lanes] = -t29;
+    result[25 * lanes] = t121;
+    result[26 * lanes] = t55;
+    result[27 * lanes] = -t133;
+    result[28 * lanes] = -t134;
+    result[29 * lanes] = t139;
+    result[30 * lanes] = -t29;
+    result[31 * lanes] = t121;
+    result[32 * lanes] = t55;
+    result[33 * lanes] = -(t133 + t140);
+    result[34 * lanes] = t134;
+    result[35 * lanes] = t139 - t141;
+    result[36 * lanes] = -t29;
+    result[37 * lanes] = t146;
+    result[38 * lanes] = -t68;
+    result[39 * lanes] = -t154;
+    result[40 * lanes] = -t153;
+    result[41 * lanes] = t155;
+    result[42 * lanes] = -t29;
+    result[43 * lanes] = t146;
+    result[44 * lanes] = -t68;
+    result[45 * lanes] = -(t154 + t156);
+    result[46 * lanes] = t153;
+    result[47 * lanes] = t155 - t157;
+    result[48 * lanes] = t165 > 0.0 ? t192 : t199;
+    result[49 * lanes] = t193 > 0.0 ? t192 : t199;
+    result[50 * lanes] = t168 > 0.0 ? t200 : t201;
+    result[51 * lanes] = t194 > 0.0 ? t200 : t201;
+    result[52 * lanes] = t166 > 0.0 ? t204 : t205;
+    result[53 * lanes] = t196 > 0.0 ? t204 : t205;
+    result[54 * lanes] = t167 > 0.0 ? t206 : t207;
+    result[55 * lanes] = t195 > 0.0 ? t206 : t207;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1835,10 +1844,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[6], sines[6], cosines[6];
@@ -1850,7 +1859,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 6; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1860,7 +1869,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 6 };
-    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[6 + 2], found[6 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 17, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1942,6 +1951,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06};
+    double row[6], back[6];
+    size_t place = kinds[branch] ? 8 : branch, listed = 0;
+    for (size_t j = 0; j < 6; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 8; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 6 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 8)
+            place = b;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 8 || (listed && !alone))
+        return;
+    memcpy(q + 6 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1951,6 +1987,31 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    const double damping = 1e-12;
+    double start[6], step[6 + 2], values[56], moved[16] = {0.0};
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 17, step);
+    const double unit = step[6 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 8; ++b)
+            inverse_kinematics_added(T, k, unit, values + 6 * b, b, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int puma560_usp_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1958,7 +2019,7 @@ int puma560_usp_inverse_kinematics(const double *restrict T, const double *restr
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[6], values[56];
     const double *const codes = values + 48;
-    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    int kinds[8], doubts[8], doubted[8], free[8], settled[8] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 48; ++j)
             q[j] = NAN;
@@ -1974,7 +2035,7 @@ int puma560_usp_inverse_kinematics(const double *restrict T, const double *restr
         return count;
     memcpy(q, values, 48 * sizeof *q);
     for (size_t b = 0; b < 8; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1990,9 +2051,13 @@ int puma560_usp_inverse_kinematics(const double *restrict T, const double *restr
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 48 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 6])
+            if (inverse_kinematics_turning[j % 6])
                 values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
     }
+    for (size_t b = 0; b < 8; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 8; ++b) {
         for (size_t j = 0; j < 6 && !kinds[b]; ++j)

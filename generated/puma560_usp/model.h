@@ -22,7 +22,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -58,7 +58,7 @@ enum {
     puma560_usp_none = 0, /**< The branch does not exist. */
     puma560_usp_exact = 1, /**< A solution. */
     puma560_usp_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    puma560_usp_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    puma560_usp_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -184,7 +184,7 @@ void puma560_usp_analytic_jacobian_zyz_constants(const double *params, double *k
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 8 solutions, and no more.
+ * A reachable pose has up to 8 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -195,7 +195,16 @@ void puma560_usp_analytic_jacobian_zyz_constants(const double *params, double *k
  * @param[out] status  what each branch is, 8; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 215 mul, 148 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 119 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. shoulder left, elbow down, wrist flipped
+ * 2. shoulder left, elbow down, wrist not flipped
+ * 3. shoulder left, elbow up, wrist flipped
+ * 4. shoulder left, elbow up, wrist not flipped
+ * 5. shoulder right, elbow up, wrist flipped
+ * 6. shoulder right, elbow up, wrist not flipped
+ * 7. shoulder right, elbow down, wrist flipped
+ * 8. shoulder right, elbow down, wrist not flipped
+ * Closed form, all branches at once: 219 mul, 149 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 130 cases.
  * Once per set of parameters: 17 mul, 8 add, 2 cases.
  */
 int puma560_usp_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

@@ -46,7 +46,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
-    "inverse_kinematics": {"mul": 215, "add": 148, "div": 20, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 119},
+    "inverse_kinematics": {"mul": 219, "add": 149, "div": 20, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 130},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -202,7 +202,17 @@ def analytic_jacobian_zyz(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 8 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. shoulder left, elbow down, wrist flipped
+    2. shoulder left, elbow down, wrist not flipped
+    3. shoulder left, elbow up, wrist flipped
+    4. shoulder left, elbow up, wrist not flipped
+    5. shoulder right, elbow up, wrist flipped
+    6. shoulder right, elbow up, wrist not flipped
+    7. shoulder right, elbow down, wrist flipped
+    8. shoulder right, elbow down, wrist not flipped
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -221,7 +231,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 215 mul, 148 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 119 cases.
+    Closed form, all branches at once: 219 mul, 149 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 130 cases.
     Once per set of parameters: 17 mul, 8 add, 2 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -737,21 +747,21 @@ def _inverse_kinematics_constants(functions, p):
     p_d2, p_a2, p_a3, p_d4, p_d6 = p
     t1 = p_d2*p_d2
     t2 = p_d4*p_d4 + (p_a3*p_a3 + (t1 + p_a2*p_a2))
-    t3 = 2.0*p_a2
-    t4 = p_a3*t3
-    t5 = p_d4*t3
-    t6 = t4*t4 + t5*t5
-    t7 = absolute(t6)
-    t8 = 1e-14*t7
-    t9 = 1.0 - less(0.0, absolute(t4))
-    t10 = t9 - t9*less(0.0, absolute(t5))
-    t11 = t2 + p_d6*p_d6
-    t12 = -1e-11*t7
-    t13 = 1.0 - t10
-    t14 = 1e-14*absolute(100000.0*t6)
-    t15 = -1e-11*absolute(100.0*t6)
+    t3 = t2 + p_d6*p_d6
+    t4 = 2.0*p_a2
+    t5 = p_a3*t4
+    t6 = 1.0 - less(0.0, absolute(t5))
+    t7 = p_d4*t4
+    t8 = t6 - t6*less(0.0, absolute(t7))
+    t9 = t5*t5 + t7*t7
+    t10 = absolute(t9)
+    t11 = 1e-14*t10
+    t12 = 1.0 - t8
+    t13 = -1e-11*t10
+    t14 = 1e-14*absolute(100000.0*t9)
+    t15 = -1e-11*absolute(100.0*t9)
     return (
-        p_d6, p_d2, t1, p_a2, p_a3, p_d4, t2, t4, t5, t6, t8, t10, t11, t12, t13, t14, t15,
+        p_d4, p_a3, p_d2, t1, p_a2, t2, p_d6, t3, t5, t7, t8, t9, t11, t12, t13, t14, t15,
     )
 
 
@@ -759,222 +769,229 @@ def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     near1, near2, near3, near4, near5, near6 = near
-    p_d6, p_d2, k3, p_a2, p_a3, p_d4, k7, k8, k9, k10, k11, k12, k13, k14, k15, k16, k17 = k
-    t16 = T24 - p_d6*T23
-    t17 = t16*t16
-    t18 = T14 - p_d6*T13
-    t19 = t18*t18
-    t20 = t17 + t19
-    t21 = t17 - t19
-    t22 = T34 - p_d6*T33
-    t23 = t22*t22
-    t24 = t23 - (k7 - t20)
-    t25 = t17 + t23
-    t26 = k10 - t24*t24
-    t27 = t24/k10
-    t28 = less(k11, t26)
-    t29 = select(t28, sqrt(maximum(0.0, t26)), 0.0)/k10
-    t30 = k9*t29
-    t31 = k8*t29
-    t32 = k8*t27
-    t33 = k9*t27
-    t34 = cos(near3)
+    p_d4, p_a3, p_d2, k4, p_a2, k6, p_d6, k8, k9, k10, k11, k12, k13, k14, k15, k16, k17 = k
+    t16 = sqrt(T34*T34 + (T24*T24 + (k8 + T14*T14)))
+    t17 = 1e-12*t16
+    t18 = T24 - p_d6*T23
+    t19 = absolute(t18)
+    t20 = 1.0 - less(t17, t19)
+    t21 = T14 - p_d6*T13
+    t22 = absolute(t21)
+    t23 = t20 - t20*less(t17, t22)
+    t24 = t16*t17
+    t25 = sin(near1)
+    t26 = t18*t18
+    t27 = t21*t21
+    t28 = t26 + t27
+    t29 = t26 - t27
+    t30 = p_d2/t28
+    t31 = t21*t30
+    t32 = t18*t30
+    t33 = absolute(t28)
+    t34 = k4 - t28
     t35 = -t34
-    t36 = select(k12, t35, t30 + t32)
-    t37 = select(k12, t35, t30 - t32)
-    t38 = p_a3 + p_a2*t36
-    t39 = absolute(t20)
-    t40 = k3 - t20
-    t41 = -t40
-    t42 = less(1e-14*t39, t41)
-    t43 = select(t42, sqrt(-minimum(0.0, t40)), 0.0)/t20
-    t44 = t16*t43
-    t45 = t18*t43
-    t46 = p_d2/t20
-    t47 = t18*t46
-    t48 = t16*t46
-    t49 = sqrt(T34*T34 + (T24*T24 + (k13 + T14*T14)))
-    t50 = 1e-12*t49
-    t51 = absolute(t16)
-    t52 = 1.0 - less(t50, t51)
-    t53 = absolute(t18)
-    t54 = t52 - t52*less(t50, t53)
-    t55 = t49*t50
-    t56 = sin(near1)
-    t57 = select(t54, t56, t47 - t44)
-    t58 = select(t54, -t56, t47 + t44)
-    t59 = t16*t57
-    t60 = t16*t58
-    t61 = cos(near1)
-    t62 = -t61
-    t63 = select(t54, t62, t45 + t48)
-    t64 = select(t54, t62, t45 - t48)
-    t65 = atan2(t57, t63)
-    t66 = t59 - t18*t63
-    t67 = sin(near3)
-    t68 = select(k12, t67, t33 + t31)
-    t69 = select(k12, -t67, t33 - t31)
-    t70 = atan2(t69, t36)
-    t71 = p_d4 + p_a2*t69
-    t72 = t22*t71
-    t73 = t23 + t66*t66
-    t74 = (t72 - t38*t66)/t73
-    t75 = t22*t38
-    t76 = (t75 + t71*t66)/t73
-    t77 = 1.5 - 0.5*(t74*t74 + t76*t76)
-    t78 = 2.0*t18
-    t79 = absolute(t25 - t63*(t21*t63 + t78*t59))
-    t80 = t60 + t18*t64
-    t81 = absolute(t25 - t64*(t64*t21 - t78*t60))
-    t82 = less(t55, t79)
-    t83 = less(t55, t81)
-    t84 = cos(near2)
-    t85 = sin(near2)
-    t86 = t34*t84 - t67*t85
-    t87 = select(t82, t74*t77, t86)
-    t88 = t34*t85 + t67*t84
-    t89 = select(t82, -t76*t77, t88)
-    t90 = T23*t57 - T13*t63
-    t91 = t90*t87 + T33*t89
+    t36 = less(1e-14*t33, t35)
+    t37 = select(t36, sqrt(-minimum(0.0, t34)), 0.0)/t28
+    t38 = t18*t37
+    t39 = t21*t37
+    t40 = select(t23, -t25, t31 + t38)
+    t41 = select(t23, t25, t31 - t38)
+    t42 = cos(near1)
+    t43 = select(t23, t42, t32 - t39)
+    t44 = atan2(t40, t43)
+    t45 = select(t23, -t42, t32 + t39)
+    t46 = atan2(t41, t45)
+    t47 = cos(near3)
+    t48 = T34 - p_d6*T33
+    t49 = t48*t48
+    t50 = t26 + t49
+    t51 = t49 - (k6 - t28)
+    t52 = t51/k12
+    t53 = k12 - t51*t51
+    t54 = k9*t52
+    t55 = k10*t52
+    t56 = less(k13, t53)
+    t57 = select(t56, sqrt(maximum(0.0, t53)), 0.0)/k12
+    t58 = k10*t57
+    t59 = k9*t57
+    t60 = select(k11, t47, t54 - t58)
+    t61 = 2.0*t21
+    t62 = t18*t40
+    t63 = t18*t41
+    t64 = absolute(t50 - t43*(t43*t29 + t61*t62))
+    t65 = absolute(t50 - t45*(t29*t45 + t61*t63))
+    t66 = less(t24, t64)
+    t67 = less(t24, t65)
+    t68 = p_a3 + p_a2*t60
+    t69 = t48*t68
+    t70 = t62 - t21*t43
+    t71 = t63 - t21*t45
+    t72 = sin(near3)
+    t73 = select(k11, t72, t59 + t55)
+    t74 = atan2(t73, t60)
+    t75 = select(k11, t72, t59 - t55)
+    t76 = p_d4 + p_a2*t73
+    t77 = t49 + t70*t70
+    t78 = (t69 + t70*t76)/t77
+    t79 = t48*t76
+    t80 = (t79 - t70*t68)/t77
+    t81 = 1.5 - 0.5*(t80*t80 + t78*t78)
+    t82 = sin(near2)
+    t83 = cos(near2)
+    t84 = t47*t82 + t72*t83
+    t85 = select(t66, -t78*t81, t84)
+    t86 = t47*t83 - t72*t82
+    t87 = select(t66, t80*t81, t86)
+    t88 = select(k11, -t47, t54 + t58)
+    t89 = atan2(t75, t88)
+    t90 = atan2(t60*t85 - t73*t87, t60*t87 + t73*t85)
+    t91 = T13*t40 + T23*t43
     t92 = absolute(t91)
-    t93 = T13*t57 + T23*t63
-    t94 = absolute(t93)
-    t95 = 1.0 - less(1e-12, t94)
-    t96 = t95 - t95*less(1e-12, t92)
-    t97 = 1.0 - t82
-    t98 = maximum(k12, maximum(t54, maximum(k12, t97)))
-    t99 = maximum(t96, t98)
-    t100 = (1.0 - t54)*(1.0 - less(1e-11*t39, t40))
-    t101 = t42*t100
-    t102 = maximum(t54, t100)
-    t103 = k15 - k15*less(t26, k14)
-    t104 = t28*t103
-    t105 = select(maximum(t100 - t101, t103 - t104), 2.0, 1.0)
-    t106 = maximum(k12, t103)
-    t107 = 1.0 - less(0.001, t94)
-    t108 = 1.0 - less(1e-14*absolute(100000.0*t20), t41)
-    t109 = t108 - t108*less(1e-11*absolute(100.0*t20), t40)
-    t110 = 0.001*t49
-    t111 = 1.0 - less(t110, t51)
-    t112 = t49*t110
-    t113 = 1.0 - less(k16, t26)
-    t114 = maximum(k12, t113 - t113*less(t26, k17))
-    t115 = maximum(maximum(t109, t111 - t111*less(t110, t53)), t114)
-    t116 = maximum(t115, 1.0 - less(t112, t79))
-    t117 = maximum(t114, maximum(t54, t109))
-    t118 = maximum(t117, t97)
-    t119 = maximum(1.0 - less(t112, t81), t115)
-    t120 = select(t99, 3.0, t105) + 4.0*maximum(t116, t107 - t107*less(0.001, t92))
-    t121 = select(t99, 8.0, 4.0*maximum(t96, t118))
-    t122 = t101*t104
-    t123 = t106*t101
-    t124 = t102*t104
-    t125 = t102*t106
-    t126 = p_a3 - p_a2*t37
-    t127 = p_d4 + p_a2*t68
-    t128 = t22*t127
-    t129 = (t128 - t126*t66)/t73
-    t130 = t22*t126
-    t131 = (t130 + t127*t66)/t73
-    t132 = t23 + t80*t80
-    t133 = (t72 - t80*t38)/t132
-    t134 = (t75 + t80*t71)/t132
-    t135 = (t128 - t80*t126)/t132
-    t136 = (t130 + t80*t127)/t132
-    t137 = 1.5 - 0.5*(t129*t129 + t131*t131)
-    t138 = select(t82, t129*t137, t86)
-    t139 = select(t82, -t131*t137, t88)
-    t140 = t138*t90 + T33*t139
-    t141 = absolute(t140)
-    t142 = t95 - t95*less(1e-12, t141)
-    t143 = maximum(t142, t98)
-    t144 = select(t143, 8.0, 4.0*maximum(t142, t118))
-    t145 = select(t143, 3.0, t105) + 4.0*maximum(t107 - t107*less(0.001, t141), t116)
-    t146 = 1.5 - 0.5*(t133*t133 + t134*t134)
-    t147 = select(t83, t133*t146, t86)
-    t148 = select(t83, -t134*t146, t88)
-    t149 = T23*t58 + T13*t64
-    t150 = t149*t147 + T33*t148
-    t151 = absolute(t150)
-    t152 = T13*t58 - T23*t64
-    t153 = absolute(t152)
-    t154 = 1.0 - less(1e-12, t153)
-    t155 = t154 - t154*less(1e-12, t151)
-    t156 = 1.0 - less(0.001, t153)
-    t157 = 1.0 - t83
-    t158 = maximum(t157, t117)
-    t159 = maximum(k12, maximum(t54, maximum(k12, t157)))
-    t160 = maximum(t155, t159)
-    t161 = select(t160, 3.0, t105) + 4.0*maximum(t119, t156 - t156*less(0.001, t151))
-    t162 = select(t160, 8.0, 4.0*maximum(t155, t158))
-    t163 = 1.5 - 0.5*(t135*t135 + t136*t136)
-    t164 = select(t83, t135*t163, t86)
-    t165 = select(t83, -t136*t163, t88)
-    t166 = t164*t149 + T33*t165
-    t167 = absolute(t166)
-    t168 = t154 - t154*less(1e-12, t167)
-    t169 = maximum(t168, t159)
-    t170 = select(t169, 3.0, t105) + 4.0*maximum(t156 - t156*less(0.001, t167), t119)
-    t171 = select(t169, 8.0, 4.0*maximum(t168, t158))
-    t172 = t93*t93
-    t173 = sqrt(t172 + t91*t91)
-    t174 = cos(near4)
-    t175 = select(t96, t174, t91/t173)
-    t176 = T11*t57 + T21*t63
-    t177 = sin(near4)
-    t178 = -t177
-    t179 = select(t96, t178, t93/t173)
-    t180 = T21*t57 - T11*t63
-    t181 = T12*t57 + T22*t63
-    t182 = T22*t57 - T12*t63
-    t183 = atan2(t179, t175)
-    t184 = atan2(t176*t175 - t179*(T31*t89 + t180*t87), t181*t175 - t179*(T32*t89 + t182*t87))
-    t185 = select(less(0.0, t184), 3.141592653589793, -3.141592653589793)
-    t186 = atan2(t91*t175 + t93*t179, -(t90*t89 - T33*t87))
-    t187 = select(less(t183, 0.0), 3.141592653589793, -3.141592653589793)
-    t188 = atan2(t36*t89 - t69*t87, t36*t87 + t69*t89)
-    t189 = sqrt(t172 + t140*t140)
-    t190 = select(t142, t174, t140/t189)
-    t191 = select(t142, t178, t93/t189)
-    t192 = atan2(t191, t190)
-    t193 = atan2(t190*t176 - t191*(T31*t139 + t138*t180), t190*t181 - t191*(T32*t139 + t138*t182))
-    t194 = select(less(0.0, t193), 3.141592653589793, -3.141592653589793)
-    t195 = atan2(t140*t190 + t93*t191, -(t139*t90 - T33*t138))
-    t196 = select(less(t192, 0.0), 3.141592653589793, -3.141592653589793)
-    t197 = atan2(t68, -t37)
-    t198 = atan2(t37*t139 + t68*t138, -(t37*t138 - t68*t139))
-    t199 = t152*t152
-    t200 = sqrt(t199 + t150*t150)
-    t201 = select(t155, t174, t150/t200)
-    t202 = select(t155, t178, t152/t200)
-    t203 = t58*T11 - t64*T21
-    t204 = t58*T21 + t64*T11
-    t205 = t58*T12 - t64*T22
-    t206 = atan2(t202, t201)
-    t207 = t58*T22 + t64*T12
-    t208 = atan2(t58, -t64)
-    t209 = atan2(t203*t201 - t202*(T31*t148 + t204*t147), t205*t201 - t202*(T32*t148 + t207*t147))
-    t210 = select(less(0.0, t209), 3.141592653589793, -3.141592653589793)
-    t211 = atan2(t150*t201 + t152*t202, -(t149*t148 - T33*t147))
-    t212 = select(less(t206, 0.0), 3.141592653589793, -3.141592653589793)
-    t213 = atan2(t36*t148 - t69*t147, t36*t147 + t69*t148)
-    t214 = sqrt(t199 + t166*t166)
-    t215 = select(t168, t174, t166/t214)
-    t216 = select(t168, t178, t152/t214)
-    t217 = atan2(t216, t215)
-    t218 = atan2(t215*t203 - t216*(t165*T31 + t164*t204), t215*t205 - t216*(t165*T32 + t164*t207))
-    t219 = select(less(0.0, t218), 3.141592653589793, -3.141592653589793)
-    t220 = atan2(t166*t215 + t152*t216, -(t165*t149 - T33*t164))
-    t221 = select(less(t217, 0.0), 3.141592653589793, -3.141592653589793)
-    t222 = atan2(t37*t165 + t68*t164, -(t37*t164 - t68*t165))
+    t93 = 1.0 - less(1e-12, t92)
+    t94 = T23*t40 - T13*t43
+    t95 = t87*t94 + T33*t85
+    t96 = absolute(t95)
+    t97 = t93 - t93*less(1e-12, t96)
+    t98 = sin(near4)
+    t99 = -t98
+    t100 = t91*t91
+    t101 = sqrt(t100 + t95*t95)
+    t102 = select(t97, t99, t91/t101)
+    t103 = cos(near4)
+    t104 = select(t97, t103, t95/t101)
+    t105 = atan2(t102, t104)
+    t106 = atan2(t95*t104 + t91*t102, -(t85*t94 - T33*t87))
+    t107 = t40*T11 + t43*T21
+    t108 = t40*T21 - t43*T11
+    t109 = t40*T12 + t43*T22
+    t110 = t40*T22 - t43*T12
+    t111 = atan2(t104*t107 - t102*(t85*T31 + t87*t108), t104*t109 - t102*(t85*T32 + t87*t110))
+    t112 = select(less(t105, 0.0), 3.141592653589793, -3.141592653589793)
+    t113 = select(less(0.0, t111), 3.141592653589793, -3.141592653589793)
+    t114 = p_a3 + p_a2*t88
+    t115 = t48*t114
+    t116 = p_d4 - p_a2*t75
+    t117 = t48*t116
+    t118 = (t115 + t70*t116)/t77
+    t119 = (t117 - t70*t114)/t77
+    t120 = t49 + t71*t71
+    t121 = (t69 + t76*t71)/t120
+    t122 = (t79 - t68*t71)/t120
+    t123 = (t115 + t116*t71)/t120
+    t124 = (t117 - t114*t71)/t120
+    t125 = 1.5 - 0.5*(t119*t119 + t118*t118)
+    t126 = select(t66, -t118*t125, t84)
+    t127 = select(t66, t119*t125, t86)
+    t128 = 1.0 - t66
+    t129 = atan2(t88*t126 + t75*t127, t88*t127 - t75*t126)
+    t130 = t94*t127 + T33*t126
+    t131 = absolute(t130)
+    t132 = t93 - t93*less(1e-12, t131)
+    t133 = sqrt(t100 + t130*t130)
+    t134 = select(t132, t99, t91/t133)
+    t135 = select(t132, t103, t130/t133)
+    t136 = atan2(t130*t135 + t91*t134, -(t94*t126 - T33*t127))
+    t137 = atan2(t134, t135)
+    t138 = atan2(t107*t135 - t134*(T31*t126 + t108*t127), t109*t135 - t134*(T32*t126 + t110*t127))
+    t139 = select(less(t137, 0.0), 3.141592653589793, -3.141592653589793)
+    t140 = select(less(0.0, t138), 3.141592653589793, -3.141592653589793)
+    t141 = 1.5 - 0.5*(t122*t122 + t121*t121)
+    t142 = select(t67, -t121*t141, t84)
+    t143 = select(t67, t122*t141, t86)
+    t144 = atan2(t60*t142 - t73*t143, t60*t143 + t73*t142)
+    t145 = T13*t41 + T23*t45
+    t146 = absolute(t145)
+    t147 = 1.0 - less(1e-12, t146)
+    t148 = T23*t41 - T13*t45
+    t149 = t143*t148 + T33*t142
+    t150 = absolute(t149)
+    t151 = t147 - t147*less(1e-12, t150)
+    t152 = t145*t145
+    t153 = sqrt(t152 + t149*t149)
+    t154 = select(t151, t99, t145/t153)
+    t155 = select(t151, t103, t149/t153)
+    t156 = atan2(t154, t155)
+    t157 = atan2(t149*t155 + t145*t154, -(t142*t148 - T33*t143))
+    t158 = T11*t41 + T21*t45
+    t159 = T21*t41 - T11*t45
+    t160 = T12*t41 + T22*t45
+    t161 = T22*t41 - T12*t45
+    t162 = atan2(t155*t158 - t154*(T31*t142 + t143*t159), t155*t160 - t154*(T32*t142 + t143*t161))
+    t163 = select(less(t156, 0.0), 3.141592653589793, -3.141592653589793)
+    t164 = select(less(0.0, t162), 3.141592653589793, -3.141592653589793)
+    t165 = 1.5 - 0.5*(t124*t124 + t123*t123)
+    t166 = select(t67, -t123*t165, t84)
+    t167 = select(t67, t124*t165, t86)
+    t168 = 1.0 - t67
+    t169 = atan2(t88*t166 + t75*t167, t88*t167 - t75*t166)
+    t170 = t148*t167 + T33*t166
+    t171 = absolute(t170)
+    t172 = t147 - t147*less(1e-12, t171)
+    t173 = sqrt(t152 + t170*t170)
+    t174 = select(t172, t99, t145/t173)
+    t175 = select(t172, t103, t170/t173)
+    t176 = atan2(t170*t175 + t145*t174, -(t148*t166 - T33*t167))
+    t177 = atan2(t174, t175)
+    t178 = atan2(t158*t175 - t174*(T31*t166 + t159*t167), t160*t175 - t174*(T32*t166 + t161*t167))
+    t179 = select(less(t177, 0.0), 3.141592653589793, -3.141592653589793)
+    t180 = select(less(0.0, t178), 3.141592653589793, -3.141592653589793)
+    t181 = (1.0 - t23)*(1.0 - less(1e-11*t33, t34))
+    t182 = t36*t181
+    t183 = maximum(t23, t181)
+    t184 = k14 - k14*less(t53, k15)
+    t185 = t56*t184
+    t186 = maximum(k11, t184)
+    t187 = select(maximum(t181 - t182, t184 - t185), 2.0, 1.0)
+    t188 = t183*t186
+    t189 = t186*t182
+    t190 = t182*t185
+    t191 = t183*t185
+    t192 = maximum(k11, maximum(t23, maximum(k11, t128)))
+    t193 = maximum(t97, t192)
+    t194 = maximum(t132, t192)
+    t195 = 1.0 - less(0.001, t92)
+    t196 = 1.0 - less(0.001, t146)
+    t197 = 0.001*t16
+    t198 = t16*t197
+    t199 = 1.0 - less(t197, t19)
+    t200 = 1.0 - less(1e-14*absolute(100000.0*t28), t35)
+    t201 = t200 - t200*less(1e-11*absolute(100.0*t28), t34)
+    t202 = 1.0 - less(k16, t53)
+    t203 = maximum(k11, t202 - t202*less(t53, k17))
+    t204 = maximum(maximum(t201, t199 - t199*less(t197, t22)), t203)
+    t205 = maximum(1.0 - less(t198, t64), t204)
+    t206 = maximum(t195 - t195*less(0.001, t96), t205)
+    t207 = maximum(t203, maximum(t23, t201))
+    t208 = maximum(t128, t207)
+    t209 = maximum(t205, t195 - t195*less(0.001, t131))
+    t210 = maximum(t204, 1.0 - less(t198, t65))
+    t211 = maximum(t196 - t196*less(0.001, t150), t210)
+    t212 = maximum(t207, t168)
+    t213 = maximum(k11, maximum(t23, maximum(k11, t168)))
+    t214 = maximum(t210, t196 - t196*less(0.001, t171))
+    t215 = select(t193, 3.0, t187) + 4.0*t206
+    t216 = t188 - t97*t188
+    t217 = t191 - t132*t191
+    t218 = t190 - t172*t190
+    t219 = t189 - t151*t189
+    t220 = maximum(t189, maximum(t217, maximum(t191, maximum(t188, t216))))
+    t221 = 1.0 - maximum(t218, maximum(t190, maximum(t219, t220)))
+    t222 = select(t193, 8.0, 4.0*maximum(maximum(t97, t208), t206*t221))
+    t223 = select(t194, 3.0, t187) + 4.0*t209
+    t224 = select(t194, 8.0, 4.0*maximum(maximum(t132, t208), t221*t209))
+    t225 = maximum(t151, t213)
+    t226 = maximum(t172, t213)
+    t227 = select(t225, 3.0, t187) + 4.0*t211
+    t228 = select(t225, 8.0, 4.0*maximum(maximum(t151, t212), t221*t211))
+    t229 = select(t226, 3.0, t187) + 4.0*t214
+    t230 = select(t226, 8.0, 4.0*maximum(maximum(t172, t212), t221*t214))
     return (
-        -t208, -t222, t197, -t217, -t220, t218, -t208, -t222, t197, -(t217 + t221), t220, t218 - t219, -t208,
-        t213, t70, -t206, -t211, t209, -t208, t213, t70, -(t206 + t212), t211, t209 - t210, -t65, -t198, t197,
-        -t192, -t195, t193, -t65, -t198, t197, -(t192 + t196), t195, t193 - t194, -t65, t188, t70, -t183,
-        -t186, t184, -t65, t188, t70, -(t183 + t187), t186, t184 - t185, select(t125, t170, t171),
-        select(t125 - t168*t125, t170, t171), select(t124, t161, t162), select(t124 - t155*t124, t161, t162),
-        select(t123, t145, t144), select(t123 - t142*t123, t145, t144), select(t122, t120, t121),
-        select(t122 - t96*t122, t120, t121),
+        -t44, t90, t74, -t105, -t106, t111, -t44, t90, t74, -(t105 + t112), t106, t111 - t113, -t44, t129,
+        -t89, -t137, -t136, t138, -t44, t129, -t89, -(t137 + t139), t136, t138 - t140, -t46, t144, t74, -t156,
+        -t157, t162, -t46, t144, t74, -(t156 + t163), t157, t162 - t164, -t46, t169, -t89, -t177, -t176, t178,
+        -t46, t169, -t89, -(t177 + t179), t176, t178 - t180, select(t188, t215, t222),
+        select(t216, t215, t222), select(t191, t223, t224), select(t217, t223, t224), select(t189, t227, t228),
+        select(t219, t227, t228), select(t190, t229, t230), select(t218, t229, t230),
     )
 
 
@@ -1151,7 +1168,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t148 = t147 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t149 = maximum(0.0, t148 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     return (
-        q1 - t145, q2 + t144, q3 + t143, q4 - t142, q5 + t141, q6 - t140, t149,
+        q1 - t145, q2 + t144, q3 + t143, q4 - t142, q5 + t141, q6 - t140, t149, t20,
     )
 
 
@@ -1915,6 +1932,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 3e-11
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1925,11 +1945,26 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1964,12 +1999,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1985,6 +2025,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -2070,7 +2117,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -2086,7 +2133,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -2116,10 +2199,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -2133,10 +2213,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

@@ -22,7 +22,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify scara-bajd` compares every function with an independent recursion.
 """
@@ -41,7 +41,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 31, "add": 25, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 17},
+    "inverse_kinematics": {"mul": 33, "add": 26, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 19},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -259,11 +259,10 @@ def _inverse_kinematics_constants(functions, p):
     p_l1, p_l2, p_l3 = p
     t1 = less(0.0, absolute(p_l2))
     t2 = p_l3*p_l3 + (p_l2*p_l2 + p_l1*p_l1)
-    t3 = 4.0*(1.0 - t1)
-    t4 = select(t1, 1.0, 3.0) + t3
-    t5 = select(t1, t3, 8.0)
+    t3 = 1.0 - t1
+    t4 = select(t1, 1.0, 3.0) + 4.0*t3
     return (
-        p_l3, p_l2, t1, p_l1, t2, t4, t5,
+        p_l3, p_l2, t1, p_l1, t2, t3, t4,
     )
 
 
@@ -272,30 +271,32 @@ def _inverse_kinematics(functions, k, T, near):
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     near1, near2, near3 = near
     p_l3, p_l2, k3, p_l1, k5, k6, k7 = k
-    t6 = (T24 - p_l3*T11)/p_l2
-    t7 = (T14 + p_l3*T21)/p_l2
-    t8 = 1.5 - 0.5*(t6*t6 + t7*t7)
-    t9 = sin(near1)
-    t10 = select(k3, -t7*t8, t9)
-    t11 = cos(near1)
-    t12 = select(k3, t6*t8, t11)
-    t13 = t12*t12 + t10*t10
-    t14 = (T21*t12 - T11*t10)/t13
-    t15 = (T11*t12 + T21*t10)/t13
-    t16 = 1.5 - 0.5*(t15*t15 + t14*t14)
-    t17 = t14*t16
-    t18 = t15*t16
-    t19 = T11*t16
-    t20 = T21*t16
-    t21 = maximum(absolute(T31), maximum(absolute(T11 - t19), absolute(T21 - t20)))
-    t22 = maximum(absolute(T22 - t19), maximum(absolute(T12 + t20), t21))
-    t23 = maximum(absolute(p_l3*t20 + (T14 + p_l2*t10)), absolute(p_l3*t19 - (T24 - p_l2*t12)))
-    t24 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t22)))
-    t25 = maximum(absolute(1.0 - t13), maximum(absolute(1.0 - T33), t24))
-    t26 = less(maximum(absolute(t17*t17 - (1.0 - t18*t18)), t25), 1e-07)
-    t27 = less(maximum(0.0, t23), 1e-07*sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14))))
+    t5 = (T24 - p_l3*T11)/p_l2
+    t6 = (T14 + p_l3*T21)/p_l2
+    t7 = 1.5 - 0.5*(t5*t5 + t6*t6)
+    t8 = sin(near1)
+    t9 = select(k3, -t6*t7, t8)
+    t10 = cos(near1)
+    t11 = select(k3, t5*t7, t10)
+    t12 = t11*t11 + t9*t9
+    t13 = (T21*t11 - T11*t9)/t12
+    t14 = (T11*t11 + T21*t9)/t12
+    t15 = 1.5 - 0.5*(t14*t14 + t13*t13)
+    t16 = t13*t15
+    t17 = t14*t15
+    t18 = T11*t15
+    t19 = T21*t15
+    t20 = maximum(absolute(T31), maximum(absolute(T11 - t18), absolute(T21 - t19)))
+    t21 = maximum(absolute(t18 - T22), maximum(absolute(t19 + T12), t20))
+    t22 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t21)))
+    t23 = maximum(absolute(1.0 - t12), maximum(absolute(1.0 - T33), t22))
+    t24 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
+    t25 = t24*maximum(absolute(t16*t16 - (1.0 - t17*t17)), t23)
+    t26 = maximum(absolute(p_l3*t18 - (T24 - p_l2*t11)), maximum(absolute(p_l3*t19 + (T14 + p_l2*t9)), t25))
+    t27 = less(maximum(0.0, t26), 1e-07*t24)
+    t28 = select(t27, k7, select(k3, 4.0*maximum(k6, k6 - k6*t27), 8.0))
     return (
-        atan2(t10, t12), atan2(t14, t15), p_l1 - T34, select(t26*t27, k6, k7),
+        atan2(t9, t11), atan2(t13, t14), p_l1 - T34, t28,
     )
 
 
@@ -355,7 +356,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t39 = t38 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t33 + (T12*T12 + T22*T22)))
     t40 = t39 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t34 + t35 + T33*T33))
     return (
-        q1 - (t21/t22 - t24*t25), q2 - t25, q3 + t11*(t26/(1.0 + damping1)), maximum(0.0, t40),
+        q1 - (t21/t22 - t24*t25), q2 - t25, q3 + t11*(t26/(1.0 + damping1)), maximum(0.0, t40), t11,
     )
 
 

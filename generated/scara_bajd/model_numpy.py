@@ -38,7 +38,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 31, "add": 25, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 17},
+    "inverse_kinematics": {"mul": 33, "add": 26, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 19},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -176,7 +176,7 @@ def analytic_jacobian_rpy(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has one solution, and no more. Rows are branches in a fixed order.
+    A reachable pose has one solution, and no more but where joints are free. Rows are branches in a fixed order.
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -195,8 +195,8 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 31 mul, 25 add, 4 div, 1 sin, 1 cos, 1 sqrt, 2 atan2, 17 cases.
-    Once per set of parameters: 4 mul, 4 add, 3 cases.
+    Closed form, all branches at once: 33 mul, 26 add, 4 div, 1 sin, 1 cos, 1 sqrt, 2 atan2, 19 cases.
+    Once per set of parameters: 4 mul, 4 add, 2 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
 
@@ -412,11 +412,10 @@ def _inverse_kinematics_constants(functions, p):
     p_l1, p_l2, p_l3 = p
     t1 = less(0.0, absolute(p_l2))
     t2 = p_l3*p_l3 + (p_l2*p_l2 + p_l1*p_l1)
-    t3 = 4.0*(1.0 - t1)
-    t4 = select(t1, 1.0, 3.0) + t3
-    t5 = select(t1, t3, 8.0)
+    t3 = 1.0 - t1
+    t4 = select(t1, 1.0, 3.0) + 4.0*t3
     return (
-        p_l3, p_l2, t1, p_l1, t2, t4, t5,
+        p_l3, p_l2, t1, p_l1, t2, t3, t4,
     )
 
 
@@ -425,30 +424,32 @@ def _inverse_kinematics(functions, k, T, near):
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     near1, near2, near3 = near
     p_l3, p_l2, k3, p_l1, k5, k6, k7 = k
-    t6 = (T24 - p_l3*T11)/p_l2
-    t7 = (T14 + p_l3*T21)/p_l2
-    t8 = 1.5 - 0.5*(t6*t6 + t7*t7)
-    t9 = sin(near1)
-    t10 = select(k3, -t7*t8, t9)
-    t11 = cos(near1)
-    t12 = select(k3, t6*t8, t11)
-    t13 = t12*t12 + t10*t10
-    t14 = (T21*t12 - T11*t10)/t13
-    t15 = (T11*t12 + T21*t10)/t13
-    t16 = 1.5 - 0.5*(t15*t15 + t14*t14)
-    t17 = t14*t16
-    t18 = t15*t16
-    t19 = T11*t16
-    t20 = T21*t16
-    t21 = maximum(absolute(T31), maximum(absolute(T11 - t19), absolute(T21 - t20)))
-    t22 = maximum(absolute(T22 - t19), maximum(absolute(T12 + t20), t21))
-    t23 = maximum(absolute(p_l3*t20 + (T14 + p_l2*t10)), absolute(p_l3*t19 - (T24 - p_l2*t12)))
-    t24 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t22)))
-    t25 = maximum(absolute(1.0 - t13), maximum(absolute(1.0 - T33), t24))
-    t26 = less(maximum(absolute(t17*t17 - (1.0 - t18*t18)), t25), 1e-07)
-    t27 = less(maximum(0.0, t23), 1e-07*sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14))))
+    t5 = (T24 - p_l3*T11)/p_l2
+    t6 = (T14 + p_l3*T21)/p_l2
+    t7 = 1.5 - 0.5*(t5*t5 + t6*t6)
+    t8 = sin(near1)
+    t9 = select(k3, -t6*t7, t8)
+    t10 = cos(near1)
+    t11 = select(k3, t5*t7, t10)
+    t12 = t11*t11 + t9*t9
+    t13 = (T21*t11 - T11*t9)/t12
+    t14 = (T11*t11 + T21*t9)/t12
+    t15 = 1.5 - 0.5*(t14*t14 + t13*t13)
+    t16 = t13*t15
+    t17 = t14*t15
+    t18 = T11*t15
+    t19 = T21*t15
+    t20 = maximum(absolute(T31), maximum(absolute(T11 - t18), absolute(T21 - t19)))
+    t21 = maximum(absolute(t18 - T22), maximum(absolute(t19 + T12), t20))
+    t22 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t21)))
+    t23 = maximum(absolute(1.0 - t12), maximum(absolute(1.0 - T33), t22))
+    t24 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
+    t25 = t24*maximum(absolute(t16*t16 - (1.0 - t17*t17)), t23)
+    t26 = maximum(absolute(p_l3*t18 - (T24 - p_l2*t11)), maximum(absolute(p_l3*t19 + (T14 + p_l2*t9)), t25))
+    t27 = less(maximum(0.0, t26), 1e-07*t24)
+    t28 = select(t27, k7, select(k3, 4.0*maximum(k6, k6 - k6*t27), 8.0))
     return (
-        atan2(t10, t12), atan2(t14, t15), p_l1 - T34, select(t26*t27, k6, k7),
+        atan2(t9, t11), atan2(t13, t14), p_l1 - T34, t28,
     )
 
 
@@ -508,7 +509,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t39 = t38 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t33 + (T12*T12 + T22*T22)))
     t40 = t39 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t34 + t35 + T33*T33))
     return (
-        q1 - (t21/t22 - t24*t25), q2 - t25, q3 + t11*(t26/(1.0 + damping1)), maximum(0.0, t40),
+        q1 - (t21/t22 - t24*t25), q2 - t25, q3 + t11*(t26/(1.0 + damping1)), maximum(0.0, t40), t11,
     )
 
 
@@ -1272,6 +1273,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1282,11 +1286,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.362, -0.658, -0.901,),
+    (-0.723, 0.684, 0.199,),
+    (0.915, 0.026, -0.702,),
+    (0.553, -0.632, 0.398,),
+    (0.192, 0.71, -0.503,),
+    (-0.17, 0.053, 0.596,),
+    (-0.532, -0.605, -0.304,),
+    (-0.893, 0.737, 0.795,),
+    (0.745, 0.079, -0.105,),
+    (0.383, -0.579, 0.994,),
+    (0.022, 0.763, 0.093,),
+    (-0.34, 0.105, -0.807,),
+    (-0.702, -0.553, 0.292,),
+    (0.937, 0.789, -0.608,),
+    (0.575, 0.131, 0.491,),
+    (0.214, -0.527, -0.41,),
+    (-0.148, 0.815, 0.69,),
+    (-0.51, 0.158, -0.211,),
+    (-0.871, -0.5, 0.889,),
+    (0.767, 0.842, -0.012,),
+    (0.405, 0.184, -0.913,),
+    (0.044, -0.474, 0.187,),
+    (-0.318, 0.868, -0.714,),
+    (-0.68, 0.21, 0.386,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1321,12 +1364,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1342,6 +1390,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1427,7 +1482,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1443,7 +1498,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -1473,10 +1564,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -1490,10 +1578,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

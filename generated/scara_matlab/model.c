@@ -1777,6 +1777,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[2 * lanes] = q3 - t6*(t26/(1.0 + damping1));
     result[3 * lanes] = q4 - t24;
     result[4 * lanes] = t40;
+    result[5 * lanes] = t6;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1820,81 +1821,86 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t9 = 0.25*t1;
     const double t10 = T14*t9;
     const double t11 = T24*t9;
-    const double t12 = (t7 + t10)/t1;
-    const double t13 = (t11 - t8)/t1;
+    const double t12 = (t10 + t7)/t1;
+    const double t13 = (t8 - t11)/t1;
     const double t14 = 1.5 - 0.5*(t12*t12 + t13*t13);
     const double t15 = fabs(t1);
     const double t16 = sqrt(T34*T34 + (8.0 + t1));
     const double t17 = t16*t16;
     const double t18 = 1e-12*t17 < t15;
-    const double t19 = t18 > 0.0 ? t13*t14 : sa1;
-    const double t20 = t18 > 0.0 ? t14*((t11 + t8)/t1) : sa1;
+    const double t19 = t18 > 0.0 ? -t13*t14 : sa1;
+    const double t20 = t18 > 0.0 ? t14*((t8 + t11)/t1) : sa1;
     const double t21 = t18 > 0.0 ? t12*t14 : ca1;
-    const double t22 = t18 > 0.0 ? -t14*((t7 - t10)/t1) : ca1;
+    const double t22 = t18 > 0.0 ? t14*((t10 - t7)/t1) : ca1;
     const double t23 = 1.0 - t18;
     const double t24 = arctangent(t5, -t2);
-    const double t25 = t2*t19 - t5*t21;
+    const double t25 = t2*t21 + t5*t19;
     const double t26 = T11*T11 + T21*T21;
     const double t27 = T11/t26;
     const double t28 = T21/t26;
     const double t29 = fabs(t26);
     const double t30 = 1.5 - 0.5*(t27*t27 + t28*t28);
-    const double t31 = ca1*ca2 - sa1*sa2;
-    const double t32 = sa1*ca2 + ca1*sa2;
+    const double t31 = sa1*ca2 + ca1*sa2;
+    const double t32 = ca1*ca2 - sa1*sa2;
     const double t33 = 1e-12 < t29;
-    const double t34 = t33 > 0.0 ? t27*t30 : t31*ca3 + t32*sa3;
-    const double t35 = t33 > 0.0 ? t28*t30 : ca3*t32 - t31*sa3;
+    const double t34 = t33 > 0.0 ? t28*t30 : t31*ca3 - t32*sa3;
+    const double t35 = t33 > 0.0 ? t27*t30 : ca3*t32 + t31*sa3;
     const double t36 = 1.0 - t33;
-    const double t37 = t2*t21 + t5*t19;
+    const double t37 = t2*t19 - t5*t21;
     const double t38 = t34*t25 - t35*t37;
-    const double t39 = t34*t37 + t25*t35;
+    const double t39 = t25*t35 + t34*t37;
     const double t40 = t2*t22 - t5*t20;
     const double t41 = t2*t20 + t5*t22;
     const double t42 = fabs(t3 - t5*t5);
-    const double t43 = t35*t40 - t34*t41;
-    const double t44 = t34*t40 + t35*t41;
-    const double t45 = t37*t39 + t25*t38;
-    const double t46 = t37*t38 - t25*t39;
-    const double t47 = maximum(fabs(T14 - 2.0*(t21 - t37)), fabs(T24 - 2.0*(t19 - t25)));
-    const double t48 = fabs(T31);
-    const double t49 = maximum(t48, maximum(fabs(T11 - t45), fabs(T21 + t46)));
-    const double t50 = maximum(fabs(T22 + t45), maximum(fabs(T12 + t46), t49));
-    const double t51 = fabs(T32);
-    const double t52 = fabs(T13);
-    const double t53 = fabs(T23);
-    const double t54 = fabs(1.0 + T33);
-    const double t55 = maximum(t54, maximum(t53, maximum(t52, maximum(t51, t50))));
-    const double t56 = maximum(t42, maximum(fabs(t19*t19 - (1.0 - t21*t21)), t55));
-    const double t57 = maximum(fabs(t38*t38 - (1.0 - t39*t39)), t56) < 1e-07;
+    const double t43 = t34*t40 - t35*t41;
+    const double t44 = t35*t40 + t34*t41;
+    const double t45 = t25*t39 - t37*t38;
+    const double t46 = t25*t38 + t37*t39;
+    const double t47 = fabs(T31);
+    const double t48 = maximum(t47, maximum(fabs(T11 - t45), fabs(T21 - t46)));
+    const double t49 = maximum(fabs(T22 + t45), maximum(fabs(T12 - t46), t48));
+    const double t50 = fabs(T32);
+    const double t51 = fabs(T13);
+    const double t52 = fabs(T23);
+    const double t53 = fabs(1.0 + T33);
+    const double t54 = maximum(t53, maximum(t52, maximum(t51, maximum(t50, t49))));
+    const double t55 = maximum(t42, maximum(fabs(t19*t19 - (1.0 - t21*t21)), t54));
+    const double t56 = maximum(fabs(T14 - 2.0*(t21 - t25)), t16*maximum(fabs(t38*t38 - (1.0 - t39*t39)), t55));
+    const double t57 = maximum(0.0, maximum(fabs(T24 - 2.0*(t19 - t37)), t56));
     const double t58 = 1e-07*t16;
     const double t59 = 1.0 - (t3 < -1e-11);
-    const double t60 = t4*t59;
-    const double t61 = maximum(t23, maximum(t23, t36));
-    const double t62 = 1.0 - (1e-09 < t3);
-    const double t63 = t62 - t62*(t3 < -9.999999999999999e-10);
-    const double t64 = maximum(1.0 - (0.001*t17 < t15), maximum(1.0 - (0.001 < t29), t63));
-    const double t65 = (t61 > 0.0 ? 3.0 : (t59 - t60 > 0.0 ? 2.0 : 1.0)) + 4.0*t64;
-    const double t66 = t61 > 0.0 ? 8.0 : 4.0*maximum(t23, maximum(t36, t63));
-    const double t67 = (maximum(0.0, t47) < t58)*(t59*t57) > 0.0 ? t65 : t66;
-    const double t68 = t41*t43 - t40*t44;
-    const double t69 = t40*t43 + t41*t44;
-    const double t70 = maximum(fabs(T14 - 2.0*(t22 - t40)), fabs(T24 - 2.0*(t20 - t41)));
-    const double t71 = maximum(t48, maximum(fabs(T11 + t68), fabs(T21 - t69)));
-    const double t72 = maximum(fabs(T22 - t68), maximum(fabs(T12 - t69), t71));
-    const double t73 = maximum(t54, maximum(t53, maximum(t52, maximum(t51, t72))));
-    const double t74 = maximum(t42, maximum(fabs(t20*t20 - (1.0 - t22*t22)), t73));
-    const double t75 = maximum(fabs(t43*t43 - (1.0 - t44*t44)), t74) < 1e-07;
-    const double t76 = (maximum(0.0, t70) < t58)*(t60*t75) > 0.0 ? t65 : t66;
+    const double t60 = t59*(t57 < t58);
+    const double t61 = t4*t59;
+    const double t62 = t40*t44 - t41*t43;
+    const double t63 = t40*t43 + t41*t44;
+    const double t64 = maximum(t47, maximum(fabs(T11 - t62), fabs(T21 - t63)));
+    const double t65 = maximum(fabs(T22 + t62), maximum(fabs(T12 - t63), t64));
+    const double t66 = maximum(t53, maximum(t52, maximum(t51, maximum(t50, t65))));
+    const double t67 = maximum(t42, maximum(fabs(t20*t20 - (1.0 - t22*t22)), t66));
+    const double t68 = maximum(fabs(T14 - 2.0*(t22 - t40)), t16*maximum(fabs(t43*t43 - (1.0 - t44*t44)), t67));
+    const double t69 = maximum(0.0, maximum(fabs(T24 - 2.0*(t20 - t41)), t68));
+    const double t70 = (t69 < t58)*t61;
+    const double t71 = minimum(t60 > 0.0 ? t57 : t58, t70 > 0.0 ? t69 : t58);
+    const double t72 = maximum(1000.0*t71, 3e-11*t16);
+    const double t73 = 1.0 - (1e-09 < t3);
+    const double t74 = t73 - t73*(t3 < -9.999999999999999e-10);
+    const double t75 = maximum(1.0 - (0.001*t17 < t15), maximum(1.0 - (0.001 < t29), t74));
+    const double t76 = t60*maximum(t75, t57 < t72);
+    const double t77 = t70*maximum(t75, t69 < t72);
+    const double t78 = maximum(t23, maximum(t23, t36));
+    const double t79 = maximum(maximum(t23, maximum(t74, t36)), t75 - t75*maximum(t76, t77));
+    const double t80 = t78 > 0.0 ? 8.0 : 4.0*t79;
+    const double t81 = (t78 > 0.0 ? 3.0 : (t59 - t61 > 0.0 ? 2.0 : 1.0)) + 4.0*t75;
     result[0] = arctangent(t19, t21);
     result[lanes] = t24;
     result[2 * lanes] = -T34;
-    result[3 * lanes] = -arctangent(t38, -t39);
+    result[3 * lanes] = arctangent(t38, -t39);
     result[4 * lanes] = arctangent(t20, t22);
     result[5 * lanes] = -t24;
     result[6 * lanes] = -T34;
     result[7 * lanes] = arctangent(t43, -t44);
-    result[8 * lanes] = t67;
-    result[9 * lanes] = t76;
+    result[8 * lanes] = t76 > 0.0 ? t81 : t80;
+    result[9 * lanes] = t77 > 0.0 ? t81 : t80;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1916,10 +1922,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 0, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 0, 1}, inverse_kinematics_turning[] = {1, 1, 0, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, double *restrict result)
 {
     double angles[3], sines[3], cosines[3];
@@ -1931,7 +1937,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, result, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 4; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1941,7 +1947,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, double *restrict q)
 {
     enum { error = 4 };
-    double ahead[4 + 1], found[4 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[4 + 2], found[4 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -2023,6 +2029,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, result, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05};
+    double row[4], back[4];
+    size_t place = kinds[branch] ? 2 : branch, listed = 0;
+    for (size_t j = 0; j < 4; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 2; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 4 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 2)
+            place = b;
+    }
+    for (size_t j = 0; j < 4; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 2 || (listed && !alone))
+        return;
+    memcpy(q + 4 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -2032,6 +2065,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][4] = {
+        {-0.287, -0.532, -0.743, -0.923},
+        {-0.573, 0.936, 0.515, 0.154},
+        {-0.86, 0.403, -0.228, -0.768},
+        {0.853, -0.129, -0.97, 0.309},
+        {0.567, -0.661, 0.287, -0.614},
+        {0.28, 0.807, -0.456, 0.463},
+        {-0.007, 0.274, 0.802, -0.46},
+        {-0.293, -0.258, 0.059, 0.618},
+        {-0.58, -0.79, -0.683, -0.305},
+        {-0.867, 0.678, 0.574, 0.772},
+        {0.847, 0.146, -0.168, -0.151},
+        {0.56, -0.387, -0.911, 0.926},
+        {0.274, -0.919, 0.346, 0.004},
+        {-0.013, 0.549, -0.396, -0.919},
+        {-0.3, 0.017, 0.861, 0.158},
+        {-0.586, -0.515, 0.119, -0.765},
+        {-0.873, 0.952, -0.624, 0.312},
+        {0.84, 0.42, 0.633, -0.61},
+        {0.554, -0.112, -0.109, 0.467},
+        {0.267, -0.644, -0.852, -0.456},
+        {-0.02, 0.823, 0.406, 0.621},
+        {-0.306, 0.291, -0.337, -0.302},
+        {-0.593, -0.241, 0.921, 0.775},
+        {-0.88, -0.773, 0.178, -0.147},
+    };
+    const double damping = 1e-12;
+    double start[4], step[4 + 2], values[10], moved[16] = {0.0};
+    for (size_t j = 0; j < 4; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, step);
+    const double unit = step[4 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, values);
+        for (size_t b = 0; b < 2; ++b)
+            inverse_kinematics_added(T, unit, values + 4 * b, b, q, kinds);
+    }
+    memcpy(values, q, 8 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 4; ++j) {
+            const double value = values[4 * (i % 2) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, unit, start, i % 2, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int scara_matlab_inverse_kinematics(const double *restrict T, const double *restrict near, double *restrict q, int *restrict status)
@@ -2039,7 +2131,7 @@ int scara_matlab_inverse_kinematics(const double *restrict T, const double *rest
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[4], values[10];
     const double *const codes = values + 8;
-    int kinds[2], doubts[2], free[2], settled[2] = {0}, lacking = 1;
+    int kinds[2], doubts[2], doubted[2], free[2], settled[2] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 8; ++j)
             q[j] = NAN;
@@ -2055,7 +2147,7 @@ int scara_matlab_inverse_kinematics(const double *restrict T, const double *rest
         return count;
     memcpy(q, values, 8 * sizeof *q);
     for (size_t b = 0; b < 2; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -2071,9 +2163,13 @@ int scara_matlab_inverse_kinematics(const double *restrict T, const double *rest
         if (lacking)
             inverse_kinematics_values(T, start, values);
         for (size_t j = 0; j < 8 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 4])
+            if (inverse_kinematics_turning[j % 4])
                 values[j] += 1.3 * (double)(i * (j / 4 + 1) * (j % 4 + 2));
     }
+    for (size_t b = 0; b < 2; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, q, kinds);
     count = 0;
     for (size_t b = 0; b < 2; ++b) {
         for (size_t j = 0; j < 4 && !kinds[b]; ++j)

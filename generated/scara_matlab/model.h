@@ -20,7 +20,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * Self-check: `derive verify scara-matlab` compares every function with an independent recursion.
  */
@@ -40,7 +40,7 @@ enum {
     scara_matlab_none = 0, /**< The branch does not exist. */
     scara_matlab_exact = 1, /**< A solution. */
     scara_matlab_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    scara_matlab_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    scara_matlab_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -304,7 +304,7 @@ void scara_matlab_base_parameters(double *result);
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 2 solutions, and no more.
+ * A reachable pose has up to 2 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -314,7 +314,10 @@ void scara_matlab_base_parameters(double *result);
  * @param[out] status  what each branch is, 2; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 82 mul, 65 add, 6 div, 3 sin, 3 cos, 2 sqrt, 5 atan2, 57 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. elbow right
+ * 2. elbow left
+ * Closed form, all branches at once: 87 mul, 66 add, 6 div, 3 sin, 3 cos, 2 sqrt, 5 atan2, 67 cases.
  */
 int scara_matlab_inverse_kinematics(const double *T, const double *near, double *q, int *status);
 

@@ -36,7 +36,10 @@ Every parameter has its number in this file.
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+beyond 1e30. A reachable pose has up to 2 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. elbow right
+2. elbow left
 
 Self-check: `derive verify scara-matlab` compares every function with an independent recursion.
 """
@@ -81,7 +84,7 @@ OPERATIONS = {
     "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 82, "add": 65, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 57},
+    "inverse_kinematics": {"mul": 87, "add": 66, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 67},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -544,22 +547,22 @@ def _inverse_kinematics(functions, k, T, near):
     t9 = 0.25*t1
     t10 = T14*t9
     t11 = T24*t9
-    t12 = (t7 + t10)/t1
-    t13 = (t11 - t8)/t1
+    t12 = (t10 + t7)/t1
+    t13 = (t8 - t11)/t1
     t14 = 1.5 - 0.5*(t12*t12 + t13*t13)
     t15 = absolute(t1)
     t16 = sqrt(T34*T34 + (8.0 + t1))
     t17 = t16*t16
     t18 = less(1e-12*t17, t15)
     t19 = sin(near1)
-    t20 = select(t18, t13*t14, t19)
-    t21 = select(t18, t14*((t11 + t8)/t1), t19)
+    t20 = select(t18, -t13*t14, t19)
+    t21 = select(t18, t14*((t8 + t11)/t1), t19)
     t22 = cos(near1)
     t23 = select(t18, t12*t14, t22)
-    t24 = select(t18, -t14*((t7 - t10)/t1), t22)
+    t24 = select(t18, t14*((t10 - t7)/t1), t22)
     t25 = 1.0 - t18
     t26 = atan2(t5, -t2)
-    t27 = t2*t20 - t5*t23
+    t27 = t2*t23 + t5*t20
     t28 = T11*T11 + T21*T21
     t29 = T11/t28
     t30 = T21/t28
@@ -567,56 +570,64 @@ def _inverse_kinematics(functions, k, T, near):
     t32 = 1.5 - 0.5*(t29*t29 + t30*t30)
     t33 = cos(near2)
     t34 = sin(near2)
-    t35 = t22*t33 - t19*t34
-    t36 = t19*t33 + t22*t34
+    t35 = t19*t33 + t22*t34
+    t36 = t22*t33 - t19*t34
     t37 = cos(near4)
     t38 = sin(near4)
     t39 = less(1e-12, t31)
-    t40 = select(t39, t29*t32, t35*t37 + t36*t38)
-    t41 = select(t39, t30*t32, t37*t36 - t35*t38)
+    t40 = select(t39, t30*t32, t35*t37 - t36*t38)
+    t41 = select(t39, t29*t32, t37*t36 + t35*t38)
     t42 = 1.0 - t39
-    t43 = t2*t23 + t5*t20
+    t43 = t2*t20 - t5*t23
     t44 = t40*t27 - t41*t43
-    t45 = t40*t43 + t27*t41
+    t45 = t27*t41 + t40*t43
     t46 = t2*t24 - t5*t21
     t47 = t2*t21 + t5*t24
     t48 = absolute(t3 - t5*t5)
-    t49 = t41*t46 - t40*t47
-    t50 = t40*t46 + t41*t47
-    t51 = t43*t45 + t27*t44
-    t52 = t43*t44 - t27*t45
-    t53 = maximum(absolute(T14 - 2.0*(t23 - t43)), absolute(T24 - 2.0*(t20 - t27)))
-    t54 = absolute(T31)
-    t55 = maximum(t54, maximum(absolute(T11 - t51), absolute(T21 + t52)))
-    t56 = maximum(absolute(T22 + t51), maximum(absolute(T12 + t52), t55))
-    t57 = absolute(T32)
-    t58 = absolute(T13)
-    t59 = absolute(T23)
-    t60 = absolute(1.0 + T33)
-    t61 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t56))))
-    t62 = maximum(t48, maximum(absolute(t20*t20 - (1.0 - t23*t23)), t61))
-    t63 = less(maximum(absolute(t44*t44 - (1.0 - t45*t45)), t62), 1e-07)
-    t64 = 1e-07*t16
-    t65 = 1.0 - less(t3, -1e-11)
-    t66 = t4*t65
-    t67 = maximum(t25, maximum(t25, t42))
-    t68 = 1.0 - less(1e-09, t3)
-    t69 = t68 - t68*less(t3, -9.999999999999999e-10)
-    t70 = maximum(1.0 - less(0.001*t17, t15), maximum(1.0 - less(0.001, t31), t69))
-    t71 = select(t67, 3.0, select(t65 - t66, 2.0, 1.0)) + 4.0*t70
-    t72 = select(t67, 8.0, 4.0*maximum(t25, maximum(t42, t69)))
-    t73 = select(less(maximum(0.0, t53), t64)*(t65*t63), t71, t72)
-    t74 = t47*t49 - t46*t50
-    t75 = t46*t49 + t47*t50
-    t76 = maximum(absolute(T14 - 2.0*(t24 - t46)), absolute(T24 - 2.0*(t21 - t47)))
-    t77 = maximum(t54, maximum(absolute(T11 + t74), absolute(T21 - t75)))
-    t78 = maximum(absolute(T22 - t74), maximum(absolute(T12 - t75), t77))
-    t79 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t78))))
-    t80 = maximum(t48, maximum(absolute(t21*t21 - (1.0 - t24*t24)), t79))
-    t81 = less(maximum(absolute(t49*t49 - (1.0 - t50*t50)), t80), 1e-07)
-    t82 = select(less(maximum(0.0, t76), t64)*(t66*t81), t71, t72)
+    t49 = t40*t46 - t41*t47
+    t50 = t41*t46 + t40*t47
+    t51 = t27*t45 - t43*t44
+    t52 = t27*t44 + t43*t45
+    t53 = absolute(T31)
+    t54 = maximum(t53, maximum(absolute(T11 - t51), absolute(T21 - t52)))
+    t55 = maximum(absolute(T22 + t51), maximum(absolute(T12 - t52), t54))
+    t56 = absolute(T32)
+    t57 = absolute(T13)
+    t58 = absolute(T23)
+    t59 = absolute(1.0 + T33)
+    t60 = maximum(t59, maximum(t58, maximum(t57, maximum(t56, t55))))
+    t61 = maximum(t48, maximum(absolute(t20*t20 - (1.0 - t23*t23)), t60))
+    t62 = t16*maximum(absolute(t44*t44 - (1.0 - t45*t45)), t61)
+    t63 = maximum(absolute(T24 - 2.0*(t20 - t43)), maximum(absolute(T14 - 2.0*(t23 - t27)), t62))
+    t64 = maximum(0.0, t63)
+    t65 = 1e-07*t16
+    t66 = 1.0 - less(t3, -1e-11)
+    t67 = t66*less(t64, t65)
+    t68 = t4*t66
+    t69 = t46*t50 - t47*t49
+    t70 = t46*t49 + t47*t50
+    t71 = maximum(t53, maximum(absolute(T11 - t69), absolute(T21 - t70)))
+    t72 = maximum(absolute(T22 + t69), maximum(absolute(T12 - t70), t71))
+    t73 = maximum(t59, maximum(t58, maximum(t57, maximum(t56, t72))))
+    t74 = maximum(t48, maximum(absolute(t21*t21 - (1.0 - t24*t24)), t73))
+    t75 = t16*maximum(absolute(t49*t49 - (1.0 - t50*t50)), t74)
+    t76 = maximum(absolute(T24 - 2.0*(t21 - t47)), maximum(absolute(T14 - 2.0*(t24 - t46)), t75))
+    t77 = maximum(0.0, t76)
+    t78 = less(t77, t65)*t68
+    t79 = minimum(select(t67, t64, t65), select(t78, t77, t65))
+    t80 = maximum(1000.0*t79, 3e-11*t16)
+    t81 = 1.0 - less(1e-09, t3)
+    t82 = t81 - t81*less(t3, -9.999999999999999e-10)
+    t83 = maximum(1.0 - less(0.001*t17, t15), maximum(1.0 - less(0.001, t31), t82))
+    t84 = t67*maximum(t83, less(t64, t80))
+    t85 = t78*maximum(t83, less(t77, t80))
+    t86 = maximum(t25, maximum(t25, t42))
+    t87 = maximum(maximum(t25, maximum(t82, t42)), t83 - t83*maximum(t84, t85))
+    t88 = select(t86, 8.0, 4.0*t87)
+    t89 = select(t86, 3.0, select(t66 - t68, 2.0, 1.0)) + 4.0*t83
     return (
-        atan2(t20, t23), t26, -T34, -atan2(t44, -t45), atan2(t21, t24), -t26, -T34, atan2(t49, -t50), t73, t82,
+        atan2(t20, t23), t26, -T34, atan2(t44, -t45), atan2(t21, t24), -t26, -T34, atan2(t49, -t50),
+        select(t84, t89, t88), select(t85, t89, t88),
     )
 
 
@@ -675,7 +686,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t46 = t45 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t40 + t41 + T33*T33))
     return (
         q1 + (t21/t22 - t24*t31 - t25*t30), q2 + t31, q3 - t12*(t32/(1.0 + damping1)), q4 - t30,
-        maximum(0.0, t46),
+        maximum(0.0, t46), t12,
     )
 
 

@@ -65,7 +65,7 @@ OPERATIONS = {
     "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 82, "add": 65, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 57},
+    "inverse_kinematics": {"mul": 87, "add": 66, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 67},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -452,7 +452,11 @@ def base_parameters(params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 2 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. elbow right
+    2. elbow left
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -471,7 +475,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 82 mul, 65 add, 6 div, 3 sin, 3 cos, 2 sqrt, 5 atan2, 57 cases.
+    Closed form, all branches at once: 87 mul, 66 add, 6 div, 3 sin, 3 cos, 2 sqrt, 5 atan2, 67 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
 
@@ -904,22 +908,22 @@ def _inverse_kinematics(functions, k, T, near):
     t9 = 0.25*t1
     t10 = T14*t9
     t11 = T24*t9
-    t12 = (t7 + t10)/t1
-    t13 = (t11 - t8)/t1
+    t12 = (t10 + t7)/t1
+    t13 = (t8 - t11)/t1
     t14 = 1.5 - 0.5*(t12*t12 + t13*t13)
     t15 = absolute(t1)
     t16 = sqrt(T34*T34 + (8.0 + t1))
     t17 = t16*t16
     t18 = less(1e-12*t17, t15)
     t19 = sin(near1)
-    t20 = select(t18, t13*t14, t19)
-    t21 = select(t18, t14*((t11 + t8)/t1), t19)
+    t20 = select(t18, -t13*t14, t19)
+    t21 = select(t18, t14*((t8 + t11)/t1), t19)
     t22 = cos(near1)
     t23 = select(t18, t12*t14, t22)
-    t24 = select(t18, -t14*((t7 - t10)/t1), t22)
+    t24 = select(t18, t14*((t10 - t7)/t1), t22)
     t25 = 1.0 - t18
     t26 = atan2(t5, -t2)
-    t27 = t2*t20 - t5*t23
+    t27 = t2*t23 + t5*t20
     t28 = T11*T11 + T21*T21
     t29 = T11/t28
     t30 = T21/t28
@@ -927,56 +931,64 @@ def _inverse_kinematics(functions, k, T, near):
     t32 = 1.5 - 0.5*(t29*t29 + t30*t30)
     t33 = cos(near2)
     t34 = sin(near2)
-    t35 = t22*t33 - t19*t34
-    t36 = t19*t33 + t22*t34
+    t35 = t19*t33 + t22*t34
+    t36 = t22*t33 - t19*t34
     t37 = cos(near4)
     t38 = sin(near4)
     t39 = less(1e-12, t31)
-    t40 = select(t39, t29*t32, t35*t37 + t36*t38)
-    t41 = select(t39, t30*t32, t37*t36 - t35*t38)
+    t40 = select(t39, t30*t32, t35*t37 - t36*t38)
+    t41 = select(t39, t29*t32, t37*t36 + t35*t38)
     t42 = 1.0 - t39
-    t43 = t2*t23 + t5*t20
+    t43 = t2*t20 - t5*t23
     t44 = t40*t27 - t41*t43
-    t45 = t40*t43 + t27*t41
+    t45 = t27*t41 + t40*t43
     t46 = t2*t24 - t5*t21
     t47 = t2*t21 + t5*t24
     t48 = absolute(t3 - t5*t5)
-    t49 = t41*t46 - t40*t47
-    t50 = t40*t46 + t41*t47
-    t51 = t43*t45 + t27*t44
-    t52 = t43*t44 - t27*t45
-    t53 = maximum(absolute(T14 - 2.0*(t23 - t43)), absolute(T24 - 2.0*(t20 - t27)))
-    t54 = absolute(T31)
-    t55 = maximum(t54, maximum(absolute(T11 - t51), absolute(T21 + t52)))
-    t56 = maximum(absolute(T22 + t51), maximum(absolute(T12 + t52), t55))
-    t57 = absolute(T32)
-    t58 = absolute(T13)
-    t59 = absolute(T23)
-    t60 = absolute(1.0 + T33)
-    t61 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t56))))
-    t62 = maximum(t48, maximum(absolute(t20*t20 - (1.0 - t23*t23)), t61))
-    t63 = less(maximum(absolute(t44*t44 - (1.0 - t45*t45)), t62), 1e-07)
-    t64 = 1e-07*t16
-    t65 = 1.0 - less(t3, -1e-11)
-    t66 = t4*t65
-    t67 = maximum(t25, maximum(t25, t42))
-    t68 = 1.0 - less(1e-09, t3)
-    t69 = t68 - t68*less(t3, -9.999999999999999e-10)
-    t70 = maximum(1.0 - less(0.001*t17, t15), maximum(1.0 - less(0.001, t31), t69))
-    t71 = select(t67, 3.0, select(t65 - t66, 2.0, 1.0)) + 4.0*t70
-    t72 = select(t67, 8.0, 4.0*maximum(t25, maximum(t42, t69)))
-    t73 = select(less(maximum(0.0, t53), t64)*(t65*t63), t71, t72)
-    t74 = t47*t49 - t46*t50
-    t75 = t46*t49 + t47*t50
-    t76 = maximum(absolute(T14 - 2.0*(t24 - t46)), absolute(T24 - 2.0*(t21 - t47)))
-    t77 = maximum(t54, maximum(absolute(T11 + t74), absolute(T21 - t75)))
-    t78 = maximum(absolute(T22 - t74), maximum(absolute(T12 - t75), t77))
-    t79 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t78))))
-    t80 = maximum(t48, maximum(absolute(t21*t21 - (1.0 - t24*t24)), t79))
-    t81 = less(maximum(absolute(t49*t49 - (1.0 - t50*t50)), t80), 1e-07)
-    t82 = select(less(maximum(0.0, t76), t64)*(t66*t81), t71, t72)
+    t49 = t40*t46 - t41*t47
+    t50 = t41*t46 + t40*t47
+    t51 = t27*t45 - t43*t44
+    t52 = t27*t44 + t43*t45
+    t53 = absolute(T31)
+    t54 = maximum(t53, maximum(absolute(T11 - t51), absolute(T21 - t52)))
+    t55 = maximum(absolute(T22 + t51), maximum(absolute(T12 - t52), t54))
+    t56 = absolute(T32)
+    t57 = absolute(T13)
+    t58 = absolute(T23)
+    t59 = absolute(1.0 + T33)
+    t60 = maximum(t59, maximum(t58, maximum(t57, maximum(t56, t55))))
+    t61 = maximum(t48, maximum(absolute(t20*t20 - (1.0 - t23*t23)), t60))
+    t62 = t16*maximum(absolute(t44*t44 - (1.0 - t45*t45)), t61)
+    t63 = maximum(absolute(T24 - 2.0*(t20 - t43)), maximum(absolute(T14 - 2.0*(t23 - t27)), t62))
+    t64 = maximum(0.0, t63)
+    t65 = 1e-07*t16
+    t66 = 1.0 - less(t3, -1e-11)
+    t67 = t66*less(t64, t65)
+    t68 = t4*t66
+    t69 = t46*t50 - t47*t49
+    t70 = t46*t49 + t47*t50
+    t71 = maximum(t53, maximum(absolute(T11 - t69), absolute(T21 - t70)))
+    t72 = maximum(absolute(T22 + t69), maximum(absolute(T12 - t70), t71))
+    t73 = maximum(t59, maximum(t58, maximum(t57, maximum(t56, t72))))
+    t74 = maximum(t48, maximum(absolute(t21*t21 - (1.0 - t24*t24)), t73))
+    t75 = t16*maximum(absolute(t49*t49 - (1.0 - t50*t50)), t74)
+    t76 = maximum(absolute(T24 - 2.0*(t21 - t47)), maximum(absolute(T14 - 2.0*(t24 - t46)), t75))
+    t77 = maximum(0.0, t76)
+    t78 = less(t77, t65)*t68
+    t79 = minimum(select(t67, t64, t65), select(t78, t77, t65))
+    t80 = maximum(1000.0*t79, 3e-11*t16)
+    t81 = 1.0 - less(1e-09, t3)
+    t82 = t81 - t81*less(t3, -9.999999999999999e-10)
+    t83 = maximum(1.0 - less(0.001*t17, t15), maximum(1.0 - less(0.001, t31), t82))
+    t84 = t67*maximum(t83, less(t64, t80))
+    t85 = t78*maximum(t83, less(t77, t80))
+    t86 = maximum(t25, maximum(t25, t42))
+    t87 = maximum(maximum(t25, maximum(t82, t42)), t83 - t83*maximum(t84, t85))
+    t88 = select(t86, 8.0, 4.0*t87)
+    t89 = select(t86, 3.0, select(t66 - t68, 2.0, 1.0)) + 4.0*t83
     return (
-        atan2(t20, t23), t26, -T34, -atan2(t44, -t45), atan2(t21, t24), -t26, -T34, atan2(t49, -t50), t73, t82,
+        atan2(t20, t23), t26, -T34, atan2(t44, -t45), atan2(t21, t24), -t26, -T34, atan2(t49, -t50),
+        select(t84, t89, t88), select(t85, t89, t88),
     )
 
 
@@ -1035,7 +1047,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t46 = t45 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t40 + t41 + T33*T33))
     return (
         q1 + (t21/t22 - t24*t31 - t25*t30), q2 + t31, q3 - t12*(t32/(1.0 + damping1)), q4 - t30,
-        maximum(0.0, t46),
+        maximum(0.0, t46), t12,
     )
 
 
@@ -1799,6 +1811,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1809,11 +1824,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.287, -0.532, -0.743, -0.923,),
+    (-0.573, 0.936, 0.515, 0.154,),
+    (-0.86, 0.403, -0.228, -0.768,),
+    (0.853, -0.129, -0.97, 0.309,),
+    (0.567, -0.661, 0.287, -0.614,),
+    (0.28, 0.807, -0.456, 0.463,),
+    (-0.007, 0.274, 0.802, -0.46,),
+    (-0.293, -0.258, 0.059, 0.618,),
+    (-0.58, -0.79, -0.683, -0.305,),
+    (-0.867, 0.678, 0.574, 0.772,),
+    (0.847, 0.146, -0.168, -0.151,),
+    (0.56, -0.387, -0.911, 0.926,),
+    (0.274, -0.919, 0.346, 0.004,),
+    (-0.013, 0.549, -0.396, -0.919,),
+    (-0.3, 0.017, 0.861, 0.158,),
+    (-0.586, -0.515, 0.119, -0.765,),
+    (-0.873, 0.952, -0.624, 0.312,),
+    (0.84, 0.42, 0.633, -0.61,),
+    (0.554, -0.112, -0.109, 0.467,),
+    (0.267, -0.644, -0.852, -0.456,),
+    (-0.02, 0.823, 0.406, 0.621,),
+    (-0.306, 0.291, -0.337, -0.302,),
+    (-0.593, -0.241, 0.921, 0.775,),
+    (-0.88, -0.773, 0.178, -0.147,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1848,12 +1902,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1869,6 +1928,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1954,7 +2020,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1970,7 +2036,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -2000,10 +2102,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -2017,10 +2116,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

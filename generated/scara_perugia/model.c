@@ -2098,6 +2098,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[2 * lanes] = q3 - t6*(t26/(1.0 + damping1));
     result[3 * lanes] = q4 - t24;
     result[4 * lanes] = t40;
+    result[5 * lanes] = t6;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -2159,21 +2160,21 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t19 = 1e-12*t17 < t18;
     const double t20 = t19 > 0.0 ? -t13*t14 : sa2;
     const double t21 = t19 > 0.0 ? t12*t14 : ca2;
-    const double t22 = t9*t21 - t5*t20;
+    const double t22 = t9*t20 + t5*t21;
     const double t23 = T11*T11 + T21*T21;
     const double t24 = T11/t23;
     const double t25 = T21/t23;
     const double t26 = fabs(t23);
     const double t27 = 1.5 - 0.5*(t24*t24 + t25*t25);
-    const double t28 = ca1*sa2 + sa1*ca2;
-    const double t29 = ca1*ca2 - sa1*sa2;
+    const double t28 = ca1*ca2 - sa1*sa2;
+    const double t29 = ca1*sa2 + sa1*ca2;
     const double t30 = 1e-12 < t26;
-    const double t31 = t30 > 0.0 ? t25*t27 : t28*ca3 - t29*sa3;
-    const double t32 = t30 > 0.0 ? t24*t27 : ca3*t29 + t28*sa3;
+    const double t31 = t30 > 0.0 ? t24*t27 : t28*ca3 + t29*sa3;
+    const double t32 = t30 > 0.0 ? t25*t27 : ca3*t29 - t28*sa3;
     const double t33 = 1.0 - t30;
-    const double t34 = t9*t20 + t5*t21;
+    const double t34 = t9*t21 - t5*t20;
     const double t35 = t31*t22 - t32*t34;
-    const double t36 = t31*t34 + t22*t32;
+    const double t36 = t22*t32 + t31*t34;
     const double t37 = k1 - k2*t10;
     const double t38 = (t7 - T14*t37)/t1;
     const double t39 = (t8 + T24*t37)/t1;
@@ -2184,50 +2185,55 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t44 = t5*t41 - t10*t42;
     const double t45 = 1.0 - t5*t5;
     const double t46 = t5*t42 + t10*t41;
-    const double t47 = t31*t44 + t32*t46;
-    const double t48 = t32*t44 - t31*t46;
-    const double t49 = t22*t36 - t34*t35;
-    const double t50 = t22*t35 + t34*t36;
+    const double t47 = t32*t44 + t31*t46;
+    const double t48 = t32*t46 - t31*t44;
+    const double t49 = t22*t35 + t34*t36;
+    const double t50 = t34*t35 - t22*t36;
     const double t51 = fabs(T31);
-    const double t52 = maximum(t51, maximum(fabs(T11 - t49), fabs(T21 - t50)));
-    const double t53 = maximum(fabs(T22 + t49), maximum(fabs(T12 - t50), t52));
+    const double t52 = maximum(t51, maximum(fabs(T11 - t49), fabs(T21 + t50)));
+    const double t53 = maximum(fabs(T22 + t49), maximum(fabs(T12 + t50), t52));
     const double t54 = fabs(T32);
     const double t55 = fabs(T13);
     const double t56 = fabs(T23);
     const double t57 = fabs(1.0 + T33);
     const double t58 = maximum(t57, maximum(t56, maximum(t55, maximum(t54, t53))));
     const double t59 = maximum(fabs(t45 - t9*t9), maximum(fabs(t20*t20 - (1.0 - t21*t21)), t58));
-    const double t60 = maximum(fabs(k2*t22 - (T14 - k1*t21)), fabs(k2*t34 - (T24 - k1*t20)));
-    const double t61 = maximum(fabs(t35*t35 - (1.0 - t36*t36)), t59) < 1e-07;
+    const double t60 = maximum(fabs(k2*t34 - (T14 - k1*t21)), t16*maximum(fabs(t35*t35 - (1.0 - t36*t36)), t59));
+    const double t61 = maximum(0.0, maximum(fabs(k2*t22 - (T24 - k1*t20)), t60));
     const double t62 = 1e-07*t16;
     const double t63 = k5 - k5*(t3 < -1e-11);
     const double t64 = t4*t63;
-    const double t65 = maximum(maximum(t43, maximum(k8, t33)), maximum(k8, t43));
-    const double t66 = 1.0 - (1e-09 < t3);
-    const double t67 = maximum(k8, t66 - t66*(t3 < -9.999999999999999e-10));
-    const double t68 = maximum(1.0 - (0.001*t17 < t18), maximum(1.0 - (0.001 < t26), t67));
-    const double t69 = (t65 > 0.0 ? 3.0 : (t63 - t64 > 0.0 ? 2.0 : 1.0)) + 4.0*t68;
-    const double t70 = t65 > 0.0 ? 8.0 : 4.0*maximum(t43, maximum(t33, t67));
-    const double t71 = (maximum(0.0, t60) < t62)*(maximum(k8, t63)*t61) > 0.0 ? t69 : t70;
-    const double t72 = t44*t48 + t46*t47;
-    const double t73 = t44*t47 - t46*t48;
-    const double t74 = maximum(t51, maximum(fabs(T11 - t72), fabs(T21 - t73)));
-    const double t75 = maximum(fabs(T22 + t72), maximum(fabs(T12 - t73), t74));
-    const double t76 = maximum(t57, maximum(t56, maximum(t55, maximum(t54, t75))));
-    const double t77 = maximum(fabs(t45 - t10*t10), maximum(fabs(t41*t41 - (1.0 - t42*t42)), t76));
-    const double t78 = maximum(fabs(t47*t47 - (1.0 - t48*t48)), t77) < 1e-07;
-    const double t79 = maximum(fabs(k2*t44 - (T14 - k1*t42)), fabs(k2*t46 + (T24 - k1*t41)));
-    const double t80 = (maximum(0.0, t79) < t62)*(t64*t78) > 0.0 ? t69 : t70;
+    const double t65 = maximum(k8, t63)*(t61 < t62);
+    const double t66 = t44*t48 - t46*t47;
+    const double t67 = t44*t47 + t46*t48;
+    const double t68 = maximum(t51, maximum(fabs(T11 + t66), fabs(T21 - t67)));
+    const double t69 = maximum(fabs(T22 - t66), maximum(fabs(T12 - t67), t68));
+    const double t70 = maximum(t57, maximum(t56, maximum(t55, maximum(t54, t69))));
+    const double t71 = maximum(fabs(t45 - t10*t10), maximum(fabs(t41*t41 - (1.0 - t42*t42)), t70));
+    const double t72 = maximum(fabs(k2*t44 - (T14 - k1*t42)), t16*maximum(fabs(t47*t47 - (1.0 - t48*t48)), t71));
+    const double t73 = maximum(0.0, maximum(fabs(k2*t46 + (T24 - k1*t41)), t72));
+    const double t74 = (t73 < t62)*t64;
+    const double t75 = minimum(t65 > 0.0 ? t61 : t62, t74 > 0.0 ? t73 : t62);
+    const double t76 = maximum(1000.0*t75, 3e-11*t16);
+    const double t77 = 1.0 - (1e-09 < t3);
+    const double t78 = maximum(k8, t77 - t77*(t3 < -9.999999999999999e-10));
+    const double t79 = maximum(1.0 - (0.001*t17 < t18), maximum(1.0 - (0.001 < t26), t78));
+    const double t80 = t65*maximum(t79, t61 < t76);
+    const double t81 = t74*maximum(t79, t73 < t76);
+    const double t82 = maximum(maximum(t43, maximum(k8, t33)), maximum(k8, t43));
+    const double t83 = maximum(maximum(t43, maximum(t78, t33)), t79 - t79*maximum(t80, t81));
+    const double t84 = t82 > 0.0 ? 8.0 : 4.0*t83;
+    const double t85 = (t82 > 0.0 ? 3.0 : (t63 - t64 > 0.0 ? 2.0 : 1.0)) + 4.0*t79;
     result[0] = arctangent(t20, t21);
     result[lanes] = arctangent(t5, t9);
     result[2 * lanes] = -t15;
-    result[3 * lanes] = -arctangent(t35, t36);
+    result[3 * lanes] = arctangent(t35, t36);
     result[4 * lanes] = arctangent(t41, t42);
     result[5 * lanes] = -arctangent(t5, -t10);
     result[6 * lanes] = -t15;
-    result[7 * lanes] = -arctangent(t47, t48);
-    result[8 * lanes] = t71;
-    result[9 * lanes] = t80;
+    result[7 * lanes] = -arctangent(t47, -t48);
+    result[8 * lanes] = t80 > 0.0 ? t85 : t84;
+    result[9 * lanes] = t81 > 0.0 ? t85 : t84;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -2249,10 +2255,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 0, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 0, 1}, inverse_kinematics_turning[] = {1, 1, 0, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[3], sines[3], cosines[3];
@@ -2264,7 +2270,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 4; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -2274,7 +2280,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 4 };
-    double ahead[4 + 1], found[4 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[4 + 2], found[4 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 8, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -2356,6 +2362,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05};
+    double row[4], back[4];
+    size_t place = kinds[branch] ? 2 : branch, listed = 0;
+    for (size_t j = 0; j < 4; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 2; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 4 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 2)
+            place = b;
+    }
+    for (size_t j = 0; j < 4; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 2 || (listed && !alone))
+        return;
+    memcpy(q + 4 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -2365,6 +2398,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][4] = {
+        {-0.287, -0.532, -0.743, -0.923},
+        {-0.573, 0.936, 0.515, 0.154},
+        {-0.86, 0.403, -0.228, -0.768},
+        {0.853, -0.129, -0.97, 0.309},
+        {0.567, -0.661, 0.287, -0.614},
+        {0.28, 0.807, -0.456, 0.463},
+        {-0.007, 0.274, 0.802, -0.46},
+        {-0.293, -0.258, 0.059, 0.618},
+        {-0.58, -0.79, -0.683, -0.305},
+        {-0.867, 0.678, 0.574, 0.772},
+        {0.847, 0.146, -0.168, -0.151},
+        {0.56, -0.387, -0.911, 0.926},
+        {0.274, -0.919, 0.346, 0.004},
+        {-0.013, 0.549, -0.396, -0.919},
+        {-0.3, 0.017, 0.861, 0.158},
+        {-0.586, -0.515, 0.119, -0.765},
+        {-0.873, 0.952, -0.624, 0.312},
+        {0.84, 0.42, 0.633, -0.61},
+        {0.554, -0.112, -0.109, 0.467},
+        {0.267, -0.644, -0.852, -0.456},
+        {-0.02, 0.823, 0.406, 0.621},
+        {-0.306, 0.291, -0.337, -0.302},
+        {-0.593, -0.241, 0.921, 0.775},
+        {-0.88, -0.773, 0.178, -0.147},
+    };
+    const double damping = 1e-12;
+    double start[4], step[4 + 2], values[10], moved[16] = {0.0};
+    for (size_t j = 0; j < 4; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 8, step);
+    const double unit = step[4 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 2; ++b)
+            inverse_kinematics_added(T, k, unit, values + 4 * b, b, q, kinds);
+    }
+    memcpy(values, q, 8 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 4; ++j) {
+            const double value = values[4 * (i % 2) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 2, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int scara_perugia_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -2372,7 +2464,7 @@ int scara_perugia_inverse_kinematics(const double *restrict T, const double *res
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[4], values[10];
     const double *const codes = values + 8;
-    int kinds[2], doubts[2], free[2], settled[2] = {0}, lacking = 1;
+    int kinds[2], doubts[2], doubted[2], free[2], settled[2] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 8; ++j)
             q[j] = NAN;
@@ -2388,7 +2480,7 @@ int scara_perugia_inverse_kinematics(const double *restrict T, const double *res
         return count;
     memcpy(q, values, 8 * sizeof *q);
     for (size_t b = 0; b < 2; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -2404,9 +2496,13 @@ int scara_perugia_inverse_kinematics(const double *restrict T, const double *res
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 8 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 4])
+            if (inverse_kinematics_turning[j % 4])
                 values[j] += 1.3 * (double)(i * (j / 4 + 1) * (j % 4 + 2));
     }
+    for (size_t b = 0; b < 2; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 2; ++b) {
         for (size_t j = 0; j < 4 && !kinds[b]; ++j)

@@ -36,7 +36,10 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+beyond 1e30. A reachable pose has up to 2 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. elbow right
+2. elbow left
 
 Self-check: `derive verify scara-perugia` compares every function with an independent recursion.
 """
@@ -82,7 +85,7 @@ OPERATIONS = {
     "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 94, "add": 72, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
+    "inverse_kinematics": {"mul": 99, "add": 73, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -772,23 +775,23 @@ def _inverse_kinematics(functions, k, T, near):
     t28 = select(t26, -t20*t21, t27)
     t29 = cos(near1)
     t30 = select(t26, t19*t21, t29)
-    t31 = t16*t30 - t11*t28
+    t31 = t16*t28 + t11*t30
     t32 = T11*T11 + T21*T21
     t33 = T11/t32
     t34 = T21/t32
     t35 = absolute(t32)
     t36 = 1.5 - 0.5*(t33*t33 + t34*t34)
-    t37 = t15*t27 + t10*t29
-    t38 = t15*t29 - t10*t27
+    t37 = t15*t29 - t10*t27
+    t38 = t15*t27 + t10*t29
     t39 = cos(near4)
     t40 = sin(near4)
     t41 = less(1e-12, t35)
-    t42 = select(t41, t34*t36, t37*t39 - t38*t40)
-    t43 = select(t41, t33*t36, t39*t38 + t37*t40)
+    t42 = select(t41, t33*t36, t37*t39 + t38*t40)
+    t43 = select(t41, t34*t36, t39*t38 - t37*t40)
     t44 = 1.0 - t41
-    t45 = t16*t28 + t11*t30
+    t45 = t16*t30 - t11*t28
     t46 = t42*t31 - t43*t45
-    t47 = t42*t45 + t31*t43
+    t47 = t31*t43 + t42*t45
     t48 = p_a1 - p_a2*t17
     t49 = (t13 - T14*t48)/t6
     t50 = (t14 + T24*t48)/t6
@@ -799,43 +802,50 @@ def _inverse_kinematics(functions, k, T, near):
     t55 = t11*t52 - t17*t53
     t56 = 1.0 - t11*t11
     t57 = t11*t53 + t17*t52
-    t58 = t42*t55 + t43*t57
-    t59 = t43*t55 - t42*t57
-    t60 = t31*t47 - t45*t46
-    t61 = t31*t46 + t45*t47
+    t58 = t43*t55 + t42*t57
+    t59 = t43*t57 - t42*t55
+    t60 = t31*t46 + t45*t47
+    t61 = t45*t46 - t31*t47
     t62 = absolute(T31)
-    t63 = maximum(t62, maximum(absolute(T11 - t60), absolute(T21 - t61)))
-    t64 = maximum(absolute(T22 + t60), maximum(absolute(T12 - t61), t63))
+    t63 = maximum(t62, maximum(absolute(T11 - t60), absolute(T21 + t61)))
+    t64 = maximum(absolute(T22 + t60), maximum(absolute(T12 + t61), t63))
     t65 = absolute(T32)
     t66 = absolute(T13)
     t67 = absolute(T23)
     t68 = absolute(1.0 + T33)
     t69 = maximum(t68, maximum(t67, maximum(t66, maximum(t65, t64))))
     t70 = maximum(absolute(t56 - t16*t16), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t69))
-    t71 = maximum(absolute(p_a2*t31 - (T14 - p_a1*t30)), absolute(p_a2*t45 - (T24 - p_a1*t28)))
-    t72 = less(maximum(absolute(t46*t46 - (1.0 - t47*t47)), t70), 1e-07)
-    t73 = 1e-07*t23
-    t74 = k5 - k5*less(t8, -1e-11)
-    t75 = t9*t74
-    t76 = maximum(maximum(t54, maximum(k8, t44)), maximum(k8, t54))
-    t77 = 1.0 - less(1e-09, t8)
-    t78 = maximum(k8, t77 - t77*less(t8, -9.999999999999999e-10))
-    t79 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t78))
-    t80 = select(t76, 3.0, select(t74 - t75, 2.0, 1.0)) + 4.0*t79
-    t81 = select(t76, 8.0, 4.0*maximum(t54, maximum(t44, t78)))
-    t82 = select(less(maximum(0.0, t71), t73)*(maximum(k8, t74)*t72), t80, t81)
-    t83 = t55*t59 + t57*t58
-    t84 = t55*t58 - t57*t59
-    t85 = maximum(t62, maximum(absolute(T11 - t83), absolute(T21 - t84)))
-    t86 = maximum(absolute(T22 + t83), maximum(absolute(T12 - t84), t85))
-    t87 = maximum(t68, maximum(t67, maximum(t66, maximum(t65, t86))))
-    t88 = maximum(absolute(t56 - t17*t17), maximum(absolute(t52*t52 - (1.0 - t53*t53)), t87))
-    t89 = less(maximum(absolute(t58*t58 - (1.0 - t59*t59)), t88), 1e-07)
-    t90 = maximum(absolute(p_a2*t55 - (T14 - p_a1*t53)), absolute(p_a2*t57 + (T24 - p_a1*t52)))
-    t91 = select(less(maximum(0.0, t90), t73)*(t75*t89), t80, t81)
+    t71 = t23*maximum(absolute(t46*t46 - (1.0 - t47*t47)), t70)
+    t72 = maximum(absolute(p_a2*t31 - (T24 - p_a1*t28)), maximum(absolute(p_a2*t45 - (T14 - p_a1*t30)), t71))
+    t73 = maximum(0.0, t72)
+    t74 = 1e-07*t23
+    t75 = k5 - k5*less(t8, -1e-11)
+    t76 = t9*t75
+    t77 = maximum(k8, t75)*less(t73, t74)
+    t78 = t55*t59 - t57*t58
+    t79 = t55*t58 + t57*t59
+    t80 = maximum(t62, maximum(absolute(T11 + t78), absolute(T21 - t79)))
+    t81 = maximum(absolute(T22 - t78), maximum(absolute(T12 - t79), t80))
+    t82 = maximum(t68, maximum(t67, maximum(t66, maximum(t65, t81))))
+    t83 = maximum(absolute(t56 - t17*t17), maximum(absolute(t52*t52 - (1.0 - t53*t53)), t82))
+    t84 = t23*maximum(absolute(t58*t58 - (1.0 - t59*t59)), t83)
+    t85 = maximum(absolute(p_a2*t57 + (T24 - p_a1*t52)), maximum(absolute(p_a2*t55 - (T14 - p_a1*t53)), t84))
+    t86 = maximum(0.0, t85)
+    t87 = less(t86, t74)*t76
+    t88 = minimum(select(t77, t73, t74), select(t87, t86, t74))
+    t89 = maximum(1000.0*t88, 3e-11*t23)
+    t90 = 1.0 - less(1e-09, t8)
+    t91 = maximum(k8, t90 - t90*less(t8, -9.999999999999999e-10))
+    t92 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t91))
+    t93 = t77*maximum(t92, less(t73, t89))
+    t94 = t87*maximum(t92, less(t86, t89))
+    t95 = maximum(maximum(t54, maximum(k8, t44)), maximum(k8, t54))
+    t96 = maximum(maximum(t54, maximum(t91, t44)), t92 - t92*maximum(t93, t94))
+    t97 = select(t95, 8.0, 4.0*t96)
+    t98 = select(t95, 3.0, select(t75 - t76, 2.0, 1.0)) + 4.0*t92
     return (
-        atan2(t28, t30), atan2(t11, t16), -t22, -atan2(t46, t47), atan2(t52, t53), -atan2(t11, -t17), -t22,
-        -atan2(t58, t59), t82, t91,
+        atan2(t28, t30), atan2(t11, t16), -t22, atan2(t46, t47), atan2(t52, t53), -atan2(t11, -t17), -t22,
+        -atan2(t58, -t59), select(t93, t98, t97), select(t94, t98, t97),
     )
 
 
@@ -905,7 +915,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t49 = t48 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t43 + t44 + T33*T33))
     return (
         q1 + (t24/t25 - t27*t34 - t28*t33), q2 + t34, q3 - t15*(t35/(1.0 + damping1)), q4 - t33,
-        maximum(0.0, t49),
+        maximum(0.0, t49), t15,
     )
 
 

@@ -68,7 +68,7 @@ OPERATIONS = {
     "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 94, "add": 72, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
+    "inverse_kinematics": {"mul": 99, "add": 73, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -468,7 +468,11 @@ def base_parameters(params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 2 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. elbow right
+    2. elbow left
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -487,7 +491,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 94 mul, 72 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 64 cases.
+    Closed form, all branches at once: 99 mul, 73 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 74 cases.
     Once per set of parameters: 5 mul, 3 add, 1 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -1160,23 +1164,23 @@ def _inverse_kinematics(functions, k, T, near):
     t28 = select(t26, -t20*t21, t27)
     t29 = cos(near1)
     t30 = select(t26, t19*t21, t29)
-    t31 = t16*t30 - t11*t28
+    t31 = t16*t28 + t11*t30
     t32 = T11*T11 + T21*T21
     t33 = T11/t32
     t34 = T21/t32
     t35 = absolute(t32)
     t36 = 1.5 - 0.5*(t33*t33 + t34*t34)
-    t37 = t15*t27 + t10*t29
-    t38 = t15*t29 - t10*t27
+    t37 = t15*t29 - t10*t27
+    t38 = t15*t27 + t10*t29
     t39 = cos(near4)
     t40 = sin(near4)
     t41 = less(1e-12, t35)
-    t42 = select(t41, t34*t36, t37*t39 - t38*t40)
-    t43 = select(t41, t33*t36, t39*t38 + t37*t40)
+    t42 = select(t41, t33*t36, t37*t39 + t38*t40)
+    t43 = select(t41, t34*t36, t39*t38 - t37*t40)
     t44 = 1.0 - t41
-    t45 = t16*t28 + t11*t30
+    t45 = t16*t30 - t11*t28
     t46 = t42*t31 - t43*t45
-    t47 = t42*t45 + t31*t43
+    t47 = t31*t43 + t42*t45
     t48 = p_a1 - p_a2*t17
     t49 = (t13 - T14*t48)/t6
     t50 = (t14 + T24*t48)/t6
@@ -1187,43 +1191,50 @@ def _inverse_kinematics(functions, k, T, near):
     t55 = t11*t52 - t17*t53
     t56 = 1.0 - t11*t11
     t57 = t11*t53 + t17*t52
-    t58 = t42*t55 + t43*t57
-    t59 = t43*t55 - t42*t57
-    t60 = t31*t47 - t45*t46
-    t61 = t31*t46 + t45*t47
+    t58 = t43*t55 + t42*t57
+    t59 = t43*t57 - t42*t55
+    t60 = t31*t46 + t45*t47
+    t61 = t45*t46 - t31*t47
     t62 = absolute(T31)
-    t63 = maximum(t62, maximum(absolute(T11 - t60), absolute(T21 - t61)))
-    t64 = maximum(absolute(T22 + t60), maximum(absolute(T12 - t61), t63))
+    t63 = maximum(t62, maximum(absolute(T11 - t60), absolute(T21 + t61)))
+    t64 = maximum(absolute(T22 + t60), maximum(absolute(T12 + t61), t63))
     t65 = absolute(T32)
     t66 = absolute(T13)
     t67 = absolute(T23)
     t68 = absolute(1.0 + T33)
     t69 = maximum(t68, maximum(t67, maximum(t66, maximum(t65, t64))))
     t70 = maximum(absolute(t56 - t16*t16), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t69))
-    t71 = maximum(absolute(p_a2*t31 - (T14 - p_a1*t30)), absolute(p_a2*t45 - (T24 - p_a1*t28)))
-    t72 = less(maximum(absolute(t46*t46 - (1.0 - t47*t47)), t70), 1e-07)
-    t73 = 1e-07*t23
-    t74 = k5 - k5*less(t8, -1e-11)
-    t75 = t9*t74
-    t76 = maximum(maximum(t54, maximum(k8, t44)), maximum(k8, t54))
-    t77 = 1.0 - less(1e-09, t8)
-    t78 = maximum(k8, t77 - t77*less(t8, -9.999999999999999e-10))
-    t79 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t78))
-    t80 = select(t76, 3.0, select(t74 - t75, 2.0, 1.0)) + 4.0*t79
-    t81 = select(t76, 8.0, 4.0*maximum(t54, maximum(t44, t78)))
-    t82 = select(less(maximum(0.0, t71), t73)*(maximum(k8, t74)*t72), t80, t81)
-    t83 = t55*t59 + t57*t58
-    t84 = t55*t58 - t57*t59
-    t85 = maximum(t62, maximum(absolute(T11 - t83), absolute(T21 - t84)))
-    t86 = maximum(absolute(T22 + t83), maximum(absolute(T12 - t84), t85))
-    t87 = maximum(t68, maximum(t67, maximum(t66, maximum(t65, t86))))
-    t88 = maximum(absolute(t56 - t17*t17), maximum(absolute(t52*t52 - (1.0 - t53*t53)), t87))
-    t89 = less(maximum(absolute(t58*t58 - (1.0 - t59*t59)), t88), 1e-07)
-    t90 = maximum(absolute(p_a2*t55 - (T14 - p_a1*t53)), absolute(p_a2*t57 + (T24 - p_a1*t52)))
-    t91 = select(less(maximum(0.0, t90), t73)*(t75*t89), t80, t81)
+    t71 = t23*maximum(absolute(t46*t46 - (1.0 - t47*t47)), t70)
+    t72 = maximum(absolute(p_a2*t31 - (T24 - p_a1*t28)), maximum(absolute(p_a2*t45 - (T14 - p_a1*t30)), t71))
+    t73 = maximum(0.0, t72)
+    t74 = 1e-07*t23
+    t75 = k5 - k5*less(t8, -1e-11)
+    t76 = t9*t75
+    t77 = maximum(k8, t75)*less(t73, t74)
+    t78 = t55*t59 - t57*t58
+    t79 = t55*t58 + t57*t59
+    t80 = maximum(t62, maximum(absolute(T11 + t78), absolute(T21 - t79)))
+    t81 = maximum(absolute(T22 - t78), maximum(absolute(T12 - t79), t80))
+    t82 = maximum(t68, maximum(t67, maximum(t66, maximum(t65, t81))))
+    t83 = maximum(absolute(t56 - t17*t17), maximum(absolute(t52*t52 - (1.0 - t53*t53)), t82))
+    t84 = t23*maximum(absolute(t58*t58 - (1.0 - t59*t59)), t83)
+    t85 = maximum(absolute(p_a2*t57 + (T24 - p_a1*t52)), maximum(absolute(p_a2*t55 - (T14 - p_a1*t53)), t84))
+    t86 = maximum(0.0, t85)
+    t87 = less(t86, t74)*t76
+    t88 = minimum(select(t77, t73, t74), select(t87, t86, t74))
+    t89 = maximum(1000.0*t88, 3e-11*t23)
+    t90 = 1.0 - less(1e-09, t8)
+    t91 = maximum(k8, t90 - t90*less(t8, -9.999999999999999e-10))
+    t92 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t91))
+    t93 = t77*maximum(t92, less(t73, t89))
+    t94 = t87*maximum(t92, less(t86, t89))
+    t95 = maximum(maximum(t54, maximum(k8, t44)), maximum(k8, t54))
+    t96 = maximum(maximum(t54, maximum(t91, t44)), t92 - t92*maximum(t93, t94))
+    t97 = select(t95, 8.0, 4.0*t96)
+    t98 = select(t95, 3.0, select(t75 - t76, 2.0, 1.0)) + 4.0*t92
     return (
-        atan2(t28, t30), atan2(t11, t16), -t22, -atan2(t46, t47), atan2(t52, t53), -atan2(t11, -t17), -t22,
-        -atan2(t58, t59), t82, t91,
+        atan2(t28, t30), atan2(t11, t16), -t22, atan2(t46, t47), atan2(t52, t53), -atan2(t11, -t17), -t22,
+        -atan2(t58, -t59), select(t93, t98, t97), select(t94, t98, t97),
     )
 
 
@@ -1293,7 +1304,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t49 = t48 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t43 + t44 + T33*T33))
     return (
         q1 + (t24/t25 - t27*t34 - t28*t33), q2 + t34, q3 - t15*(t35/(1.0 + damping1)), q4 - t33,
-        maximum(0.0, t49),
+        maximum(0.0, t49), t15,
     )
 
 
@@ -2057,6 +2068,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -2067,11 +2081,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.287, -0.532, -0.743, -0.923,),
+    (-0.573, 0.936, 0.515, 0.154,),
+    (-0.86, 0.403, -0.228, -0.768,),
+    (0.853, -0.129, -0.97, 0.309,),
+    (0.567, -0.661, 0.287, -0.614,),
+    (0.28, 0.807, -0.456, 0.463,),
+    (-0.007, 0.274, 0.802, -0.46,),
+    (-0.293, -0.258, 0.059, 0.618,),
+    (-0.58, -0.79, -0.683, -0.305,),
+    (-0.867, 0.678, 0.574, 0.772,),
+    (0.847, 0.146, -0.168, -0.151,),
+    (0.56, -0.387, -0.911, 0.926,),
+    (0.274, -0.919, 0.346, 0.004,),
+    (-0.013, 0.549, -0.396, -0.919,),
+    (-0.3, 0.017, 0.861, 0.158,),
+    (-0.586, -0.515, 0.119, -0.765,),
+    (-0.873, 0.952, -0.624, 0.312,),
+    (0.84, 0.42, 0.633, -0.61,),
+    (0.554, -0.112, -0.109, 0.467,),
+    (0.267, -0.644, -0.852, -0.456,),
+    (-0.02, 0.823, 0.406, 0.621,),
+    (-0.306, 0.291, -0.337, -0.302,),
+    (-0.593, -0.241, 0.921, 0.775,),
+    (-0.88, -0.773, 0.178, -0.147,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -2106,12 +2159,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -2127,6 +2185,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -2212,7 +2277,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -2228,7 +2293,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -2258,10 +2359,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -2275,10 +2373,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

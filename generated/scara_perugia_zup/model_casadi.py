@@ -36,7 +36,10 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+beyond 1e30. A reachable pose has up to 2 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. elbow right
+2. elbow left
 
 Self-check: `derive verify scara-perugia-zup` compares every function with an independent recursion.
 """
@@ -82,7 +85,7 @@ OPERATIONS = {
     "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 100, "add": 76, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
+    "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -802,10 +805,10 @@ def _inverse_kinematics(functions, k, T, near):
     t58 = 1.0 - t26
     t59 = t57*t47 + t56*t49
     t60 = t57*t49 - t56*t47
-    t61 = t16*t28 + t11*t30
-    t62 = t16*t30 - t11*t28
-    t63 = t50*t61 + t51*t62
-    t64 = t51*t61 - t50*t62
+    t61 = t16*t30 - t11*t28
+    t62 = t16*t28 + t11*t30
+    t63 = t51*t61 + t50*t62
+    t64 = t51*t62 - t50*t61
     t65 = absolute(T31)
     t66 = maximum(t65, maximum(absolute(T11 - t63), absolute(T21 - t64)))
     t67 = maximum(absolute(T22 - t63), maximum(absolute(T12 + t64), t66))
@@ -814,34 +817,41 @@ def _inverse_kinematics(functions, k, T, near):
     t70 = absolute(T23)
     t71 = absolute(1.0 - T33)
     t72 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t67))))
-    t73 = maximum(absolute(p_a2*t62 - (T14 - p_a1*t30)), absolute(p_a2*t61 - (T24 - p_a1*t28)))
-    t74 = 1.0 - t11*t11
-    t75 = maximum(absolute(t74 - t16*t16), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t72))
-    t76 = less(maximum(absolute(t50*t50 - (1.0 - t51*t51)), t75), 1e-07)
-    t77 = 1e-07*t23
-    t78 = k5 - k5*less(t8, -1e-11)
-    t79 = t9*t78
-    t80 = maximum(maximum(t58, maximum(k8, t43)), maximum(k8, t58))
-    t81 = 1.0 - less(1e-09, t8)
-    t82 = maximum(k8, t81 - t81*less(t8, -9.999999999999999e-10))
-    t83 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t34), t82))
-    t84 = select(t80, 3.0, select(t78 - t79, 2.0, 1.0)) + 4.0*t83
-    t85 = select(t80, 8.0, 4.0*maximum(t58, maximum(t43, t82)))
-    t86 = select(less(maximum(0.0, t73), t77)*(maximum(k8, t78)*t76), t84, t85)
-    t87 = t11*t56 - t17*t57
-    t88 = t11*t57 + t17*t56
-    t89 = t60*t87 - t59*t88
-    t90 = t60*t88 + t59*t87
-    t91 = maximum(t65, maximum(absolute(T11 + t89), absolute(T21 - t90)))
-    t92 = maximum(absolute(T22 + t89), maximum(absolute(T12 + t90), t91))
-    t93 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t92))))
-    t94 = maximum(absolute(t74 - t17*t17), maximum(absolute(t56*t56 - (1.0 - t57*t57)), t93))
-    t95 = less(maximum(absolute(t59*t59 - (1.0 - t60*t60)), t94), 1e-07)
-    t96 = maximum(absolute(p_a2*t87 - (T14 - p_a1*t57)), absolute(p_a2*t88 + (T24 - p_a1*t56)))
-    t97 = select(less(maximum(0.0, t96), t77)*(t79*t95), t84, t85)
+    t73 = 1.0 - t11*t11
+    t74 = maximum(absolute(t73 - t16*t16), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t72))
+    t75 = t23*maximum(absolute(t50*t50 - (1.0 - t51*t51)), t74)
+    t76 = maximum(absolute(p_a2*t62 - (T24 - p_a1*t28)), maximum(absolute(p_a2*t61 - (T14 - p_a1*t30)), t75))
+    t77 = maximum(0.0, t76)
+    t78 = 1e-07*t23
+    t79 = k5 - k5*less(t8, -1e-11)
+    t80 = t9*t79
+    t81 = maximum(k8, t79)*less(t77, t78)
+    t82 = t11*t57 + t17*t56
+    t83 = t11*t56 - t17*t57
+    t84 = t59*t82 - t60*t83
+    t85 = t60*t82 + t59*t83
+    t86 = maximum(t65, maximum(absolute(T11 - t84), absolute(T21 - t85)))
+    t87 = maximum(absolute(T22 - t84), maximum(absolute(T12 + t85), t86))
+    t88 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t87))))
+    t89 = maximum(absolute(t73 - t17*t17), maximum(absolute(t56*t56 - (1.0 - t57*t57)), t88))
+    t90 = t23*maximum(absolute(t59*t59 - (1.0 - t60*t60)), t89)
+    t91 = maximum(absolute(p_a2*t82 + (T24 - p_a1*t56)), maximum(absolute(p_a2*t83 - (T14 - p_a1*t57)), t90))
+    t92 = maximum(0.0, t91)
+    t93 = less(t92, t78)*t80
+    t94 = minimum(select(t81, t77, t78), select(t93, t92, t78))
+    t95 = maximum(1000.0*t94, 3e-11*t23)
+    t96 = 1.0 - less(1e-09, t8)
+    t97 = maximum(k8, t96 - t96*less(t8, -9.999999999999999e-10))
+    t98 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t34), t97))
+    t99 = t81*maximum(t98, less(t77, t95))
+    t100 = t93*maximum(t98, less(t92, t95))
+    t101 = maximum(maximum(t58, maximum(k8, t43)), maximum(k8, t58))
+    t102 = maximum(maximum(t58, maximum(t97, t43)), t98 - t98*maximum(t99, t100))
+    t103 = select(t101, 8.0, 4.0*t102)
+    t104 = select(t101, 3.0, select(t79 - t80, 2.0, 1.0)) + 4.0*t98
     return (
         atan2(t28, t30), atan2(t11, t16), -t22, -atan2(t50, t51), atan2(t56, t57), -atan2(t11, -t17), -t22,
-        atan2(t59, -t60), t86, t97,
+        atan2(t59, -t60), select(t99, t104, t103), select(t100, t104, t103),
     )
 
 
@@ -911,7 +921,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t49 = t48 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t43 + t44 + T33*T33))
     return (
         q1 - (t24/t25 - t27*t34 - t28*t33), q2 - t34, q3 - t15*(t35/(1.0 + damping1)), q4 - t33,
-        maximum(0.0, t49),
+        maximum(0.0, t49), t15,
     )
 
 

@@ -68,7 +68,7 @@ OPERATIONS = {
     "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
-    "inverse_kinematics": {"mul": 100, "add": 76, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
+    "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -468,7 +468,11 @@ def base_parameters(params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 2 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. elbow right
+    2. elbow left
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -487,7 +491,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 100 mul, 76 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 64 cases.
+    Closed form, all branches at once: 105 mul, 77 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 74 cases.
     Once per set of parameters: 5 mul, 3 add, 1 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -1190,10 +1194,10 @@ def _inverse_kinematics(functions, k, T, near):
     t58 = 1.0 - t26
     t59 = t57*t47 + t56*t49
     t60 = t57*t49 - t56*t47
-    t61 = t16*t28 + t11*t30
-    t62 = t16*t30 - t11*t28
-    t63 = t50*t61 + t51*t62
-    t64 = t51*t61 - t50*t62
+    t61 = t16*t30 - t11*t28
+    t62 = t16*t28 + t11*t30
+    t63 = t51*t61 + t50*t62
+    t64 = t51*t62 - t50*t61
     t65 = absolute(T31)
     t66 = maximum(t65, maximum(absolute(T11 - t63), absolute(T21 - t64)))
     t67 = maximum(absolute(T22 - t63), maximum(absolute(T12 + t64), t66))
@@ -1202,34 +1206,41 @@ def _inverse_kinematics(functions, k, T, near):
     t70 = absolute(T23)
     t71 = absolute(1.0 - T33)
     t72 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t67))))
-    t73 = maximum(absolute(p_a2*t62 - (T14 - p_a1*t30)), absolute(p_a2*t61 - (T24 - p_a1*t28)))
-    t74 = 1.0 - t11*t11
-    t75 = maximum(absolute(t74 - t16*t16), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t72))
-    t76 = less(maximum(absolute(t50*t50 - (1.0 - t51*t51)), t75), 1e-07)
-    t77 = 1e-07*t23
-    t78 = k5 - k5*less(t8, -1e-11)
-    t79 = t9*t78
-    t80 = maximum(maximum(t58, maximum(k8, t43)), maximum(k8, t58))
-    t81 = 1.0 - less(1e-09, t8)
-    t82 = maximum(k8, t81 - t81*less(t8, -9.999999999999999e-10))
-    t83 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t34), t82))
-    t84 = select(t80, 3.0, select(t78 - t79, 2.0, 1.0)) + 4.0*t83
-    t85 = select(t80, 8.0, 4.0*maximum(t58, maximum(t43, t82)))
-    t86 = select(less(maximum(0.0, t73), t77)*(maximum(k8, t78)*t76), t84, t85)
-    t87 = t11*t56 - t17*t57
-    t88 = t11*t57 + t17*t56
-    t89 = t60*t87 - t59*t88
-    t90 = t60*t88 + t59*t87
-    t91 = maximum(t65, maximum(absolute(T11 + t89), absolute(T21 - t90)))
-    t92 = maximum(absolute(T22 + t89), maximum(absolute(T12 + t90), t91))
-    t93 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t92))))
-    t94 = maximum(absolute(t74 - t17*t17), maximum(absolute(t56*t56 - (1.0 - t57*t57)), t93))
-    t95 = less(maximum(absolute(t59*t59 - (1.0 - t60*t60)), t94), 1e-07)
-    t96 = maximum(absolute(p_a2*t87 - (T14 - p_a1*t57)), absolute(p_a2*t88 + (T24 - p_a1*t56)))
-    t97 = select(less(maximum(0.0, t96), t77)*(t79*t95), t84, t85)
+    t73 = 1.0 - t11*t11
+    t74 = maximum(absolute(t73 - t16*t16), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t72))
+    t75 = t23*maximum(absolute(t50*t50 - (1.0 - t51*t51)), t74)
+    t76 = maximum(absolute(p_a2*t62 - (T24 - p_a1*t28)), maximum(absolute(p_a2*t61 - (T14 - p_a1*t30)), t75))
+    t77 = maximum(0.0, t76)
+    t78 = 1e-07*t23
+    t79 = k5 - k5*less(t8, -1e-11)
+    t80 = t9*t79
+    t81 = maximum(k8, t79)*less(t77, t78)
+    t82 = t11*t57 + t17*t56
+    t83 = t11*t56 - t17*t57
+    t84 = t59*t82 - t60*t83
+    t85 = t60*t82 + t59*t83
+    t86 = maximum(t65, maximum(absolute(T11 - t84), absolute(T21 - t85)))
+    t87 = maximum(absolute(T22 - t84), maximum(absolute(T12 + t85), t86))
+    t88 = maximum(t71, maximum(t70, maximum(t69, maximum(t68, t87))))
+    t89 = maximum(absolute(t73 - t17*t17), maximum(absolute(t56*t56 - (1.0 - t57*t57)), t88))
+    t90 = t23*maximum(absolute(t59*t59 - (1.0 - t60*t60)), t89)
+    t91 = maximum(absolute(p_a2*t82 + (T24 - p_a1*t56)), maximum(absolute(p_a2*t83 - (T14 - p_a1*t57)), t90))
+    t92 = maximum(0.0, t91)
+    t93 = less(t92, t78)*t80
+    t94 = minimum(select(t81, t77, t78), select(t93, t92, t78))
+    t95 = maximum(1000.0*t94, 3e-11*t23)
+    t96 = 1.0 - less(1e-09, t8)
+    t97 = maximum(k8, t96 - t96*less(t8, -9.999999999999999e-10))
+    t98 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t34), t97))
+    t99 = t81*maximum(t98, less(t77, t95))
+    t100 = t93*maximum(t98, less(t92, t95))
+    t101 = maximum(maximum(t58, maximum(k8, t43)), maximum(k8, t58))
+    t102 = maximum(maximum(t58, maximum(t97, t43)), t98 - t98*maximum(t99, t100))
+    t103 = select(t101, 8.0, 4.0*t102)
+    t104 = select(t101, 3.0, select(t79 - t80, 2.0, 1.0)) + 4.0*t98
     return (
         atan2(t28, t30), atan2(t11, t16), -t22, -atan2(t50, t51), atan2(t56, t57), -atan2(t11, -t17), -t22,
-        atan2(t59, -t60), t86, t97,
+        atan2(t59, -t60), select(t99, t104, t103), select(t100, t104, t103),
     )
 
 
@@ -1299,7 +1310,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t49 = t48 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t43 + t44 + T33*T33))
     return (
         q1 - (t24/t25 - t27*t34 - t28*t33), q2 - t34, q3 - t15*(t35/(1.0 + damping1)), q4 - t33,
-        maximum(0.0, t49),
+        maximum(0.0, t49), t15,
     )
 
 
@@ -2063,6 +2074,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -2073,11 +2087,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.287, -0.532, -0.743, -0.923,),
+    (-0.573, 0.936, 0.515, 0.154,),
+    (-0.86, 0.403, -0.228, -0.768,),
+    (0.853, -0.129, -0.97, 0.309,),
+    (0.567, -0.661, 0.287, -0.614,),
+    (0.28, 0.807, -0.456, 0.463,),
+    (-0.007, 0.274, 0.802, -0.46,),
+    (-0.293, -0.258, 0.059, 0.618,),
+    (-0.58, -0.79, -0.683, -0.305,),
+    (-0.867, 0.678, 0.574, 0.772,),
+    (0.847, 0.146, -0.168, -0.151,),
+    (0.56, -0.387, -0.911, 0.926,),
+    (0.274, -0.919, 0.346, 0.004,),
+    (-0.013, 0.549, -0.396, -0.919,),
+    (-0.3, 0.017, 0.861, 0.158,),
+    (-0.586, -0.515, 0.119, -0.765,),
+    (-0.873, 0.952, -0.624, 0.312,),
+    (0.84, 0.42, 0.633, -0.61,),
+    (0.554, -0.112, -0.109, 0.467,),
+    (0.267, -0.644, -0.852, -0.456,),
+    (-0.02, 0.823, 0.406, 0.621,),
+    (-0.306, 0.291, -0.337, -0.302,),
+    (-0.593, -0.241, 0.921, 0.775,),
+    (-0.88, -0.773, 0.178, -0.147,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -2112,12 +2165,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -2133,6 +2191,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -2218,7 +2283,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -2234,7 +2299,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -2264,10 +2365,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -2281,10 +2379,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

@@ -846,6 +846,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[2 * lanes] = q3 - t7*(t27/(1.0 + damping1));
     result[3 * lanes] = q4 - t25;
     result[4 * lanes] = t41;
+    result[5 * lanes] = t7;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -935,10 +936,10 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t47 = 1.0 - t18;
     const double t48 = t46*t36 + t45*t38;
     const double t49 = t46*t38 - t45*t36;
-    const double t50 = t9*t19 + t5*t20;
-    const double t51 = t9*t20 - t5*t19;
-    const double t52 = t39*t50 + t40*t51;
-    const double t53 = t40*t50 - t39*t51;
+    const double t50 = t9*t20 - t5*t19;
+    const double t51 = t9*t19 + t5*t20;
+    const double t52 = t40*t50 + t39*t51;
+    const double t53 = t40*t51 - t39*t50;
     const double t54 = fabs(T31);
     const double t55 = maximum(t54, maximum(fabs(T11 - t52), fabs(T21 - t53)));
     const double t56 = maximum(fabs(T22 + t52), maximum(fabs(T12 - t53), t55));
@@ -947,31 +948,36 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t59 = fabs(T23);
     const double t60 = fabs(1.0 + T33);
     const double t61 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t56))));
-    const double t62 = maximum(fabs(k2*t51 - (T14 - k1*t20)), fabs(k2*t50 - (T24 - k1*t19)));
-    const double t63 = 1.0 - t5*t5;
-    const double t64 = maximum(fabs(t63 - t9*t9), maximum(fabs(t19*t19 - (1.0 - t20*t20)), t61));
-    const double t65 = maximum(fabs(t39*t39 - (1.0 - t40*t40)), t64) < 1e-07;
+    const double t62 = 1.0 - t5*t5;
+    const double t63 = maximum(fabs(t62 - t9*t9), maximum(fabs(t19*t19 - (1.0 - t20*t20)), t61));
+    const double t64 = maximum(fabs(k2*t50 - (T14 - k1*t20)), t15*maximum(fabs(t39*t39 - (1.0 - t40*t40)), t63));
+    const double t65 = maximum(0.0, maximum(fabs(k2*t51 - (T24 - k1*t19)), t64));
     const double t66 = 1e-07*t15;
     const double t67 = k5 - k5*(t3 < -1e-11);
     const double t68 = t4*t67;
-    const double t69 = maximum(maximum(t47, maximum(k8, t32)), maximum(k8, t47));
-    const double t70 = 1.0 - (1e-09 < t3);
-    const double t71 = maximum(k8, t70 - t70*(t3 < -9.999999999999999e-10));
-    const double t72 = maximum(1.0 - (0.001*t16 < t17), maximum(1.0 - (0.001 < t25), t71));
-    const double t73 = (t69 > 0.0 ? 3.0 : (t67 - t68 > 0.0 ? 2.0 : 1.0)) + 4.0*t72;
-    const double t74 = t69 > 0.0 ? 8.0 : 4.0*maximum(t47, maximum(t32, t71));
-    const double t75 = (maximum(0.0, t62) < t66)*(maximum(k8, t67)*t65) > 0.0 ? t73 : t74;
-    const double t76 = t5*t45 - t10*t46;
-    const double t77 = t5*t46 + t10*t45;
-    const double t78 = t49*t76 - t48*t77;
-    const double t79 = t49*t77 + t48*t76;
-    const double t80 = maximum(t54, maximum(fabs(T11 + t78), fabs(T21 - t79)));
-    const double t81 = maximum(fabs(T22 - t78), maximum(fabs(T12 - t79), t80));
-    const double t82 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t81))));
-    const double t83 = maximum(fabs(t63 - t10*t10), maximum(fabs(t45*t45 - (1.0 - t46*t46)), t82));
-    const double t84 = maximum(fabs(t48*t48 - (1.0 - t49*t49)), t83) < 1e-07;
-    const double t85 = maximum(fabs(k2*t76 - (T14 - k1*t46)), fabs(k2*t77 + (T24 - k1*t45)));
-    const double t86 = (maximum(0.0, t85) < t66)*(t68*t84) > 0.0 ? t73 : t74;
+    const double t69 = maximum(k8, t67)*(t65 < t66);
+    const double t70 = t5*t46 + t10*t45;
+    const double t71 = t5*t45 - t10*t46;
+    const double t72 = t48*t70 - t49*t71;
+    const double t73 = t49*t70 + t48*t71;
+    const double t74 = maximum(t54, maximum(fabs(T11 - t72), fabs(T21 - t73)));
+    const double t75 = maximum(fabs(T22 + t72), maximum(fabs(T12 - t73), t74));
+    const double t76 = maximum(t60, maximum(t59, maximum(t58, maximum(t57, t75))));
+    const double t77 = maximum(fabs(t62 - t10*t10), maximum(fabs(t45*t45 - (1.0 - t46*t46)), t76));
+    const double t78 = maximum(fabs(k2*t71 - (T14 - k1*t46)), t15*maximum(fabs(t48*t48 - (1.0 - t49*t49)), t77));
+    const double t79 = maximum(0.0, maximum(fabs(k2*t70 + (T24 - k1*t45)), t78));
+    const double t80 = (t79 < t66)*t68;
+    const double t81 = minimum(t69 > 0.0 ? t65 : t66, t80 > 0.0 ? t79 : t66);
+    const double t82 = maximum(1000.0*t81, 3e-11*t15);
+    const double t83 = 1.0 - (1e-09 < t3);
+    const double t84 = maximum(k8, t83 - t83*(t3 < -9.999999999999999e-10));
+    const double t85 = maximum(1.0 - (0.001*t16 < t17), maximum(1.0 - (0.001 < t25), t84));
+    const double t86 = t69*maximum(t85, t65 < t82);
+    const double t87 = t80*maximum(t85, t79 < t82);
+    const double t88 = maximum(maximum(t47, maximum(k8, t32)), maximum(k8, t47));
+    const double t89 = maximum(maximum(t47, maximum(t84, t32)), t85 - t85*maximum(t86, t87));
+    const double t90 = t88 > 0.0 ? 8.0 : 4.0*t89;
+    const double t91 = (t88 > 0.0 ? 3.0 : (t67 - t68 > 0.0 ? 2.0 : 1.0)) + 4.0*t85;
     result[0] = arctangent(t19, t20);
     result[lanes] = arctangent(t5, t9);
     result[2 * lanes] = -t21;
@@ -980,8 +986,8 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     result[5 * lanes] = -arctangent(t5, -t10);
     result[6 * lanes] = -t21;
     result[7 * lanes] = arctangent(t48, -t49);
-    result[8 * lanes] = t75;
-    result[9 * lanes] = t86;
+    result[8 * lanes] = t86 > 0.0 ? t91 : t90;
+    result[9 * lanes] = t87 > 0.0 ? t91 : t90;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1003,10 +1009,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 0, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 0, 1}, inverse_kinematics_turning[] = {1, 1, 0, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[3], sines[3], cosines[3];
@@ -1018,7 +1024,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 4; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1028,7 +1034,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 4 };
-    double ahead[4 + 1], found[4 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[4 + 2], found[4 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 8, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1110,6 +1116,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05};
+    double row[4], back[4];
+    size_t place = kinds[branch] ? 2 : branch, listed = 0;
+    for (size_t j = 0; j < 4; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 2; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 4 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 2)
+            place = b;
+    }
+    for (size_t j = 0; j < 4; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 2 || (listed && !alone))
+        return;
+    memcpy(q + 4 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1119,6 +1152,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][4] = {
+        {-0.287, -0.532, -0.743, -0.923},
+        {-0.573, 0.936, 0.515, 0.154},
+        {-0.86, 0.403, -0.228, -0.768},
+        {0.853, -0.129, -0.97, 0.309},
+        {0.567, -0.661, 0.287, -0.614},
+        {0.28, 0.807, -0.456, 0.463},
+        {-0.007, 0.274, 0.802, -0.46},
+        {-0.293, -0.258, 0.059, 0.618},
+        {-0.58, -0.79, -0.683, -0.305},
+        {-0.867, 0.678, 0.574, 0.772},
+        {0.847, 0.146, -0.168, -0.151},
+        {0.56, -0.387, -0.911, 0.926},
+        {0.274, -0.919, 0.346, 0.004},
+        {-0.013, 0.549, -0.396, -0.919},
+        {-0.3, 0.017, 0.861, 0.158},
+        {-0.586, -0.515, 0.119, -0.765},
+        {-0.873, 0.952, -0.624, 0.312},
+        {0.84, 0.42, 0.633, -0.61},
+        {0.554, -0.112, -0.109, 0.467},
+        {0.267, -0.644, -0.852, -0.456},
+        {-0.02, 0.823, 0.406, 0.621},
+        {-0.306, 0.291, -0.337, -0.302},
+        {-0.593, -0.241, 0.921, 0.775},
+        {-0.88, -0.773, 0.178, -0.147},
+    };
+    const double damping = 1e-12;
+    double start[4], step[4 + 2], values[10], moved[16] = {0.0};
+    for (size_t j = 0; j < 4; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 8, step);
+    const double unit = step[4 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 2; ++b)
+            inverse_kinematics_added(T, k, unit, values + 4 * b, b, q, kinds);
+    }
+    memcpy(values, q, 8 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 4; ++j) {
+            const double value = values[4 * (i % 2) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 2, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int scara_sankyo_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1126,7 +1218,7 @@ int scara_sankyo_inverse_kinematics(const double *restrict T, const double *rest
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[4], values[10];
     const double *const codes = values + 8;
-    int kinds[2], doubts[2], free[2], settled[2] = {0}, lacking = 1;
+    int kinds[2], doubts[2], doubted[2], free[2], settled[2] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 8; ++j)
             q[j] = NAN;
@@ -1142,7 +1234,7 @@ int scara_sankyo_inverse_kinematics(const double *restrict T, const double *rest
         return count;
     memcpy(q, values, 8 * sizeof *q);
     for (size_t b = 0; b < 2; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1158,9 +1250,13 @@ int scara_sankyo_inverse_kinematics(const double *restrict T, const double *rest
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 8 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 4])
+            if (inverse_kinematics_turning[j % 4])
                 values[j] += 1.3 * (double)(i * (j / 4 + 1) * (j % 4 + 2));
     }
+    for (size_t b = 0; b < 2; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 2; ++b) {
         for (size_t j = 0; j < 4 && !kinds[b]; ++j)

@@ -23,7 +23,10 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+beyond 1e30. A reachable pose has up to 2 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. elbow right
+2. elbow left
 
 Self-check: `derive verify scara-sankyo` compares every function with an independent recursion.
 """
@@ -42,7 +45,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 100, "add": 76, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
+    "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -346,10 +349,10 @@ def _inverse_kinematics(functions, k, T, near):
     t59 = 1.0 - t26
     t60 = t58*t48 + t57*t50
     t61 = t58*t50 - t57*t48
-    t62 = t17*t28 + t12*t30
-    t63 = t17*t30 - t12*t28
-    t64 = t51*t62 + t52*t63
-    t65 = t52*t62 - t51*t63
+    t62 = t17*t30 - t12*t28
+    t63 = t17*t28 + t12*t30
+    t64 = t52*t62 + t51*t63
+    t65 = t52*t63 - t51*t62
     t66 = absolute(T31)
     t67 = maximum(t66, maximum(absolute(T11 - t64), absolute(T21 - t65)))
     t68 = maximum(absolute(T22 + t64), maximum(absolute(T12 - t65), t67))
@@ -358,34 +361,41 @@ def _inverse_kinematics(functions, k, T, near):
     t71 = absolute(T23)
     t72 = absolute(1.0 + T33)
     t73 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t68))))
-    t74 = maximum(absolute(p_a2*t63 - (T14 - p_a1*t30)), absolute(p_a2*t62 - (T24 - p_a1*t28)))
-    t75 = 1.0 - t12*t12
-    t76 = maximum(absolute(t75 - t17*t17), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t73))
-    t77 = less(maximum(absolute(t51*t51 - (1.0 - t52*t52)), t76), 1e-07)
-    t78 = 1e-07*t23
-    t79 = k5 - k5*less(t9, -1e-11)
-    t80 = t10*t79
-    t81 = maximum(maximum(t59, maximum(k8, t44)), maximum(k8, t59))
-    t82 = 1.0 - less(1e-09, t9)
-    t83 = maximum(k8, t82 - t82*less(t9, -9.999999999999999e-10))
-    t84 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t83))
-    t85 = select(t81, 3.0, select(t79 - t80, 2.0, 1.0)) + 4.0*t84
-    t86 = select(t81, 8.0, 4.0*maximum(t59, maximum(t44, t83)))
-    t87 = select(less(maximum(0.0, t74), t78)*(maximum(k8, t79)*t77), t85, t86)
-    t88 = t12*t57 - t18*t58
-    t89 = t12*t58 + t18*t57
-    t90 = t61*t88 - t60*t89
-    t91 = t61*t89 + t60*t88
-    t92 = maximum(t66, maximum(absolute(T11 + t90), absolute(T21 - t91)))
-    t93 = maximum(absolute(T22 - t90), maximum(absolute(T12 - t91), t92))
-    t94 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t93))))
-    t95 = maximum(absolute(t75 - t18*t18), maximum(absolute(t57*t57 - (1.0 - t58*t58)), t94))
-    t96 = less(maximum(absolute(t60*t60 - (1.0 - t61*t61)), t95), 1e-07)
-    t97 = maximum(absolute(p_a2*t88 - (T14 - p_a1*t58)), absolute(p_a2*t89 + (T24 - p_a1*t57)))
-    t98 = select(less(maximum(0.0, t97), t78)*(t80*t96), t85, t86)
+    t74 = 1.0 - t12*t12
+    t75 = maximum(absolute(t74 - t17*t17), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t73))
+    t76 = t23*maximum(absolute(t51*t51 - (1.0 - t52*t52)), t75)
+    t77 = maximum(absolute(p_a2*t63 - (T24 - p_a1*t28)), maximum(absolute(p_a2*t62 - (T14 - p_a1*t30)), t76))
+    t78 = maximum(0.0, t77)
+    t79 = 1e-07*t23
+    t80 = k5 - k5*less(t9, -1e-11)
+    t81 = t10*t80
+    t82 = maximum(k8, t80)*less(t78, t79)
+    t83 = t12*t58 + t18*t57
+    t84 = t12*t57 - t18*t58
+    t85 = t60*t83 - t61*t84
+    t86 = t61*t83 + t60*t84
+    t87 = maximum(t66, maximum(absolute(T11 - t85), absolute(T21 - t86)))
+    t88 = maximum(absolute(T22 + t85), maximum(absolute(T12 - t86), t87))
+    t89 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t88))))
+    t90 = maximum(absolute(t74 - t18*t18), maximum(absolute(t57*t57 - (1.0 - t58*t58)), t89))
+    t91 = t23*maximum(absolute(t60*t60 - (1.0 - t61*t61)), t90)
+    t92 = maximum(absolute(p_a2*t83 + (T24 - p_a1*t57)), maximum(absolute(p_a2*t84 - (T14 - p_a1*t58)), t91))
+    t93 = maximum(0.0, t92)
+    t94 = less(t93, t79)*t81
+    t95 = minimum(select(t82, t78, t79), select(t94, t93, t79))
+    t96 = maximum(1000.0*t95, 3e-11*t23)
+    t97 = 1.0 - less(1e-09, t9)
+    t98 = maximum(k8, t97 - t97*less(t9, -9.999999999999999e-10))
+    t99 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t98))
+    t100 = t82*maximum(t99, less(t78, t96))
+    t101 = t94*maximum(t99, less(t93, t96))
+    t102 = maximum(maximum(t59, maximum(k8, t44)), maximum(k8, t59))
+    t103 = maximum(maximum(t59, maximum(t98, t44)), t99 - t99*maximum(t100, t101))
+    t104 = select(t102, 8.0, 4.0*t103)
+    t105 = select(t102, 3.0, select(t80 - t81, 2.0, 1.0)) + 4.0*t99
     return (
         atan2(t28, t30), atan2(t12, t17), -t31, -atan2(t51, t52), atan2(t57, t58), -atan2(t12, -t18), -t31,
-        atan2(t60, -t61), t87, t98,
+        atan2(t60, -t61), select(t100, t105, t104), select(t101, t105, t104),
     )
 
 
@@ -457,7 +467,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t51 = t50 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t45 + t46 + T33*T33))
     return (
         q1 - (t26/t27 - t29*t36 - t30*t35), q2 - t36, q3 - t17*(t37/(1.0 + damping1)), q4 - t35,
-        maximum(0.0, t51),
+        maximum(0.0, t51), t17,
     )
 
 

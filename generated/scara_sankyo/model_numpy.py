@@ -39,7 +39,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 100, "add": 76, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 64},
+    "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -178,7 +178,11 @@ def analytic_jacobian_rpy(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 2 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. elbow right
+    2. elbow left
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -197,7 +201,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 100 mul, 76 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 64 cases.
+    Closed form, all branches at once: 105 mul, 77 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 74 cases.
     Once per set of parameters: 6 mul, 5 add, 1 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -500,10 +504,10 @@ def _inverse_kinematics(functions, k, T, near):
     t59 = 1.0 - t26
     t60 = t58*t48 + t57*t50
     t61 = t58*t50 - t57*t48
-    t62 = t17*t28 + t12*t30
-    t63 = t17*t30 - t12*t28
-    t64 = t51*t62 + t52*t63
-    t65 = t52*t62 - t51*t63
+    t62 = t17*t30 - t12*t28
+    t63 = t17*t28 + t12*t30
+    t64 = t52*t62 + t51*t63
+    t65 = t52*t63 - t51*t62
     t66 = absolute(T31)
     t67 = maximum(t66, maximum(absolute(T11 - t64), absolute(T21 - t65)))
     t68 = maximum(absolute(T22 + t64), maximum(absolute(T12 - t65), t67))
@@ -512,34 +516,41 @@ def _inverse_kinematics(functions, k, T, near):
     t71 = absolute(T23)
     t72 = absolute(1.0 + T33)
     t73 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t68))))
-    t74 = maximum(absolute(p_a2*t63 - (T14 - p_a1*t30)), absolute(p_a2*t62 - (T24 - p_a1*t28)))
-    t75 = 1.0 - t12*t12
-    t76 = maximum(absolute(t75 - t17*t17), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t73))
-    t77 = less(maximum(absolute(t51*t51 - (1.0 - t52*t52)), t76), 1e-07)
-    t78 = 1e-07*t23
-    t79 = k5 - k5*less(t9, -1e-11)
-    t80 = t10*t79
-    t81 = maximum(maximum(t59, maximum(k8, t44)), maximum(k8, t59))
-    t82 = 1.0 - less(1e-09, t9)
-    t83 = maximum(k8, t82 - t82*less(t9, -9.999999999999999e-10))
-    t84 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t83))
-    t85 = select(t81, 3.0, select(t79 - t80, 2.0, 1.0)) + 4.0*t84
-    t86 = select(t81, 8.0, 4.0*maximum(t59, maximum(t44, t83)))
-    t87 = select(less(maximum(0.0, t74), t78)*(maximum(k8, t79)*t77), t85, t86)
-    t88 = t12*t57 - t18*t58
-    t89 = t12*t58 + t18*t57
-    t90 = t61*t88 - t60*t89
-    t91 = t61*t89 + t60*t88
-    t92 = maximum(t66, maximum(absolute(T11 + t90), absolute(T21 - t91)))
-    t93 = maximum(absolute(T22 - t90), maximum(absolute(T12 - t91), t92))
-    t94 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t93))))
-    t95 = maximum(absolute(t75 - t18*t18), maximum(absolute(t57*t57 - (1.0 - t58*t58)), t94))
-    t96 = less(maximum(absolute(t60*t60 - (1.0 - t61*t61)), t95), 1e-07)
-    t97 = maximum(absolute(p_a2*t88 - (T14 - p_a1*t58)), absolute(p_a2*t89 + (T24 - p_a1*t57)))
-    t98 = select(less(maximum(0.0, t97), t78)*(t80*t96), t85, t86)
+    t74 = 1.0 - t12*t12
+    t75 = maximum(absolute(t74 - t17*t17), maximum(absolute(t28*t28 - (1.0 - t30*t30)), t73))
+    t76 = t23*maximum(absolute(t51*t51 - (1.0 - t52*t52)), t75)
+    t77 = maximum(absolute(p_a2*t63 - (T24 - p_a1*t28)), maximum(absolute(p_a2*t62 - (T14 - p_a1*t30)), t76))
+    t78 = maximum(0.0, t77)
+    t79 = 1e-07*t23
+    t80 = k5 - k5*less(t9, -1e-11)
+    t81 = t10*t80
+    t82 = maximum(k8, t80)*less(t78, t79)
+    t83 = t12*t58 + t18*t57
+    t84 = t12*t57 - t18*t58
+    t85 = t60*t83 - t61*t84
+    t86 = t61*t83 + t60*t84
+    t87 = maximum(t66, maximum(absolute(T11 - t85), absolute(T21 - t86)))
+    t88 = maximum(absolute(T22 + t85), maximum(absolute(T12 - t86), t87))
+    t89 = maximum(t72, maximum(t71, maximum(t70, maximum(t69, t88))))
+    t90 = maximum(absolute(t74 - t18*t18), maximum(absolute(t57*t57 - (1.0 - t58*t58)), t89))
+    t91 = t23*maximum(absolute(t60*t60 - (1.0 - t61*t61)), t90)
+    t92 = maximum(absolute(p_a2*t83 + (T24 - p_a1*t57)), maximum(absolute(p_a2*t84 - (T14 - p_a1*t58)), t91))
+    t93 = maximum(0.0, t92)
+    t94 = less(t93, t79)*t81
+    t95 = minimum(select(t82, t78, t79), select(t94, t93, t79))
+    t96 = maximum(1000.0*t95, 3e-11*t23)
+    t97 = 1.0 - less(1e-09, t9)
+    t98 = maximum(k8, t97 - t97*less(t9, -9.999999999999999e-10))
+    t99 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t98))
+    t100 = t82*maximum(t99, less(t78, t96))
+    t101 = t94*maximum(t99, less(t93, t96))
+    t102 = maximum(maximum(t59, maximum(k8, t44)), maximum(k8, t59))
+    t103 = maximum(maximum(t59, maximum(t98, t44)), t99 - t99*maximum(t100, t101))
+    t104 = select(t102, 8.0, 4.0*t103)
+    t105 = select(t102, 3.0, select(t80 - t81, 2.0, 1.0)) + 4.0*t99
     return (
         atan2(t28, t30), atan2(t12, t17), -t31, -atan2(t51, t52), atan2(t57, t58), -atan2(t12, -t18), -t31,
-        atan2(t60, -t61), t87, t98,
+        atan2(t60, -t61), select(t100, t105, t104), select(t101, t105, t104),
     )
 
 
@@ -611,7 +622,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t51 = t50 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t45 + t46 + T33*T33))
     return (
         q1 - (t26/t27 - t29*t36 - t30*t35), q2 - t36, q3 - t17*(t37/(1.0 + damping1)), q4 - t35,
-        maximum(0.0, t51),
+        maximum(0.0, t51), t17,
     )
 
 
@@ -1375,6 +1386,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1385,11 +1399,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.287, -0.532, -0.743, -0.923,),
+    (-0.573, 0.936, 0.515, 0.154,),
+    (-0.86, 0.403, -0.228, -0.768,),
+    (0.853, -0.129, -0.97, 0.309,),
+    (0.567, -0.661, 0.287, -0.614,),
+    (0.28, 0.807, -0.456, 0.463,),
+    (-0.007, 0.274, 0.802, -0.46,),
+    (-0.293, -0.258, 0.059, 0.618,),
+    (-0.58, -0.79, -0.683, -0.305,),
+    (-0.867, 0.678, 0.574, 0.772,),
+    (0.847, 0.146, -0.168, -0.151,),
+    (0.56, -0.387, -0.911, 0.926,),
+    (0.274, -0.919, 0.346, 0.004,),
+    (-0.013, 0.549, -0.396, -0.919,),
+    (-0.3, 0.017, 0.861, 0.158,),
+    (-0.586, -0.515, 0.119, -0.765,),
+    (-0.873, 0.952, -0.624, 0.312,),
+    (0.84, 0.42, 0.633, -0.61,),
+    (0.554, -0.112, -0.109, 0.467,),
+    (0.267, -0.644, -0.852, -0.456,),
+    (-0.02, 0.823, 0.406, 0.621,),
+    (-0.306, 0.291, -0.337, -0.302,),
+    (-0.593, -0.241, 0.921, 0.775,),
+    (-0.88, -0.773, 0.178, -0.147,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1424,12 +1477,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1445,6 +1503,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1530,7 +1595,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1546,7 +1611,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -1576,10 +1677,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -1593,10 +1691,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

@@ -21,7 +21,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify skeleton` compares every function with an independent recursion.
 """
@@ -40,7 +40,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 46, "add": 35, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 27},
+    "inverse_kinematics": {"mul": 47, "add": 36, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -293,16 +293,17 @@ def _inverse_kinematics(functions, k, T, near):
     t32 = t18*t30 - t16*t28
     t33 = t18*t28 + t16*t30
     t34 = maximum(absolute(T31), maximum(absolute(T11 - t32), absolute(T21 + t33)))
-    t35 = maximum(absolute(T22 - t32), maximum(absolute(T12 - t33), t34))
+    t35 = maximum(absolute(t32 - T22), maximum(absolute(t33 - T12), t34))
     t36 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t35)))
     t37 = maximum(absolute(t16*t16 - (1.0 - t18*t18)), maximum(absolute(1.0 - T33), t36))
-    t38 = maximum(absolute(p_l1*t32 + (t2 + p_l0*t18)), absolute(p_l1*t33 - (t4 - p_l0*t16)))
-    t39 = less(maximum(absolute(t28*t28 - (1.0 - t30*t30)), t37), 1e-07)
-    t40 = 0.001*t12
-    t41 = 4.0*maximum(1.0 - less(t40, t9), 1.0 - less(t40, t24))
-    t42 = select(t39*less(maximum(absolute(T34), t38), 1e-07*t11), select(t31, 3.0, 1.0) + t41, select(t31, 8.0, 4.0*t31))
+    t38 = t11*maximum(absolute(t28*t28 - (1.0 - t30*t30)), t37)
+    t39 = maximum(absolute(p_l1*t33 - (t4 - p_l0*t16)), maximum(absolute(p_l1*t32 + (t2 + p_l0*t18)), t38))
+    t40 = less(maximum(absolute(T34), t39), 1e-07*t11)
+    t41 = 0.001*t12
+    t42 = maximum(1.0 - less(t41, t9), 1.0 - less(t41, t24))
+    t43 = select(t40, select(t31, 3.0, 1.0) + 4.0*t42, select(t31, 8.0, 4.0*maximum(t31, t42 - t40*t42)))
     return (
-        atan2(t16, t18), atan2(t28, t30), t42,
+        atan2(t16, t18), atan2(t28, t30), t43,
     )
 
 
@@ -364,7 +365,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t41 = t40 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t35 + (T12*T12 + T22*T22)))
     t42 = t41 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t36 + t37 + T33*T33))
     return (
-        q1 - (t24/t25 - t27*t28), q2 - t28, maximum(0.0, t42),
+        q1 - (t24/t25 - t27*t28), q2 - t28, maximum(0.0, t42), t13,
     )
 
 

@@ -719,6 +719,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[0] = q1 - (t17/t18 - t20*t21);
     result[lanes] = q2 - t21;
     result[2 * lanes] = t35;
+    result[3 * lanes] = t6;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -781,17 +782,18 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t27 = t15*t25 - t14*t24;
     const double t28 = t15*t24 + t14*t25;
     const double t29 = maximum(fabs(T31), maximum(fabs(T11 - t27), fabs(T21 + t28)));
-    const double t30 = maximum(fabs(T22 - t27), maximum(fabs(T12 - t28), t29));
+    const double t30 = maximum(fabs(t27 - T22), maximum(fabs(t28 - T12), t29));
     const double t31 = maximum(fabs(T23), maximum(fabs(T13), maximum(fabs(T32), t30)));
     const double t32 = maximum(fabs(t14*t14 - (1.0 - t15*t15)), maximum(fabs(1.0 - T33), t31));
-    const double t33 = maximum(fabs(k2*t27 + (t1 + k4*t15)), fabs(k2*t28 - (t3 - k4*t14)));
-    const double t34 = maximum(fabs(t24*t24 - (1.0 - t25*t25)), t32) < 1e-07;
-    const double t35 = 0.001*t11;
-    const double t36 = (t26 > 0.0 ? 3.0 : 1.0) + 4.0*maximum(1.0 - (t35 < t8), 1.0 - (t35 < t21));
-    const double t37 = t34*(maximum(fabs(T34), t33) < 1e-07*t10) > 0.0 ? t36 : (t26 > 0.0 ? 8.0 : 4.0*t26);
+    const double t33 = maximum(fabs(k2*t27 + (t1 + k4*t15)), t10*maximum(fabs(t24*t24 - (1.0 - t25*t25)), t32));
+    const double t34 = maximum(fabs(T34), maximum(fabs(k2*t28 - (t3 - k4*t14)), t33));
+    const double t35 = t34 < 1e-07*t10;
+    const double t36 = 0.001*t11;
+    const double t37 = maximum(1.0 - (t36 < t8), 1.0 - (t36 < t21));
+    const double t38 = t35 > 0.0 ? (t26 > 0.0 ? 3.0 : 1.0) + 4.0*t37 : (t26 > 0.0 ? 8.0 : 4.0*maximum(t26, t37 - t35*t37));
     result[0] = arctangent(t14, t15);
     result[lanes] = arctangent(t24, t25);
-    result[2 * lanes] = t37;
+    result[2 * lanes] = t38;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -813,10 +815,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1}, inverse_kinematics_turning[] = {1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[2], sines[2], cosines[2];
@@ -828,7 +830,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 2; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -838,7 +840,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 2 };
-    double ahead[2 + 1], found[2 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[2 + 2], found[2 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 5, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -920,6 +922,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05};
+    double row[2], back[2];
+    size_t place = kinds[branch] ? 1 : branch, listed = 0;
+    for (size_t j = 0; j < 2; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 1; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 2 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 1)
+            place = b;
+    }
+    for (size_t j = 0; j < 2; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 1 || (listed && !alone))
+        return;
+    memcpy(q + 2 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -929,6 +958,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][2] = {
+        {-0.49, -0.86},
+        {-0.98, 0.279},
+        {0.529, -0.581},
+        {0.039, 0.559},
+        {-0.451, -0.302},
+        {-0.941, 0.838},
+        {0.568, -0.022},
+        {0.078, -0.883},
+        {-0.412, 0.257},
+        {-0.902, -0.603},
+        {0.607, 0.536},
+        {0.117, -0.324},
+        {-0.373, 0.816},
+        {-0.863, -0.044},
+        {0.646, -0.905},
+        {0.156, 0.235},
+        {-0.334, -0.625},
+        {-0.824, 0.514},
+        {0.685, -0.346},
+        {0.195, 0.794},
+        {-0.295, -0.067},
+        {-0.785, -0.927},
+        {0.724, 0.213},
+        {0.234, -0.648},
+    };
+    const double damping = 1e-12;
+    double start[2], step[2 + 2], values[3], moved[16] = {0.0};
+    for (size_t j = 0; j < 2; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 5, step);
+    const double unit = step[2 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 1; ++b)
+            inverse_kinematics_added(T, k, unit, values + 2 * b, b, q, kinds);
+    }
+    memcpy(values, q, 2 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 2; ++j) {
+            const double value = values[2 * (i % 1) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 1, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int skeleton_modified_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -936,7 +1024,7 @@ int skeleton_modified_inverse_kinematics(const double *restrict T, const double 
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[2], values[3];
     const double *const codes = values + 2;
-    int kinds[1], doubts[1], free[1], settled[1] = {0}, lacking = 1;
+    int kinds[1], doubts[1], doubted[1], free[1], settled[1] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 2; ++j)
             q[j] = NAN;
@@ -952,7 +1040,7 @@ int skeleton_modified_inverse_kinematics(const double *restrict T, const double 
         return count;
     memcpy(q, values, 2 * sizeof *q);
     for (size_t b = 0; b < 1; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -968,9 +1056,13 @@ int skeleton_modified_inverse_kinematics(const double *restrict T, const double 
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 2 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 2])
+            if (inverse_kinematics_turning[j % 2])
                 values[j] += 1.3 * (double)(i * (j / 2 + 1) * (j % 2 + 2));
     }
+    for (size_t b = 0; b < 1; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 1; ++b) {
         for (size_t j = 0; j < 2 && !kinds[b]; ++j)

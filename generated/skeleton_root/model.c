@@ -785,6 +785,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[2 * lanes] = q3 - t14;
     result[3 * lanes] = q4;
     result[4 * lanes] = t29;
+    result[5 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict given, const double *restrict near, double *restrict angles, const size_t lanes)
@@ -792,12 +793,12 @@ KERNEL void inverse_kinematics_angles(const double *restrict given, const double
     const double given1 = given[0];
     const double near3 = near[2 * lanes];
     const double near4 = near[3 * lanes];
-    angles[0] = near3;
-    angles[lanes] = near4;
-    angles[2 * lanes] = given1;
+    angles[0] = given1;
+    angles[lanes] = near3;
+    angles[2 * lanes] = near4;
 }
 
-KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict given, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
 {
     const double T11 = T[0];
     const double T12 = T[lanes];
@@ -811,6 +812,7 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double T32 = T[9 * lanes];
     const double T33 = T[10 * lanes];
     const double T34 = T[11 * lanes];
+    const double given1 = given[0];
     const double sa1 = sines[0];
     const double sa2 = sines[lanes];
     const double sa3 = sines[2 * lanes];
@@ -820,32 +822,35 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double k1 = k[0];
     const double k2 = k[k_lanes];
     const double k3 = k[2 * k_lanes];
-    const double t1 = T11*T11 + T21*T21;
-    const double t2 = T11/t1;
-    const double t3 = T21/t1;
-    const double t4 = fabs(t1);
-    const double t5 = 1.5 - 0.5*(t2*t2 + t3*t3);
-    const double t6 = 1e-12 < t4;
-    const double t7 = t6 > 0.0 ? -t3*t5 : sa1*ca2 + ca1*sa2;
-    const double t8 = t6 > 0.0 ? t2*t5 : ca2*ca1 - sa1*sa2;
-    const double t9 = ca3*t7 - sa3*t8;
-    const double t10 = ca3*t8 + sa3*t7;
-    const double t11 = maximum(fabs(T31), maximum(fabs(T11 - t8), fabs(T21 + t7)));
-    const double t12 = maximum(fabs(t8 - T22), maximum(fabs(t7 - T12), t11));
-    const double t13 = maximum(fabs(T23), maximum(fabs(T13), maximum(fabs(T32), t12)));
-    const double t14 = maximum(fabs(t9*t9 - (1.0 - t10*t10)), maximum(fabs(1.0 - T33), t13));
-    const double t15 = k1*sa3;
-    const double t16 = k2 + k1*ca3;
-    const double t17 = T11*t16 - T21*t15;
-    const double t18 = T11*t15 + t16*T21;
-    const double t19 = maximum(fabs(k1*t10 - (t17 - k2*t8)), fabs(k1*t9 + (t18 + k2*t7)));
-    const double t20 = maximum(fabs(T34), t19) < 1e-07*sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14)));
-    const double t21 = (maximum(0.0, t14) < 1e-07)*t20 > 0.0 ? -(4.0*(0.001 < t4) - (4.0 + (t6 > 0.0 ? 1.0 : 3.0))) : (t6 > 0.0 ? 4.0 - 4.0*t6 : 8.0);
-    result[0] = T14 - t17;
-    result[lanes] = T24 - t18;
-    result[2 * lanes] = arctangent(t9, t10);
-    result[3 * lanes] = arctangent(sa3, ca3);
-    result[4 * lanes] = t21;
+    const double t1 = k2 + k1*ca1;
+    const double t2 = k1*sa1;
+    const double t3 = T11*t1 - T21*t2;
+    const double t4 = T11*t2 + t1*T21;
+    const double t5 = T11*T11 + T21*T21;
+    const double t6 = T11/t5;
+    const double t7 = T21/t5;
+    const double t8 = fabs(t5);
+    const double t9 = 1.5 - 0.5*(t6*t6 + t7*t7);
+    const double t10 = 1e-12 < t8;
+    const double t11 = t10 > 0.0 ? -t7*t9 : sa2*ca3 + ca2*sa3;
+    const double t12 = t10 > 0.0 ? t6*t9 : ca3*ca2 - sa2*sa3;
+    const double t13 = ca1*t11 - sa1*t12;
+    const double t14 = ca1*t12 + sa1*t11;
+    const double t15 = maximum(fabs(T31), maximum(fabs(T11 - t12), fabs(T21 + t11)));
+    const double t16 = maximum(fabs(t12 - T22), maximum(fabs(t11 - T12), t15));
+    const double t17 = maximum(fabs(T23), maximum(fabs(T13), maximum(fabs(T32), t16)));
+    const double t18 = maximum(fabs(t13*t13 - (1.0 - t14*t14)), maximum(fabs(1.0 - T33), t17));
+    const double t19 = sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14)));
+    const double t20 = maximum(fabs(k1*t14 - (t3 - k2*t12)), t19*maximum(0.0, t18));
+    const double t21 = maximum(fabs(T34), maximum(fabs(k1*t13 + (t4 + k2*t11)), t20));
+    const double t22 = t21 < 1e-07*t19;
+    const double t23 = 1.0 - (0.001 < t8);
+    const double t24 = t10 > 0.0 ? 4.0*maximum(1.0 - t10, t23 - t22*t23) : 8.0;
+    result[0] = T14 - t3;
+    result[lanes] = T24 - t4;
+    result[2 * lanes] = arctangent(t13, t14);
+    result[3 * lanes] = given1;
+    result[4 * lanes] = t22 > 0.0 ? (t10 > 0.0 ? 1.0 : 3.0) + 4.0*t23 : t24;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -867,10 +872,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {0, 0, 1, 1};
+static const int inverse_kinematics_revolute[] = {0, 0, 1, 1}, inverse_kinematics_turning[] = {0, 0, 1, 0};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[2], sines[2], cosines[2];
@@ -882,7 +887,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 4; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -892,7 +897,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 4 };
-    double ahead[4 + 1], found[4 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[4 + 2], found[4 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 3, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -971,7 +976,34 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
         sines[i] = sin(angles[i]);
     for (size_t i = 0; i < 3; ++i)
         cosines[i] = cos(angles[i]);
-    inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
+    inverse_kinematics_lane(T, given, sines, cosines, k, result, 1, 1);
+}
+
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 0.0};
+    double row[4], back[4];
+    size_t place = kinds[branch] ? 1 : branch, listed = 0;
+    for (size_t j = 0; j < 4; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 1; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 4 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 1)
+            place = b;
+    }
+    for (size_t j = 0; j < 4; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 1 || (listed && !alone))
+        return;
+    memcpy(q + 4 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
 }
 
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
@@ -983,6 +1015,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict given, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][4] = {
+        {-0.287, -0.532, -0.743, 0.0},
+        {-0.573, 0.936, 0.515, 0.0},
+        {-0.86, 0.403, -0.228, 0.0},
+        {0.853, -0.129, -0.97, 0.0},
+        {0.567, -0.661, 0.287, 0.0},
+        {0.28, 0.807, -0.456, 0.0},
+        {-0.007, 0.274, 0.802, 0.0},
+        {-0.293, -0.258, 0.059, 0.0},
+        {-0.58, -0.79, -0.683, 0.0},
+        {-0.867, 0.678, 0.574, 0.0},
+        {0.847, 0.146, -0.168, 0.0},
+        {0.56, -0.387, -0.911, 0.0},
+        {0.274, -0.919, 0.346, 0.0},
+        {-0.013, 0.549, -0.396, 0.0},
+        {-0.3, 0.017, 0.861, 0.0},
+        {-0.586, -0.515, 0.119, 0.0},
+        {-0.873, 0.952, -0.624, 0.0},
+        {0.84, 0.42, 0.633, 0.0},
+        {0.554, -0.112, -0.109, 0.0},
+        {0.267, -0.644, -0.852, 0.0},
+        {-0.02, 0.823, 0.406, 0.0},
+        {-0.306, 0.291, -0.337, 0.0},
+        {-0.593, -0.241, 0.921, 0.0},
+        {-0.88, -0.773, 0.178, 0.0},
+    };
+    const double damping = 1e-12;
+    double start[4], step[4 + 2], values[5], moved[16] = {0.0};
+    for (size_t j = 0; j < 4; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 3, step);
+    const double unit = step[4 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, given, near, k, values);
+        for (size_t b = 0; b < 1; ++b)
+            inverse_kinematics_added(T, k, unit, values + 4 * b, b, q, kinds);
+    }
+    memcpy(values, q, 4 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 4; ++j) {
+            const double value = values[4 * (i % 1) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 1, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int skeleton_root_inverse_kinematics(const double *restrict T, const double *restrict given, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -990,7 +1081,7 @@ int skeleton_root_inverse_kinematics(const double *restrict T, const double *res
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[4], values[5];
     const double *const codes = values + 4;
-    int kinds[1], doubts[1], free[1], settled[1] = {0}, lacking = 1;
+    int kinds[1], doubts[1], doubted[1], free[1], settled[1] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 4; ++j)
             q[j] = NAN;
@@ -1006,7 +1097,7 @@ int skeleton_root_inverse_kinematics(const double *restrict T, const double *res
         return count;
     memcpy(q, values, 4 * sizeof *q);
     for (size_t b = 0; b < 1; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1022,9 +1113,13 @@ int skeleton_root_inverse_kinematics(const double *restrict T, const double *res
         if (lacking)
             inverse_kinematics_values(T, given, start, k, values);
         for (size_t j = 0; j < 4 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 4])
+            if (inverse_kinematics_turning[j % 4])
                 values[j] += 1.3 * (double)(i * (j / 4 + 1) * (j % 4 + 2));
     }
+    for (size_t b = 0; b < 1; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, given, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 1; ++b) {
         for (size_t j = 0; j < 4 && !kinds[b]; ++j)
@@ -1045,7 +1140,7 @@ static void inverse_kinematics_block(const double *restrict T, const double *res
         inverse_kinematics_angles(given + i, near + i, angles + i, inverse_kinematics_lanes);
     sines_cosines(3 * inverse_kinematics_lanes, angles, sines, cosines);
     for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
-        inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
+        inverse_kinematics_lane(T + i, given + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
 }
 
 void skeleton_root_inverse_kinematics_batch(size_t count, const double *restrict T, const double *restrict given, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)

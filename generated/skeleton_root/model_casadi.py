@@ -23,7 +23,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, given, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify skeleton-root` compares every function with an independent recursion.
 """
@@ -42,7 +42,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 34, "add": 29, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 2, "cases": 21},
+    "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 1, "cases": 22},
 }
 GIVEN = ("q4",)
 """Joints whose variables inverse kinematics is given."""
@@ -274,36 +274,38 @@ def _inverse_kinematics(functions, k, T, given, near):
     (given1,) = given
     near1, near2, near3, near4 = near
     p_l0, p_l1, k3 = k
-    t2 = T11*T11 + T21*T21
-    t3 = T11/t2
-    t4 = T21/t2
-    t5 = absolute(t2)
-    t6 = 1.5 - 0.5*(t3*t3 + t4*t4)
-    t7 = sin(near3)
-    t8 = cos(near4)
-    t9 = cos(near3)
-    t10 = sin(near4)
-    t11 = less(1e-12, t5)
-    t12 = select(t11, -t4*t6, t7*t8 + t9*t10)
-    t13 = select(t11, t3*t6, t8*t9 - t7*t10)
-    t14 = cos(given1)
-    t15 = sin(given1)
-    t16 = t14*t12 - t15*t13
-    t17 = t14*t13 + t15*t12
-    t18 = maximum(absolute(T31), maximum(absolute(T11 - t13), absolute(T21 + t12)))
-    t19 = maximum(absolute(t13 - T22), maximum(absolute(t12 - T12), t18))
-    t20 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t19)))
-    t21 = maximum(absolute(t16*t16 - (1.0 - t17*t17)), maximum(absolute(1.0 - T33), t20))
-    t22 = p_l0*t15
-    t23 = p_l1 + p_l0*t14
-    t24 = T11*t23 - T21*t22
-    t25 = T11*t22 + t23*T21
-    t26 = maximum(absolute(p_l0*t17 - (t24 - p_l1*t13)), absolute(p_l0*t16 + (t25 + p_l1*t12)))
-    t27 = less(maximum(absolute(T34), t26), 1e-07*sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14))))
-    t28 = -(4.0*less(0.001, t5) - (4.0 + select(t11, 1.0, 3.0)))
-    t29 = select(less(maximum(0.0, t21), 1e-07)*t27, t28, select(t11, 4.0 - 4.0*t11, 8.0))
+    t2 = cos(given1)
+    t3 = p_l1 + p_l0*t2
+    t4 = sin(given1)
+    t5 = p_l0*t4
+    t6 = T11*t3 - T21*t5
+    t7 = T11*t5 + t3*T21
+    t8 = T11*T11 + T21*T21
+    t9 = T11/t8
+    t10 = T21/t8
+    t11 = absolute(t8)
+    t12 = 1.5 - 0.5*(t9*t9 + t10*t10)
+    t13 = sin(near3)
+    t14 = cos(near4)
+    t15 = cos(near3)
+    t16 = sin(near4)
+    t17 = less(1e-12, t11)
+    t18 = select(t17, -t10*t12, t13*t14 + t15*t16)
+    t19 = select(t17, t9*t12, t14*t15 - t13*t16)
+    t20 = t2*t18 - t4*t19
+    t21 = t2*t19 + t4*t18
+    t22 = maximum(absolute(T31), maximum(absolute(T11 - t19), absolute(T21 + t18)))
+    t23 = maximum(absolute(t19 - T22), maximum(absolute(t18 - T12), t22))
+    t24 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t23)))
+    t25 = maximum(absolute(t20*t20 - (1.0 - t21*t21)), maximum(absolute(1.0 - T33), t24))
+    t26 = sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14)))
+    t27 = maximum(absolute(p_l0*t21 - (t6 - p_l1*t19)), t26*maximum(0.0, t25))
+    t28 = maximum(absolute(T34), maximum(absolute(p_l0*t20 + (t7 + p_l1*t18)), t27))
+    t29 = less(t28, 1e-07*t26)
+    t30 = 1.0 - less(0.001, t11)
+    t31 = select(t17, 4.0*maximum(1.0 - t17, t30 - t29*t30), 8.0)
     return (
-        T14 - t24, T24 - t25, atan2(t16, t17), atan2(t15, t14), t29,
+        T14 - t6, T24 - t7, atan2(t20, t21), given1, select(t29, select(t17, 1.0, 3.0) + 4.0*t30, t31),
     )
 
 
@@ -358,7 +360,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t34 = t33 - absolute(1.0 - (t28 + (T12*T12 + T22*T22))) - absolute(T12*T13 + T22*T23 + T32*T33)
     t35 = maximum(0.0, t34 - absolute(1.0 - (t29 + t30 + T33*T33)))
     return (
-        q1 - t4*(t9/t16 + t17*t20), q2 - t4*(t14/t16 + t18*t20), q3 - t20, q4, t35,
+        q1 - t4*(t9/t16 + t17*t20), q2 - t4*(t14/t16 + t18*t20), q3 - t20, q4, t35, t4,
     )
 
 

@@ -39,7 +39,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 34, "add": 29, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 2, "cases": 21},
+    "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 1, "cases": 22},
 }
 GIVEN = ("q4",)
 """Joints whose variables inverse kinematics is given."""
@@ -177,7 +177,7 @@ def analytic_jacobian_rpy(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has one solution, and no more. Rows are branches in a fixed order.
+    A reachable pose has one solution, and no more but where joints are free. Rows are branches in a fixed order.
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -196,7 +196,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 34 mul, 29 add, 2 div, 3 sin, 3 cos, 1 sqrt, 2 atan2, 21 cases.
+    Closed form, all branches at once: 35 mul, 30 add, 2 div, 3 sin, 3 cos, 1 sqrt, 1 atan2, 22 cases.
     Once per set of parameters: 2 mul, 1 add.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -427,36 +427,38 @@ def _inverse_kinematics(functions, k, T, given, near):
     (given1,) = given
     near1, near2, near3, near4 = near
     p_l0, p_l1, k3 = k
-    t2 = T11*T11 + T21*T21
-    t3 = T11/t2
-    t4 = T21/t2
-    t5 = absolute(t2)
-    t6 = 1.5 - 0.5*(t3*t3 + t4*t4)
-    t7 = sin(near3)
-    t8 = cos(near4)
-    t9 = cos(near3)
-    t10 = sin(near4)
-    t11 = less(1e-12, t5)
-    t12 = select(t11, -t4*t6, t7*t8 + t9*t10)
-    t13 = select(t11, t3*t6, t8*t9 - t7*t10)
-    t14 = cos(given1)
-    t15 = sin(given1)
-    t16 = t14*t12 - t15*t13
-    t17 = t14*t13 + t15*t12
-    t18 = maximum(absolute(T31), maximum(absolute(T11 - t13), absolute(T21 + t12)))
-    t19 = maximum(absolute(t13 - T22), maximum(absolute(t12 - T12), t18))
-    t20 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t19)))
-    t21 = maximum(absolute(t16*t16 - (1.0 - t17*t17)), maximum(absolute(1.0 - T33), t20))
-    t22 = p_l0*t15
-    t23 = p_l1 + p_l0*t14
-    t24 = T11*t23 - T21*t22
-    t25 = T11*t22 + t23*T21
-    t26 = maximum(absolute(p_l0*t17 - (t24 - p_l1*t13)), absolute(p_l0*t16 + (t25 + p_l1*t12)))
-    t27 = less(maximum(absolute(T34), t26), 1e-07*sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14))))
-    t28 = -(4.0*less(0.001, t5) - (4.0 + select(t11, 1.0, 3.0)))
-    t29 = select(less(maximum(0.0, t21), 1e-07)*t27, t28, select(t11, 4.0 - 4.0*t11, 8.0))
+    t2 = cos(given1)
+    t3 = p_l1 + p_l0*t2
+    t4 = sin(given1)
+    t5 = p_l0*t4
+    t6 = T11*t3 - T21*t5
+    t7 = T11*t5 + t3*T21
+    t8 = T11*T11 + T21*T21
+    t9 = T11/t8
+    t10 = T21/t8
+    t11 = absolute(t8)
+    t12 = 1.5 - 0.5*(t9*t9 + t10*t10)
+    t13 = sin(near3)
+    t14 = cos(near4)
+    t15 = cos(near3)
+    t16 = sin(near4)
+    t17 = less(1e-12, t11)
+    t18 = select(t17, -t10*t12, t13*t14 + t15*t16)
+    t19 = select(t17, t9*t12, t14*t15 - t13*t16)
+    t20 = t2*t18 - t4*t19
+    t21 = t2*t19 + t4*t18
+    t22 = maximum(absolute(T31), maximum(absolute(T11 - t19), absolute(T21 + t18)))
+    t23 = maximum(absolute(t19 - T22), maximum(absolute(t18 - T12), t22))
+    t24 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t23)))
+    t25 = maximum(absolute(t20*t20 - (1.0 - t21*t21)), maximum(absolute(1.0 - T33), t24))
+    t26 = sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14)))
+    t27 = maximum(absolute(p_l0*t21 - (t6 - p_l1*t19)), t26*maximum(0.0, t25))
+    t28 = maximum(absolute(T34), maximum(absolute(p_l0*t20 + (t7 + p_l1*t18)), t27))
+    t29 = less(t28, 1e-07*t26)
+    t30 = 1.0 - less(0.001, t11)
+    t31 = select(t17, 4.0*maximum(1.0 - t17, t30 - t29*t30), 8.0)
     return (
-        T14 - t24, T24 - t25, atan2(t16, t17), atan2(t15, t14), t29,
+        T14 - t6, T24 - t7, atan2(t20, t21), given1, select(t29, select(t17, 1.0, 3.0) + 4.0*t30, t31),
     )
 
 
@@ -511,7 +513,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t34 = t33 - absolute(1.0 - (t28 + (T12*T12 + T22*T22))) - absolute(T12*T13 + T22*T23 + T32*T33)
     t35 = maximum(0.0, t34 - absolute(1.0 - (t29 + t30 + T33*T33)))
     return (
-        q1 - t4*(t9/t16 + t17*t20), q2 - t4*(t14/t16 + t18*t20), q3 - t20, q4, t35,
+        q1 - t4*(t9/t16 + t17*t20), q2 - t4*(t14/t16 + t18*t20), q3 - t20, q4, t35, t4,
     )
 
 
@@ -1275,6 +1277,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1285,11 +1290,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.287, -0.532, -0.743, 0.0,),
+    (-0.573, 0.936, 0.515, 0.0,),
+    (-0.86, 0.403, -0.228, 0.0,),
+    (0.853, -0.129, -0.97, 0.0,),
+    (0.567, -0.661, 0.287, 0.0,),
+    (0.28, 0.807, -0.456, 0.0,),
+    (-0.007, 0.274, 0.802, 0.0,),
+    (-0.293, -0.258, 0.059, 0.0,),
+    (-0.58, -0.79, -0.683, 0.0,),
+    (-0.867, 0.678, 0.574, 0.0,),
+    (0.847, 0.146, -0.168, 0.0,),
+    (0.56, -0.387, -0.911, 0.0,),
+    (0.274, -0.919, 0.346, 0.0,),
+    (-0.013, 0.549, -0.396, 0.0,),
+    (-0.3, 0.017, 0.861, 0.0,),
+    (-0.586, -0.515, 0.119, 0.0,),
+    (-0.873, 0.952, -0.624, 0.0,),
+    (0.84, 0.42, 0.633, 0.0,),
+    (0.554, -0.112, -0.109, 0.0,),
+    (0.267, -0.644, -0.852, 0.0,),
+    (-0.02, 0.823, 0.406, 0.0,),
+    (-0.306, 0.291, -0.337, 0.0,),
+    (-0.593, -0.241, 0.921, 0.0,),
+    (-0.88, -0.773, 0.178, 0.0,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 0.0,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1324,12 +1368,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1345,6 +1394,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1430,7 +1486,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1446,7 +1502,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -1476,10 +1568,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -1493,10 +1582,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

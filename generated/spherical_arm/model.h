@@ -19,7 +19,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -51,7 +51,7 @@ enum {
     spherical_arm_none = 0, /**< The branch does not exist. */
     spherical_arm_exact = 1, /**< A solution. */
     spherical_arm_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    spherical_arm_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    spherical_arm_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -177,7 +177,7 @@ void spherical_arm_analytic_jacobian_zyz_constants(const double *params, double 
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has one solution, and no more.
+ * A reachable pose has one solution, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -188,7 +188,7 @@ void spherical_arm_analytic_jacobian_zyz_constants(const double *params, double 
  * @param[out] status  what each branch is, 1; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 35 mul, 30 add, 2 div, 1 sin, 1 cos, 1 sqrt, 2 atan2, 21 cases.
+ * Closed form, all branches at once: 36 mul, 31 add, 2 div, 1 sin, 1 cos, 1 sqrt, 2 atan2, 22 cases.
  * Once per set of parameters: 1 mul.
  */
 int spherical_arm_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

@@ -23,7 +23,7 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has one solution, and no more.
+beyond 1e30. A reachable pose has one solution, and no more but where joints are free.
 
 Self-check: `derive verify spherical-arm` compares every function with an independent recursion.
 """
@@ -43,7 +43,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
-    "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 21},
+    "inverse_kinematics": {"mul": 36, "add": 31, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 22},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -324,13 +324,15 @@ def _inverse_kinematics(functions, k, T, near):
     t19 = t14*t11
     t20 = maximum(absolute(T23 - t19), maximum(absolute(T13 + t18), t17))
     t21 = maximum(absolute(1.0 - (t13*t13 + t14*t14)), maximum(absolute(T33 - t9), t20))
-    t22 = less(maximum(absolute(1.0 - (t9*t9 + t11*t11)), t21), 1e-07)
+    t22 = sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34)))
     t23 = T13*T14 + (T23*T24 + T33*T34)
-    t24 = maximum(absolute(T14 + (p_d2*t14 + t23*t18)), absolute(T24 + (p_d2*t13 - t23*t19)))
-    t25 = less(maximum(absolute(T34 - t23*t9), t24), 1e-07*sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34))))
-    t26 = select(t22*t25, select(t7, 1.0, 3.0) + 4.0*(1.0 - less(0.001, t5)), select(t7, 4.0*(1.0 - t7), 8.0))
+    t24 = maximum(absolute(T14 + (p_d2*t14 + t23*t18)), t22*maximum(absolute(1.0 - (t9*t9 + t11*t11)), t21))
+    t25 = maximum(absolute(T34 - t23*t9), maximum(absolute(T24 + (p_d2*t13 - t23*t19)), t24))
+    t26 = less(t25, 1e-07*t22)
+    t27 = 1.0 - less(0.001, t5)
+    t28 = select(t7, 4.0*maximum(1.0 - t7, t27*(1.0 - t26)), 8.0)
     return (
-        -atan2(T12, T22), atan2(t11, t9), t23, t26,
+        -atan2(T12, T22), atan2(t11, t9), t23, select(t26, select(t7, 1.0, 3.0) + 4.0*t27, t28),
     )
 
 
@@ -403,7 +405,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t50 = t49 - absolute(1.0 - (T22*T22 + T12*T12 + t46)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t51 = t50 - absolute(1.0 - (T33*T33 + (T13*T13 + T23*T23)))
     return (
-        q1 - (t18/t19 - t26*t44 - t27*t43), q2 + t44, q3 + t10*t43, maximum(0.0, t51),
+        q1 - (t18/t19 - t26*t44 - t27*t43), q2 + t44, q3 + t10*t43, maximum(0.0, t51), t10,
     )
 
 

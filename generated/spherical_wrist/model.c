@@ -847,6 +847,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[lanes] = q2 + t55;
     result[2 * lanes] = q3 - t54;
     result[3 * lanes] = t33;
+    result[4 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles)
@@ -903,19 +904,27 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t28 = maximum(fabs(T23 + t27), maximum(fabs(T13 + t26), t25));
     const double t29 = maximum(fabs(1.0 - (t6*t6 + t5*t5)), maximum(fabs(T33 + t20), t28));
     const double t30 = maximum(fabs(1.0 - (t16*t16 + t17*t17)), maximum(fabs(1.0 - (t20*t20 + t19*t19)), t29));
-    const double t31 = maximum(fabs(T34 + k1*t20), maximum(fabs(T14 + k1*t26), fabs(T24 + k1*t27)));
-    const double t32 = t31 < 1e-07*sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34)));
-    const double t33 = (t30 < 1e-07)*t32;
-    const double t34 = (t3 > 0.0 ? 3.0 : 1.0) + 4.0*((1.0 - (0.001 < t1))*(1.0 - (0.001 < t2)));
-    const double t35 = t3 > 0.0 ? 8.0 : 4.0*t3;
+    const double t31 = sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34)));
+    const double t32 = maximum(fabs(T24 + k1*t27), maximum(fabs(T14 + k1*t26), t31*t30));
+    const double t33 = maximum(fabs(T34 + k1*t20), t32);
+    const double t34 = 1e-07*t31;
+    const double t35 = t33 < t34;
+    const double t36 = (1.0 - t3)*t35;
+    const double t37 = minimum(t35 > 0.0 ? t33 : t34, t36 > 0.0 ? t33 : t34);
+    const double t38 = (1.0 - (0.001 < t1))*(1.0 - (0.001 < t2));
+    const double t39 = maximum(t38, t33 < maximum(1000.0*t37, 3e-11*t31));
+    const double t40 = t35*t39;
+    const double t41 = t36*t39;
+    const double t42 = t3 > 0.0 ? 8.0 : 4.0*maximum(t3, t38*(1.0 - maximum(t40, t41)));
+    const double t43 = (t3 > 0.0 ? 3.0 : 1.0) + 4.0*t38;
     result[0] = t7;
     result[lanes] = t9;
     result[2 * lanes] = -t12;
     result[3 * lanes] = t13;
     result[4 * lanes] = -t9;
     result[5 * lanes] = -t14;
-    result[6 * lanes] = t33 > 0.0 ? t34 : t35;
-    result[7 * lanes] = (1.0 - t3)*t33 > 0.0 ? t34 : t35;
+    result[6 * lanes] = t40 > 0.0 ? t43 : t42;
+    result[7 * lanes] = t41 > 0.0 ? t43 : t42;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -937,10 +946,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[3], sines[3], cosines[3];
@@ -952,7 +961,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 3; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -962,7 +971,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 3 };
-    double ahead[3 + 1], found[3 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[3 + 2], found[3 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 2, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1044,6 +1053,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06};
+    double row[3], back[3];
+    size_t place = kinds[branch] ? 2 : branch, listed = 0;
+    for (size_t j = 0; j < 3; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 2; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 3 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 2)
+            place = b;
+    }
+    for (size_t j = 0; j < 3; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 2 || (listed && !alone))
+        return;
+    memcpy(q + 3 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1053,6 +1089,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][3] = {
+        {-0.362, -0.658, -0.901},
+        {-0.723, 0.684, 0.199},
+        {0.915, 0.026, -0.702},
+        {0.553, -0.632, 0.398},
+        {0.192, 0.71, -0.503},
+        {-0.17, 0.053, 0.596},
+        {-0.532, -0.605, -0.304},
+        {-0.893, 0.737, 0.795},
+        {0.745, 0.079, -0.105},
+        {0.383, -0.579, 0.994},
+        {0.022, 0.763, 0.093},
+        {-0.34, 0.105, -0.807},
+        {-0.702, -0.553, 0.292},
+        {0.937, 0.789, -0.608},
+        {0.575, 0.131, 0.491},
+        {0.214, -0.527, -0.41},
+        {-0.148, 0.815, 0.69},
+        {-0.51, 0.158, -0.211},
+        {-0.871, -0.5, 0.889},
+        {0.767, 0.842, -0.012},
+        {0.405, 0.184, -0.913},
+        {0.044, -0.474, 0.187},
+        {-0.318, 0.868, -0.714},
+        {-0.68, 0.21, 0.386},
+    };
+    const double damping = 1e-12;
+    double start[3], step[3 + 2], values[8], moved[16] = {0.0};
+    for (size_t j = 0; j < 3; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 2, step);
+    const double unit = step[3 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 2; ++b)
+            inverse_kinematics_added(T, k, unit, values + 3 * b, b, q, kinds);
+    }
+    memcpy(values, q, 6 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 3; ++j) {
+            const double value = values[3 * (i % 2) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 2, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int spherical_wrist_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1060,7 +1155,7 @@ int spherical_wrist_inverse_kinematics(const double *restrict T, const double *r
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[3], values[8];
     const double *const codes = values + 6;
-    int kinds[2], doubts[2], free[2], settled[2] = {0}, lacking = 1;
+    int kinds[2], doubts[2], doubted[2], free[2], settled[2] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 6; ++j)
             q[j] = NAN;
@@ -1076,7 +1171,7 @@ int spherical_wrist_inverse_kinematics(const double *restrict T, const double *r
         return count;
     memcpy(q, values, 6 * sizeof *q);
     for (size_t b = 0; b < 2; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1092,9 +1187,13 @@ int spherical_wrist_inverse_kinematics(const double *restrict T, const double *r
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 6 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 3])
+            if (inverse_kinematics_turning[j % 3])
                 values[j] += 1.3 * (double)(i * (j / 3 + 1) * (j % 3 + 2));
     }
+    for (size_t b = 0; b < 2; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 2; ++b) {
         for (size_t j = 0; j < 3 && !kinds[b]; ++j)

@@ -19,7 +19,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -51,7 +51,7 @@ enum {
     spherical_wrist_none = 0, /**< The branch does not exist. */
     spherical_wrist_exact = 1, /**< A solution. */
     spherical_wrist_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    spherical_wrist_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    spherical_wrist_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -177,7 +177,7 @@ void spherical_wrist_analytic_jacobian_zyz_constants(const double *params, doubl
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 2 solutions, and no more.
+ * A reachable pose has up to 2 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -188,7 +188,10 @@ void spherical_wrist_analytic_jacobian_zyz_constants(const double *params, doubl
  * @param[out] status  what each branch is, 2; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 51 mul, 41 add, 2 div, 1 sin, 1 cos, 2 sqrt, 3 atan2, 29 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. wrist not flipped
+ * 2. wrist flipped
+ * Closed form, all branches at once: 56 mul, 42 add, 2 div, 1 sin, 1 cos, 2 sqrt, 3 atan2, 37 cases.
  * Once per set of parameters: 1 mul.
  */
 int spherical_wrist_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

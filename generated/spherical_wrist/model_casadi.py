@@ -23,7 +23,10 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 2 solutions, and no more.
+beyond 1e30. A reachable pose has up to 2 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. wrist not flipped
+2. wrist flipped
 
 Self-check: `derive verify spherical-wrist` compares every function with an independent recursion.
 """
@@ -43,7 +46,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 17, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
-    "inverse_kinematics": {"mul": 51, "add": 41, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 29},
+    "inverse_kinematics": {"mul": 56, "add": 42, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 37},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -350,14 +353,21 @@ def _inverse_kinematics(functions, k, T, near):
     t31 = maximum(absolute(T23 + t30), maximum(absolute(T13 + t29), t28))
     t32 = maximum(absolute(1.0 - (t9*t9 + t7*t7)), maximum(absolute(T33 + t23), t31))
     t33 = maximum(absolute(1.0 - (t19*t19 + t20*t20)), maximum(absolute(1.0 - (t23*t23 + t22*t22)), t32))
-    t34 = maximum(absolute(T14 + p_d6*t29), absolute(T24 + p_d6*t30))
-    t35 = less(maximum(absolute(T34 + p_d6*t23), t34), 1e-07*sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34))))
-    t36 = less(t33, 1e-07)*t35
-    t37 = 4.0*((1.0 - less(0.001, t2))*(1.0 - less(0.001, t3)))
-    t38 = select(t4, 3.0, 1.0) + t37
-    t39 = select(t4, 8.0, 4.0*t4)
+    t34 = sqrt(k2 + (T14*T14 + (T24*T24 + T34*T34)))
+    t35 = maximum(absolute(T24 + p_d6*t30), maximum(absolute(T14 + p_d6*t29), t34*t33))
+    t36 = maximum(absolute(T34 + p_d6*t23), t35)
+    t37 = 1e-07*t34
+    t38 = less(t36, t37)
+    t39 = (1.0 - t4)*t38
+    t40 = minimum(select(t38, t36, t37), select(t39, t36, t37))
+    t41 = (1.0 - less(0.001, t2))*(1.0 - less(0.001, t3))
+    t42 = maximum(t41, less(t36, maximum(1000.0*t40, 3e-11*t34)))
+    t43 = t38*t42
+    t44 = t39*t42
+    t45 = select(t4, 8.0, 4.0*maximum(t4, t41*(1.0 - maximum(t43, t44))))
+    t46 = select(t4, 3.0, 1.0) + 4.0*t41
     return (
-        t10, t12, -t15, t10 - t16, -t12, -(t15 + t17), select(t36, t38, t39), select((1.0 - t4)*t36, t38, t39),
+        t10, t12, -t15, t10 - t16, -t12, -(t15 + t17), select(t43, t46, t45), select(t44, t46, t45),
     )
 
 
@@ -437,7 +447,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t55 = (t4*t35 + t6*t36 + c2*t37 - t41*t44 - t53*t52)/t54
     t56 = t52/t51 - t53*t55
     return (
-        q1 - (t41/t42 - t50*t56 - t44*t55), q2 + t56, q3 - t55, t34,
+        q1 - (t41/t42 - t50*t56 - t44*t55), q2 + t56, q3 - t55, t34, t3,
     )
 
 

@@ -1122,8 +1122,8 @@ static void inverse_kinematics_step_constants(const double *restrict params, dou
     const double p_d2 = params[1];
     const double p_d6 = params[2];
     k[0] = p_d6;
-    k[1] = p_d2;
-    k[2] = p_d6*p_d6;
+    k[1] = p_d6*p_d6;
+    k[2] = p_d2;
     k[3] = p_d2*p_d2;
     k[4] = p_d1;
     k[5] = p_d1*p_d1;
@@ -1194,26 +1194,26 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double k4 = k[3 * k_lanes];
     const double k5 = k[4 * k_lanes];
     const double k6 = k[5 * k_lanes];
-    const double t1 = s4*s5;
-    const double t2 = c2*t1 + s2*c5;
-    const double t3 = c4*s5;
-    const double t4 = s1*t3 + c1*t2;
-    const double t5 = c1*t3 - s1*t2;
-    const double t6 = k1*t4;
-    const double t7 = s2*q3;
-    const double t8 = c1*t7;
-    const double t9 = s1*t7;
-    const double t10 = k2*s1 - t8 - t6;
-    const double t11 = sqrt(k6 + (k4 + (k3 + (T14*T14 + (T24*T24 + T34*T34)))));
-    const double t12 = (0.0 < t11) ? t11 : 1.0;
-    const double t13 = (t10 + T14)/t12;
-    const double t14 = k1*t5;
-    const double t15 = k2*c1 + t9 - t14;
-    const double t16 = (t15 - T24)/t12;
-    const double t17 = c2*c5 - s2*t1;
+    const double t1 = sqrt(k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))));
+    const double t2 = (0.0 < t1) ? t1 : 1.0;
+    const double t3 = s4*s5;
+    const double t4 = c2*t3 + s2*c5;
+    const double t5 = c4*s5;
+    const double t6 = s1*t5 + c1*t4;
+    const double t7 = c1*t5 - s1*t4;
+    const double t8 = k1*t6;
+    const double t9 = s2*q3;
+    const double t10 = c1*t9;
+    const double t11 = s1*t9;
+    const double t12 = k3*s1 - t10 - t8;
+    const double t13 = (t12 + T14)/t2;
+    const double t14 = k1*t7;
+    const double t15 = k3*c1 + t11 - t14;
+    const double t16 = (t15 - T24)/t2;
+    const double t17 = c2*c5 - s2*t3;
     const double t18 = k1*t17;
     const double t19 = c2*q3 + t18;
-    const double t20 = (k5 + t19 - T34)/t12;
+    const double t20 = (k5 + t19 - T34)/t2;
     const double t21 = c5*s6;
     const double t22 = s5*s6;
     const double t23 = k1*s5;
@@ -1223,18 +1223,18 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t27 = c2*t24 - s2*t22;
     const double t28 = c1*t25 - s1*t27;
     const double t29 = s1*t25 + c1*t27;
-    const double t30 = t26*t5 + t28*t17;
+    const double t30 = t26*t7 + t28*t17;
     const double t31 = t30 - T11;
-    const double t32 = t26*t4 + t29*t17;
+    const double t32 = t26*t6 + t29*t17;
     const double t33 = t32 - T21;
-    const double t34 = t29*t5 - t28*t4;
+    const double t34 = t29*t7 - t28*t6;
     const double t35 = t34 - T31;
     const double t36 = t13*t13 + t16*t16 + t20*t20 + t31*t31 + t33*t33 + t35*t35;
     const double t37 = t29 + T12;
     const double t38 = t28 - T22;
     const double t39 = t26 - T32;
-    const double t40 = t4 - T13;
-    const double t41 = t5 + T23;
+    const double t40 = t6 - T13;
+    const double t41 = t7 + T23;
     const double t42 = t36 + t37*t37 + t38*t38 + t39*t39 + t40*t40 + t41*t41;
     const double t43 = t17 - T33;
     const double t44 = sqrt(t42 + t43*t43) - fabs(1.0 - (T11*T11 + T21*T21 + T31*T31));
@@ -1243,14 +1243,14 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t47 = maximum(0.0, t46 - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33)));
     const double t48 = c4*(s1*c2) + c1*s4;
     const double t49 = s2*c4;
-    const double t50 = 1.0/t12;
+    const double t50 = 1.0/t2;
     const double t51 = (t48*t18 - t49*t14)*t50;
     const double t52 = t15*t50;
-    const double t53 = t10*t50;
-    const double t54 = (s1*(t9 - t14) + c1*(t8 + t6))*t50;
+    const double t53 = t12*t50;
+    const double t54 = (s1*(t11 - t14) + c1*(t10 + t8))*t50;
     const double t55 = c4*(c1*c2) - s1*s4;
-    const double t56 = (t55*t18 + t49*t6)*t50;
-    const double t57 = (t55*t14 + t48*t6)*t50;
+    const double t56 = (t55*t18 + t49*t8)*t50;
+    const double t57 = (t55*t14 + t48*t8)*t50;
     const double t58 = t51*t51 + t56*t56 + t57*t57 + 2.0*(t55*t55 + t48*t48 + t49*t49);
     const double t59 = t52*t51 - t53*t56 + 2.0*t49;
     const double t60 = damping1 + (2.0 + (t52*t52 + t53*t53));
@@ -1290,27 +1290,27 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t94 = damping1 + t58 - t59*t61 - t65*t69 - t75*t79 - t89*t93;
     const double t95 = 2.0*t17;
     const double t96 = t95/t60;
-    const double t97 = 2.0*(s1*t4 + c1*t5) - t64*t96;
+    const double t97 = 2.0*(s1*t6 + c1*t7) - t64*t96;
     const double t98 = t97/t68;
     const double t99 = t72*t96 + t74*t98;
     const double t100 = t99/t78;
-    const double t101 = 2.0*(t70*t4 - t71*t5 + c2*t17) + t83*t96 + t85*t98 - t87*t100;
+    const double t101 = 2.0*(t70*t6 - t71*t7 + c2*t17) + t83*t96 + t85*t98 - t87*t100;
     const double t102 = t101/t92;
-    const double t103 = 2.0*(t55*t4 - t48*t5 - t49*t17) + t59*t96 + t65*t98 - t75*t100;
+    const double t103 = 2.0*(t55*t6 - t48*t7 - t49*t17) + t59*t96 + t65*t98 - t75*t100;
     const double t104 = t103 - t89*t102;
     const double t105 = t104/t94;
-    const double t106 = t17*T23 + t5*T33 + (t34*T21 - t32*T31 + (t26*T22 - t28*T32));
-    const double t107 = t4*T33 - t17*T13 + (t30*T31 - t34*T11 - (t29*T32 + t26*T12));
-    const double t108 = t5*T13 + t4*T23 - (t32*T11 - t30*T21 + (t28*T12 + t29*T22));
+    const double t106 = t17*T23 + t7*T33 + (t34*T21 - t32*T31 + (t26*T22 - t28*T32));
+    const double t107 = t6*T33 - t17*T13 + (t30*T31 - t34*T11 - (t29*T32 + t26*T12));
+    const double t108 = t7*T13 + t6*T23 - (t32*T11 - t30*T21 + (t28*T12 + t29*T22));
     const double t109 = t108 - t13*t52 + t16*t53;
     const double t110 = t70*t106 + t71*t107 - c2*t108 - t13*t80 + t16*t81 - t20*t82;
     const double t111 = t55*t106 + t48*t107 + t49*t108 - t13*t51 - t16*t56 - t20*t57;
-    const double t112 = damping1 + 2.0*(t4*t4 + t5*t5 + t17*t17) - t95*t96 - t97*t98;
+    const double t112 = damping1 + 2.0*(t6*t6 + t7*t7 + t17*t17) - t95*t96 - t97*t98;
     const double t113 = s1*t106 - c1*t107 + t13*t62 - t16*t63 + t20*t54 + t109*t66;
     const double t114 = t70*t13 - t71*t16 - c2*t20 + t109*t73 - t76*t113;
     const double t115 = t110 - t109*t84 + t86*t113 + t90*t114;
     const double t116 = t111 - t109*t61 + t69*t113 + t79*t114 - t93*t115;
-    const double t117 = t4*t106 - t5*t107 - t17*t108 + t109*t96 - t98*t113 + t100*t114;
+    const double t117 = t6*t106 - t7*t107 - t17*t108 + t109*t96 - t98*t113 + t100*t114;
     const double t118 = (t117 - t102*t115 - t105*t116)/(t112 - t99*t100 - t101*t102 - t104*t105);
     const double t119 = t116/t94 - t105*t118;
     const double t120 = t115/t92 - t93*t119 - t102*t118;
@@ -1319,11 +1319,12 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t123 = t109/t60 + t66*t122 + t73*t121 - t84*t120 - t61*t119 + t96*t118;
     result[0] = q1 + t123;
     result[lanes] = q2 + t122;
-    result[2 * lanes] = q3 + t12*t121;
+    result[2 * lanes] = q3 + t2*t121;
     result[3 * lanes] = q4 - t120;
     result[4 * lanes] = q5 - t119;
     result[5 * lanes] = q6 - t118;
     result[6 * lanes] = t47;
+    result[7 * lanes] = t2;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1380,33 +1381,33 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t17 = 1.0 - (t15 < t16);
     const double t18 = fabs(t2);
     const double t19 = t17 - t17*(t15 < t18);
-    const double t20 = -sa1;
-    const double t21 = t19 > 0.0 ? t20 : t9 - t12;
-    const double t22 = t19 > 0.0 ? t20 : t9 + t12;
-    const double t23 = t19 > 0.0 ? ca1 : t13 - t10;
-    const double t24 = t19 > 0.0 ? -ca1 : t13 + t10;
-    const double t25 = arctangent(t21, t24);
-    const double t26 = arctangent(t22, t23);
-    const double t27 = t1*t21 + t2*t24;
-    const double t28 = t1*t22 - t2*t23;
-    const double t29 = k1*T33 + (k4 - T34);
-    const double t30 = t29*t29;
-    const double t31 = sqrt(t30 + t27*t27);
-    const double t32 = fabs(t27);
-    const double t33 = fabs(t29);
-    const double t34 = 1.0 - (t15 < t33);
-    const double t35 = t34 - t34*(t15 < t32);
-    const double t36 = -ca2;
-    const double t37 = t35 > 0.0 ? t36 : t29/t31;
-    const double t38 = T23*t21 + T13*t24;
-    const double t39 = t35 > 0.0 ? sa2 : t27/t31;
-    const double t40 = t37*t38 + T33*t39;
+    const double t20 = t19 > 0.0 ? sa1 : t12 - t9;
+    const double t21 = t19 > 0.0 ? -sa1 : t12 + t9;
+    const double t22 = t19 > 0.0 ? ca1 : t13 - t10;
+    const double t23 = t19 > 0.0 ? -ca1 : t13 + t10;
+    const double t24 = arctangent(t20, t23);
+    const double t25 = arctangent(t21, t22);
+    const double t26 = t1*t20 - t2*t23;
+    const double t27 = t1*t21 - t2*t22;
+    const double t28 = k1*T33 + (k4 - T34);
+    const double t29 = t28*t28;
+    const double t30 = sqrt(t29 + t26*t26);
+    const double t31 = fabs(t26);
+    const double t32 = fabs(t28);
+    const double t33 = 1.0 - (t15 < t32);
+    const double t34 = t33 - t33*(t15 < t31);
+    const double t35 = -ca2;
+    const double t36 = t34 > 0.0 ? t35 : t28/t30;
+    const double t37 = T23*t20 - T13*t23;
+    const double t38 = -sa2;
+    const double t39 = t34 > 0.0 ? t38 : t26/t30;
+    const double t40 = t36*t37 + T33*t39;
     const double t41 = fabs(t40);
     const double t42 = 1.0 - (1e-12 < t41);
-    const double t43 = T13*t21 - T23*t24;
+    const double t43 = T13*t20 + T23*t23;
     const double t44 = fabs(t43);
     const double t45 = t42 - t42*(1e-12 < t44);
-    const double t46 = maximum(t45, maximum(t19, t35));
+    const double t46 = maximum(t45, maximum(t19, t34));
     const double t47 = (1.0 - t19)*(1.0 - (1e-11*t4 < t5));
     const double t48 = t7*t47;
     const double t49 = maximum(t19, t47);
@@ -1414,142 +1415,153 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t51 = 1.0 - (0.001 < t41);
     const double t52 = 0.001*t14;
     const double t53 = 1.0 - (t52 < t16);
-    const double t54 = 1.0 - (t52 < t33);
+    const double t54 = 1.0 - (t52 < t32);
     const double t55 = 1.0 - (1e-14*fabs(100000.0*t3) < t6);
     const double t56 = t55 - t55*(1e-11*fabs(100.0*t3) < t5);
     const double t57 = maximum(t56, t53 - t53*(t52 < t18));
-    const double t58 = maximum(t51 - t51*(0.001 < t44), maximum(t57, t54 - t54*(t52 < t32)));
+    const double t58 = maximum(t51 - t51*(0.001 < t44), maximum(t57, t54 - t54*(t52 < t31)));
     const double t59 = maximum(t19, t56);
     const double t60 = (t46 > 0.0 ? 3.0 : t50) + 4.0*t58;
-    const double t61 = t48 - t35*t48;
-    const double t62 = t46 > 0.0 ? 8.0 : 4.0*maximum(t45, maximum(t35, t59));
-    const double t63 = 1.0 - t45;
-    const double t64 = sqrt(t30 + t28*t28);
-    const double t65 = fabs(t28);
-    const double t66 = t34 - t34*(t15 < t65);
-    const double t67 = t66 > 0.0 ? t36 : t29/t64;
-    const double t68 = t66 > 0.0 ? -sa2 : t28/t64;
-    const double t69 = t49 - t66*t49;
-    const double t70 = T23*t22 - T13*t23;
-    const double t71 = t67*t70 + T33*t68;
+    const double t61 = sqrt(t29 + t27*t27);
+    const double t62 = fabs(t27);
+    const double t63 = t33 - t33*(t15 < t62);
+    const double t64 = t63 > 0.0 ? t35 : t28/t61;
+    const double t65 = t63 > 0.0 ? t38 : t27/t61;
+    const double t66 = T23*t21 - T13*t22;
+    const double t67 = t64*t66 + T33*t65;
+    const double t68 = fabs(t67);
+    const double t69 = 1.0 - (1e-12 < t68);
+    const double t70 = 1.0 - (0.001 < t68);
+    const double t71 = T13*t21 + T23*t22;
     const double t72 = fabs(t71);
-    const double t73 = 1.0 - (1e-12 < t72);
-    const double t74 = 1.0 - (0.001 < t72);
-    const double t75 = T13*t22 + T23*t23;
-    const double t76 = fabs(t75);
-    const double t77 = t73 - t73*(1e-12 < t76);
-    const double t78 = maximum(t77, maximum(t19, t66));
-    const double t79 = maximum(t74 - t74*(0.001 < t76), maximum(t57, t54 - t54*(t52 < t65)));
-    const double t80 = (t78 > 0.0 ? 3.0 : t50) + 4.0*t79;
-    const double t81 = t78 > 0.0 ? 8.0 : 4.0*maximum(t77, maximum(t66, t59));
-    const double t82 = 1.0 - t77;
-    const double t83 = sqrt(t40*t40 + t43*t43);
-    const double t84 = t40/t83;
-    const double t85 = t45 > 0.0 ? ca3 : t43/t83;
-    const double t86 = t43*t85;
-    const double t87 = t85*(T31*t39 + t37*(T11*t24 + T21*t21));
-    const double t88 = t45 > 0.0 ? sa3 : t84;
-    const double t89 = T11*t21 - T21*t24;
-    const double t90 = t85*(T32*t39 + t37*(T12*t24 + T22*t21));
-    const double t91 = T12*t21 - T22*t24;
-    const double t92 = arctangent(t87 - t89*t88, t90 - t91*t88);
-    const double t93 = t92 - ((0.0 < t92) ? 3.141592653589793 : -3.141592653589793);
-    const double t94 = arctangent(t88, t85);
-    const double t95 = t39*t38 - T33*t37;
-    const double t96 = arctangent(t86 + t40*t88, -t95);
-    const double t97 = t94 - ((0.0 < t94) ? 3.141592653589793 : -3.141592653589793);
-    const double t98 = t27*t39 + t29*t37;
-    const double t99 = arctangent(t39, -t37);
-    const double t100 = t28*t68 + t29*t67;
-    const double t101 = t99 - ((0.0 < t99) ? 3.141592653589793 : -3.141592653589793);
-    const double t102 = -sa3;
-    const double t103 = t45 > 0.0 ? t102 : t84;
-    const double t104 = arctangent(t87 - t103*t89, -(t90 - t103*t91));
-    const double t105 = arctangent(t86 + t40*t103, t95);
-    const double t106 = arctangent(t103, t85);
-    const double t107 = (t104 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t108 = (t106 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t109 = sqrt(t71*t71 + t75*t75);
-    const double t110 = t77 > 0.0 ? -ca3 : t75/t109;
-    const double t111 = t71/t109;
-    const double t112 = t77 > 0.0 ? t102 : t111;
-    const double t113 = t75*t110;
-    const double t114 = t77 > 0.0 ? sa3 : t111;
-    const double t115 = t110*(t68*T31 - t67*(t23*T11 - t22*T21));
-    const double t116 = t22*T11 + t23*T21;
-    const double t117 = t110*(t68*T32 - t67*(t23*T12 - t22*T22));
-    const double t118 = t22*T12 + t23*T22;
-    const double t119 = -t110;
-    const double t120 = arctangent(t115 - t116*t112, t117 - t118*t112);
-    const double t121 = arctangent(t115 - t114*t116, -(t117 - t114*t118));
-    const double t122 = (0.0 < t120) ? 3.141592653589793 : -3.141592653589793;
-    const double t123 = arctangent(t112, t119);
-    const double t124 = arctangent(t114, t119);
-    const double t125 = t68*t70 - T33*t67;
-    const double t126 = arctangent(t68, -t67);
-    const double t127 = arctangent(t113 + t71*t114, t125);
-    const double t128 = arctangent(t113 + t71*t112, -t125);
-    const double t129 = (t123 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t130 = (t126 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t131 = t126 + t130;
-    const double t132 = (t121 < 0.0) ? 3.141592653589793 : -3.141592653589793;
-    const double t133 = (0.0 < t124) ? 3.141592653589793 : -3.141592653589793;
-    result[0] = -t26;
-    result[lanes] = -t126;
-    result[2 * lanes] = t100;
-    result[3 * lanes] = t124;
-    result[4 * lanes] = t127;
-    result[5 * lanes] = -t121;
-    result[6 * lanes] = -t26;
-    result[7 * lanes] = -t126;
-    result[8 * lanes] = t100;
-    result[9 * lanes] = t124 - t133;
-    result[10 * lanes] = -t127;
-    result[11 * lanes] = -(t121 + t132);
-    result[12 * lanes] = -t26;
-    result[13 * lanes] = -t131;
-    result[14 * lanes] = -t100;
-    result[15 * lanes] = -t123;
-    result[16 * lanes] = t128;
-    result[17 * lanes] = t120;
-    result[18 * lanes] = -t26;
-    result[19 * lanes] = -t131;
-    result[20 * lanes] = -t100;
-    result[21 * lanes] = -(t123 + t129);
-    result[22 * lanes] = -t128;
-    result[23 * lanes] = t120 - t122;
-    result[24 * lanes] = t25;
-    result[25 * lanes] = t99;
-    result[26 * lanes] = t98;
-    result[27 * lanes] = -t106;
-    result[28 * lanes] = t105;
-    result[29 * lanes] = -t104;
-    result[30 * lanes] = t25;
-    result[31 * lanes] = t99;
-    result[32 * lanes] = t98;
-    result[33 * lanes] = -(t106 + t108);
-    result[34 * lanes] = -t105;
-    result[35 * lanes] = -(t104 + t107);
-    result[36 * lanes] = t25;
-    result[37 * lanes] = t101;
-    result[38 * lanes] = -t98;
-    result[39 * lanes] = t94;
-    result[40 * lanes] = t96;
-    result[41 * lanes] = t92;
-    result[42 * lanes] = t25;
-    result[43 * lanes] = t101;
-    result[44 * lanes] = -t98;
-    result[45 * lanes] = t97;
-    result[46 * lanes] = -t96;
-    result[47 * lanes] = t93;
-    result[48 * lanes] = t49 > 0.0 ? t80 : t81;
-    result[49 * lanes] = t49*t82 > 0.0 ? t80 : t81;
-    result[50 * lanes] = t69 > 0.0 ? t80 : t81;
-    result[51 * lanes] = t82*t69 > 0.0 ? t80 : t81;
-    result[52 * lanes] = t48 > 0.0 ? t60 : t62;
-    result[53 * lanes] = t48*t63 > 0.0 ? t60 : t62;
-    result[54 * lanes] = t61 > 0.0 ? t60 : t62;
-    result[55 * lanes] = t63*t61 > 0.0 ? t60 : t62;
+    const double t73 = t69 - t69*(1e-12 < t72);
+    const double t74 = maximum(t73, maximum(t19, t63));
+    const double t75 = maximum(t70 - t70*(0.001 < t72), maximum(t57, t54 - t54*(t52 < t62)));
+    const double t76 = 1.0 - t73;
+    const double t77 = t49 - t63*t49;
+    const double t78 = t48 - t34*t48;
+    const double t79 = t76*t77;
+    const double t80 = t49*t76;
+    const double t81 = maximum(t48, maximum(t79, maximum(t77, maximum(t49, t80))));
+    const double t82 = 1.0 - t45;
+    const double t83 = t48*t82;
+    const double t84 = t82*t78;
+    const double t85 = 1.0 - maximum(t84, maximum(t78, maximum(t83, t81)));
+    const double t86 = 4.0*maximum(maximum(t45, maximum(t34, t59)), t85*t58);
+    const double t87 = (t74 > 0.0 ? 3.0 : t50) + 4.0*t75;
+    const double t88 = 4.0*maximum(maximum(t73, maximum(t63, t59)), t75*t85);
+    const double t89 = t46 > 0.0 ? 8.0 : t86;
+    const double t90 = t74 > 0.0 ? 8.0 : t88;
+    const double t91 = sqrt(t40*t40 + t43*t43);
+    const double t92 = t40/t91;
+    const double t93 = -ca3;
+    const double t94 = t45 > 0.0 ? t93 : t43/t91;
+    const double t95 = t43*t94;
+    const double t96 = t94*(T31*t39 - t36*(T11*t23 - T21*t20));
+    const double t97 = -sa3;
+    const double t98 = t45 > 0.0 ? t97 : t92;
+    const double t99 = t45 > 0.0 ? sa3 : t92;
+    const double t100 = T11*t20 + T21*t23;
+    const double t101 = t94*(T32*t39 - t36*(T12*t23 - T22*t20));
+    const double t102 = T12*t20 + T22*t23;
+    const double t103 = -t94;
+    const double t104 = arctangent(t96 - t100*t98, t101 - t102*t98);
+    const double t105 = arctangent(t96 - t99*t100, -(t101 - t99*t102));
+    const double t106 = (0.0 < t104) ? 3.141592653589793 : -3.141592653589793;
+    const double t107 = arctangent(t98, t103);
+    const double t108 = arctangent(t99, t103);
+    const double t109 = t39*t37 - T33*t36;
+    const double t110 = arctangent(t95 + t40*t99, t109);
+    const double t111 = arctangent(t95 + t40*t98, -t109);
+    const double t112 = (t107 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t113 = t26*t39 + t28*t36;
+    const double t114 = arctangent(t39, -t36);
+    const double t115 = t27*t65 + t28*t64;
+    const double t116 = (t114 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t117 = t114 + t116;
+    const double t118 = (t105 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t119 = (0.0 < t108) ? 3.141592653589793 : -3.141592653589793;
+    const double t120 = sqrt(t67*t67 + t71*t71);
+    const double t121 = t73 > 0.0 ? t93 : t71/t120;
+    const double t122 = t67/t120;
+    const double t123 = t73 > 0.0 ? t97 : t122;
+    const double t124 = t71*t121;
+    const double t125 = t73 > 0.0 ? sa3 : t122;
+    const double t126 = t121*(t65*T31 - t64*(t22*T11 - t21*T21));
+    const double t127 = t21*T11 + t22*T21;
+    const double t128 = t121*(t65*T32 - t64*(t22*T12 - t21*T22));
+    const double t129 = t21*T12 + t22*T22;
+    const double t130 = -t121;
+    const double t131 = arctangent(t126 - t127*t123, t128 - t129*t123);
+    const double t132 = arctangent(t126 - t125*t127, -(t128 - t125*t129));
+    const double t133 = (0.0 < t131) ? 3.141592653589793 : -3.141592653589793;
+    const double t134 = arctangent(t123, t130);
+    const double t135 = arctangent(t125, t130);
+    const double t136 = t65*t66 - T33*t64;
+    const double t137 = arctangent(t65, -t64);
+    const double t138 = arctangent(t124 + t67*t125, t136);
+    const double t139 = arctangent(t124 + t67*t123, -t136);
+    const double t140 = (t134 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t141 = (t137 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t142 = t137 + t141;
+    const double t143 = (t132 < 0.0) ? 3.141592653589793 : -3.141592653589793;
+    const double t144 = (0.0 < t135) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = -t25;
+    result[lanes] = -t137;
+    result[2 * lanes] = t115;
+    result[3 * lanes] = t135;
+    result[4 * lanes] = t138;
+    result[5 * lanes] = -t132;
+    result[6 * lanes] = -t25;
+    result[7 * lanes] = -t137;
+    result[8 * lanes] = t115;
+    result[9 * lanes] = t135 - t144;
+    result[10 * lanes] = -t138;
+    result[11 * lanes] = -(t132 + t143);
+    result[12 * lanes] = -t25;
+    result[13 * lanes] = -t142;
+    result[14 * lanes] = -t115;
+    result[15 * lanes] = -t134;
+    result[16 * lanes] = t139;
+    result[17 * lanes] = t131;
+    result[18 * lanes] = -t25;
+    result[19 * lanes] = -t142;
+    result[20 * lanes] = -t115;
+    result[21 * lanes] = -(t134 + t140);
+    result[22 * lanes] = -t139;
+    result[23 * lanes] = t131 - t133;
+    result[24 * lanes] = -t24;
+    result[25 * lanes] = -t114;
+    result[26 * lanes] = t113;
+    result[27 * lanes] = t108;
+    result[28 * lanes] = t110;
+    result[29 * lanes] = -t105;
+    result[30 * lanes] = -t24;
+    result[31 * lanes] = -t114;
+    result[32 * lanes] = t113;
+    result[33 * lanes] = t108 - t119;
+    result[34 * lanes] = -t110;
+    result[35 * lanes] = -(t105 + t118);
+    result[36 * lanes] = -t24;
+    result[37 * lanes] = -t117;
+    result[38 * lanes] = -t113;
+    result[39 * lanes] = -t107;
+    result[40 * lanes] = t111;
+    result[41 * lanes] = t104;
+    result[42 * lanes] = -t24;
+    result[43 * lanes] = -t117;
+    result[44 * lanes] = -t113;
+    result[45 * lanes] = -(t107 + t112);
+    result[46 * lanes] = -t111;
+    result[47 * lanes] = t104 - t106;
+    result[48 * lanes] = t49 > 0.0 ? t87 : t90;
+    result[49 * lanes] = t80 > 0.0 ? t87 : t90;
+    result[50 * lanes] = t77 > 0.0 ? t87 : t90;
+    result[51 * lanes] = t79 > 0.0 ? t87 : t90;
+    result[52 * lanes] = t48 > 0.0 ? t60 : t89;
+    result[53 * lanes] = t83 > 0.0 ? t60 : t89;
+    result[54 * lanes] = t78 > 0.0 ? t60 : t89;
+    result[55 * lanes] = t84 > 0.0 ? t60 : t89;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1571,10 +1583,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 0, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 0, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 0, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[5], sines[5], cosines[5];
@@ -1586,7 +1598,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 6; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1596,7 +1608,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 6 };
-    double ahead[6 + 1], found[6 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[6 + 2], found[6 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 5, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1678,6 +1690,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06};
+    double row[6], back[6];
+    size_t place = kinds[branch] ? 8 : branch, listed = 0;
+    for (size_t j = 0; j < 6; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 8; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 6 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 8)
+            place = b;
+    }
+    for (size_t j = 0; j < 6; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 8 || (listed && !alone))
+        return;
+    memcpy(q + 6 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1687,6 +1726,31 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    const double damping = 1e-12;
+    double start[6], step[6 + 2], values[56], moved[16] = {0.0};
+    for (size_t j = 0; j < 6; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 5, step);
+    const double unit = step[6 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 8; ++b)
+            inverse_kinematics_added(T, k, unit, values + 6 * b, b, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int stanford_deluca_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1694,7 +1758,7 @@ int stanford_deluca_inverse_kinematics(const double *restrict T, const double *r
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[6], values[56];
     const double *const codes = values + 48;
-    int kinds[8], doubts[8], free[8], settled[8] = {0}, lacking = 1;
+    int kinds[8], doubts[8], doubted[8], free[8], settled[8] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 48; ++j)
             q[j] = NAN;
@@ -1710,7 +1774,7 @@ int stanford_deluca_inverse_kinematics(const double *restrict T, const double *r
         return count;
     memcpy(q, values, 48 * sizeof *q);
     for (size_t b = 0; b < 8; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1726,9 +1790,13 @@ int stanford_deluca_inverse_kinematics(const double *restrict T, const double *r
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 48 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 6])
+            if (inverse_kinematics_turning[j % 6])
                 values[j] += 1.3 * (double)(i * (j / 6 + 1) * (j % 6 + 2));
     }
+    for (size_t b = 0; b < 8; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 8; ++b) {
         for (size_t j = 0; j < 6 && !kinds[b]; ++j)

@@ -22,7 +22,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -56,7 +56,7 @@ enum {
     stanford_deluca_none = 0, /**< The branch does not exist. */
     stanford_deluca_exact = 1, /**< A solution. */
     stanford_deluca_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    stanford_deluca_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    stanford_deluca_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -182,7 +182,7 @@ void stanford_deluca_analytic_jacobian_zyz_constants(const double *params, doubl
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 8 solutions, and no more.
+ * A reachable pose has up to 8 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -193,7 +193,16 @@ void stanford_deluca_analytic_jacobian_zyz_constants(const double *params, doubl
  * @param[out] status  what each branch is, 8; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 116 mul, 92 add, 10 div, 3 sin, 3 cos, 6 sqrt, 16 atan2, 86 cases.
+ * Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+ * 1. shoulder left, q3 > 0, wrist not flipped
+ * 2. shoulder left, q3 > 0, wrist flipped
+ * 3. shoulder left, q3 < 0, wrist not flipped
+ * 4. shoulder left, q3 < 0, wrist flipped
+ * 5. shoulder right, q3 > 0, wrist not flipped
+ * 6. shoulder right, q3 > 0, wrist flipped
+ * 7. shoulder right, q3 < 0, wrist not flipped
+ * 8. shoulder right, q3 < 0, wrist flipped
+ * Closed form, all branches at once: 118 mul, 93 add, 10 div, 3 sin, 3 cos, 6 sqrt, 16 atan2, 95 cases.
  * Once per set of parameters: 3 mul, 2 add.
  */
 int stanford_deluca_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

@@ -42,7 +42,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 107, "add": 58, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
-    "inverse_kinematics": {"mul": 116, "add": 92, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 86},
+    "inverse_kinematics": {"mul": 118, "add": 93, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 95},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -198,7 +198,17 @@ def analytic_jacobian_zyz(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 8 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 8 solutions, and no more but where joints are free. Rows are branches in a fixed order.
+
+    Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+    1. shoulder left, q3 > 0, wrist not flipped
+    2. shoulder left, q3 > 0, wrist flipped
+    3. shoulder left, q3 < 0, wrist not flipped
+    4. shoulder left, q3 < 0, wrist flipped
+    5. shoulder right, q3 > 0, wrist not flipped
+    6. shoulder right, q3 > 0, wrist flipped
+    7. shoulder right, q3 < 0, wrist not flipped
+    8. shoulder right, q3 < 0, wrist flipped
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -217,7 +227,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 116 mul, 92 add, 10 div, 3 sin, 3 cos, 6 sqrt, 16 atan2, 86 cases.
+    Closed form, all branches at once: 118 mul, 93 add, 10 div, 3 sin, 3 cos, 6 sqrt, 16 atan2, 95 cases.
     Once per set of parameters: 3 mul, 2 add.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -701,36 +711,36 @@ def _inverse_kinematics(functions, k, T, near):
     t20 = absolute(t4)
     t21 = t19 - t19*less(t17, t20)
     t22 = sin(near1)
-    t23 = -t22
-    t24 = select(t21, t23, t11 - t14)
-    t25 = select(t21, t23, t11 + t14)
-    t26 = cos(near1)
-    t27 = select(t21, t26, t15 - t12)
-    t28 = select(t21, -t26, t15 + t12)
-    t29 = atan2(t24, t28)
-    t30 = atan2(t25, t27)
-    t31 = t3*t24 + t4*t28
-    t32 = t3*t25 - t4*t27
-    t33 = p_d6*T33 + (p_d1 - T34)
-    t34 = t33*t33
-    t35 = sqrt(t34 + t31*t31)
-    t36 = absolute(t31)
-    t37 = absolute(t33)
-    t38 = 1.0 - less(t17, t37)
-    t39 = t38 - t38*less(t17, t36)
-    t40 = cos(near2)
-    t41 = -t40
-    t42 = select(t39, t41, t33/t35)
-    t43 = T23*t24 + T13*t28
-    t44 = sin(near2)
-    t45 = select(t39, t44, t31/t35)
-    t46 = t42*t43 + T33*t45
+    t23 = select(t21, t22, t14 - t11)
+    t24 = select(t21, -t22, t14 + t11)
+    t25 = cos(near1)
+    t26 = select(t21, t25, t15 - t12)
+    t27 = select(t21, -t25, t15 + t12)
+    t28 = atan2(t23, t27)
+    t29 = atan2(t24, t26)
+    t30 = t3*t23 - t4*t27
+    t31 = t3*t24 - t4*t26
+    t32 = p_d6*T33 + (p_d1 - T34)
+    t33 = t32*t32
+    t34 = sqrt(t33 + t30*t30)
+    t35 = absolute(t30)
+    t36 = absolute(t32)
+    t37 = 1.0 - less(t17, t36)
+    t38 = t37 - t37*less(t17, t35)
+    t39 = cos(near2)
+    t40 = -t39
+    t41 = select(t38, t40, t32/t34)
+    t42 = T23*t23 - T13*t27
+    t43 = sin(near2)
+    t44 = -t43
+    t45 = select(t38, t44, t30/t34)
+    t46 = t41*t42 + T33*t45
     t47 = absolute(t46)
     t48 = 1.0 - less(1e-12, t47)
-    t49 = T13*t24 - T23*t28
+    t49 = T13*t23 + T23*t27
     t50 = absolute(t49)
     t51 = t48 - t48*less(1e-12, t50)
-    t52 = maximum(t51, maximum(t21, t39))
+    t52 = maximum(t51, maximum(t21, t38))
     t53 = (1.0 - t21)*(1.0 - less(1e-11*t6, t7))
     t54 = t9*t53
     t55 = maximum(t21, t53)
@@ -738,96 +748,106 @@ def _inverse_kinematics(functions, k, T, near):
     t57 = 1.0 - less(0.001, t47)
     t58 = 0.001*t16
     t59 = 1.0 - less(t58, t18)
-    t60 = 1.0 - less(t58, t37)
+    t60 = 1.0 - less(t58, t36)
     t61 = 1.0 - less(1e-14*absolute(100000.0*t5), t8)
     t62 = t61 - t61*less(1e-11*absolute(100.0*t5), t7)
     t63 = maximum(t62, t59 - t59*less(t58, t20))
-    t64 = maximum(t57 - t57*less(0.001, t50), maximum(t63, t60 - t60*less(t58, t36)))
+    t64 = maximum(t57 - t57*less(0.001, t50), maximum(t63, t60 - t60*less(t58, t35)))
     t65 = maximum(t21, t62)
     t66 = select(t52, 3.0, t56) + 4.0*t64
-    t67 = t54 - t39*t54
-    t68 = select(t52, 8.0, 4.0*maximum(t51, maximum(t39, t65)))
-    t69 = 1.0 - t51
-    t70 = sqrt(t34 + t32*t32)
-    t71 = absolute(t32)
-    t72 = t38 - t38*less(t17, t71)
-    t73 = select(t72, t41, t33/t70)
-    t74 = select(t72, -t44, t32/t70)
-    t75 = t55 - t72*t55
-    t76 = T23*t25 - T13*t27
-    t77 = t73*t76 + T33*t74
+    t67 = sqrt(t33 + t31*t31)
+    t68 = absolute(t31)
+    t69 = t37 - t37*less(t17, t68)
+    t70 = select(t69, t40, t32/t67)
+    t71 = select(t69, t44, t31/t67)
+    t72 = T23*t24 - T13*t26
+    t73 = t70*t72 + T33*t71
+    t74 = absolute(t73)
+    t75 = 1.0 - less(1e-12, t74)
+    t76 = 1.0 - less(0.001, t74)
+    t77 = T13*t24 + T23*t26
     t78 = absolute(t77)
-    t79 = 1.0 - less(1e-12, t78)
-    t80 = 1.0 - less(0.001, t78)
-    t81 = T13*t25 + T23*t27
-    t82 = absolute(t81)
-    t83 = t79 - t79*less(1e-12, t82)
-    t84 = maximum(t83, maximum(t21, t72))
-    t85 = maximum(t80 - t80*less(0.001, t82), maximum(t63, t60 - t60*less(t58, t71)))
-    t86 = select(t84, 3.0, t56) + 4.0*t85
-    t87 = select(t84, 8.0, 4.0*maximum(t83, maximum(t72, t65)))
-    t88 = 1.0 - t83
-    t89 = sqrt(t46*t46 + t49*t49)
-    t90 = t46/t89
-    t91 = cos(near4)
-    t92 = select(t51, t91, t49/t89)
-    t93 = t49*t92
-    t94 = t92*(T31*t45 + t42*(T11*t28 + T21*t24))
-    t95 = sin(near4)
-    t96 = select(t51, t95, t90)
-    t97 = T11*t24 - T21*t28
-    t98 = t92*(T32*t45 + t42*(T12*t28 + T22*t24))
-    t99 = T12*t24 - T22*t28
-    t100 = atan2(t94 - t97*t96, t98 - t99*t96)
-    t101 = select(less(0.0, t100), 3.141592653589793, -3.141592653589793)
-    t102 = atan2(t96, t92)
-    t103 = t45*t43 - T33*t42
-    t104 = atan2(t93 + t46*t96, -t103)
-    t105 = select(less(0.0, t102), 3.141592653589793, -3.141592653589793)
-    t106 = t31*t45 + t33*t42
-    t107 = atan2(t45, -t42)
-    t108 = t32*t74 + t33*t73
-    t109 = select(less(0.0, t107), 3.141592653589793, -3.141592653589793)
-    t110 = t107 - t109
-    t111 = -t95
-    t112 = select(t51, t111, t90)
-    t113 = atan2(t94 - t112*t97, -(t98 - t112*t99))
-    t114 = atan2(t93 + t46*t112, t103)
-    t115 = atan2(t112, t92)
-    t116 = select(less(t113, 0.0), 3.141592653589793, -3.141592653589793)
-    t117 = select(less(t115, 0.0), 3.141592653589793, -3.141592653589793)
-    t118 = sqrt(t77*t77 + t81*t81)
-    t119 = select(t83, -t91, t81/t118)
-    t120 = t77/t118
-    t121 = select(t83, t111, t120)
-    t122 = t81*t119
-    t123 = select(t83, t95, t120)
-    t124 = t119*(t74*T31 - t73*(t27*T11 - t25*T21))
-    t125 = t25*T11 + t27*T21
-    t126 = t119*(t74*T32 - t73*(t27*T12 - t25*T22))
-    t127 = t25*T12 + t27*T22
-    t128 = -t119
-    t129 = atan2(t124 - t125*t121, t126 - t127*t121)
-    t130 = atan2(t124 - t123*t125, -(t126 - t123*t127))
-    t131 = select(less(0.0, t129), 3.141592653589793, -3.141592653589793)
-    t132 = atan2(t121, t128)
-    t133 = atan2(t123, t128)
-    t134 = t74*t76 - T33*t73
-    t135 = atan2(t74, -t73)
-    t136 = atan2(t122 + t77*t123, t134)
-    t137 = atan2(t122 + t77*t121, -t134)
-    t138 = select(less(t132, 0.0), 3.141592653589793, -3.141592653589793)
-    t139 = select(less(t135, 0.0), 3.141592653589793, -3.141592653589793)
-    t140 = t135 + t139
-    t141 = select(less(t130, 0.0), 3.141592653589793, -3.141592653589793)
-    t142 = select(less(0.0, t133), 3.141592653589793, -3.141592653589793)
+    t79 = t75 - t75*less(1e-12, t78)
+    t80 = maximum(t79, maximum(t21, t69))
+    t81 = maximum(t76 - t76*less(0.001, t78), maximum(t63, t60 - t60*less(t58, t68)))
+    t82 = 1.0 - t79
+    t83 = t55 - t69*t55
+    t84 = t54 - t38*t54
+    t85 = t82*t83
+    t86 = t55*t82
+    t87 = maximum(t54, maximum(t85, maximum(t83, maximum(t55, t86))))
+    t88 = 1.0 - t51
+    t89 = t54*t88
+    t90 = t88*t84
+    t91 = 1.0 - maximum(t90, maximum(t84, maximum(t89, t87)))
+    t92 = 4.0*maximum(maximum(t51, maximum(t38, t65)), t91*t64)
+    t93 = select(t80, 3.0, t56) + 4.0*t81
+    t94 = 4.0*maximum(maximum(t79, maximum(t69, t65)), t81*t91)
+    t95 = select(t52, 8.0, t92)
+    t96 = select(t80, 8.0, t94)
+    t97 = sqrt(t46*t46 + t49*t49)
+    t98 = t46/t97
+    t99 = cos(near4)
+    t100 = -t99
+    t101 = select(t51, t100, t49/t97)
+    t102 = t49*t101
+    t103 = t101*(T31*t45 - t41*(T11*t27 - T21*t23))
+    t104 = sin(near4)
+    t105 = -t104
+    t106 = select(t51, t105, t98)
+    t107 = select(t51, t104, t98)
+    t108 = T11*t23 + T21*t27
+    t109 = t101*(T32*t45 - t41*(T12*t27 - T22*t23))
+    t110 = T12*t23 + T22*t27
+    t111 = -t101
+    t112 = atan2(t103 - t108*t106, t109 - t110*t106)
+    t113 = atan2(t103 - t107*t108, -(t109 - t107*t110))
+    t114 = select(less(0.0, t112), 3.141592653589793, -3.141592653589793)
+    t115 = atan2(t106, t111)
+    t116 = atan2(t107, t111)
+    t117 = t45*t42 - T33*t41
+    t118 = atan2(t102 + t46*t107, t117)
+    t119 = atan2(t102 + t46*t106, -t117)
+    t120 = select(less(t115, 0.0), 3.141592653589793, -3.141592653589793)
+    t121 = t30*t45 + t32*t41
+    t122 = atan2(t45, -t41)
+    t123 = t31*t71 + t32*t70
+    t124 = select(less(t122, 0.0), 3.141592653589793, -3.141592653589793)
+    t125 = t122 + t124
+    t126 = select(less(t113, 0.0), 3.141592653589793, -3.141592653589793)
+    t127 = select(less(0.0, t116), 3.141592653589793, -3.141592653589793)
+    t128 = sqrt(t73*t73 + t77*t77)
+    t129 = select(t79, t100, t77/t128)
+    t130 = t73/t128
+    t131 = select(t79, t105, t130)
+    t132 = t77*t129
+    t133 = select(t79, t104, t130)
+    t134 = t129*(t71*T31 - t70*(t26*T11 - t24*T21))
+    t135 = t24*T11 + t26*T21
+    t136 = t129*(t71*T32 - t70*(t26*T12 - t24*T22))
+    t137 = t24*T12 + t26*T22
+    t138 = -t129
+    t139 = atan2(t134 - t135*t131, t136 - t137*t131)
+    t140 = atan2(t134 - t133*t135, -(t136 - t133*t137))
+    t141 = select(less(0.0, t139), 3.141592653589793, -3.141592653589793)
+    t142 = atan2(t131, t138)
+    t143 = atan2(t133, t138)
+    t144 = t71*t72 - T33*t70
+    t145 = atan2(t71, -t70)
+    t146 = atan2(t132 + t73*t133, t144)
+    t147 = atan2(t132 + t73*t131, -t144)
+    t148 = select(less(t142, 0.0), 3.141592653589793, -3.141592653589793)
+    t149 = select(less(t145, 0.0), 3.141592653589793, -3.141592653589793)
+    t150 = t145 + t149
+    t151 = select(less(t140, 0.0), 3.141592653589793, -3.141592653589793)
+    t152 = select(less(0.0, t143), 3.141592653589793, -3.141592653589793)
     return (
-        -t30, -t135, t108, t133, t136, -t130, -t30, -t135, t108, t133 - t142, -t136, -(t130 + t141), -t30,
-        -t140, -t108, -t132, t137, t129, -t30, -t140, -t108, -(t132 + t138), -t137, t129 - t131, t29, t107,
-        t106, -t115, t114, -t113, t29, t107, t106, -(t115 + t117), -t114, -(t113 + t116), t29, t110, -t106,
-        t102, t104, t100, t29, t110, -t106, t102 - t105, -t104, t100 - t101, select(t55, t86, t87),
-        select(t55*t88, t86, t87), select(t75, t86, t87), select(t88*t75, t86, t87), select(t54, t66, t68),
-        select(t54*t69, t66, t68), select(t67, t66, t68), select(t69*t67, t66, t68),
+        -t29, -t145, t123, t143, t146, -t140, -t29, -t145, t123, t143 - t152, -t146, -(t140 + t151), -t29,
+        -t150, -t123, -t142, t147, t139, -t29, -t150, -t123, -(t142 + t148), -t147, t139 - t141, -t28, -t122,
+        t121, t116, t118, -t113, -t28, -t122, t121, t116 - t127, -t118, -(t113 + t126), -t28, -t125, -t121,
+        -t115, t119, t112, -t28, -t125, -t121, -(t115 + t120), -t119, t112 - t114, select(t55, t93, t96),
+        select(t86, t93, t96), select(t83, t93, t96), select(t85, t93, t96), select(t54, t66, t95),
+        select(t89, t66, t95), select(t84, t66, t95), select(t90, t66, t95),
     )
 
 
@@ -837,7 +857,7 @@ def _inverse_kinematics_step_constants(functions, p):
     t2 = p_d2*p_d2
     t3 = p_d1*p_d1
     return (
-        p_d6, p_d2, t1, t2, p_d1, t3,
+        p_d6, t1, p_d2, t2, p_d1, t3,
     )
 
 
@@ -846,35 +866,35 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     q1, q2, q3, q4, q5, q6 = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
-    p_d6, p_d2, k3, k4, p_d1, k6 = k
+    p_d6, k2, p_d2, k4, p_d1, k6 = k
+    t4 = sqrt(k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t5 = select(less(0.0, t4), t4, 1.0)
     s4 = sin(q4)
     s5 = sin(q5)
-    t4 = s4*s5
+    t6 = s4*s5
     c2 = cos(q2)
     s2 = sin(q2)
     c5 = cos(q5)
-    t5 = c2*t4 + s2*c5
+    t7 = c2*t6 + s2*c5
     c1 = cos(q1)
     c4 = cos(q4)
-    t6 = c4*s5
+    t8 = c4*s5
     s1 = sin(q1)
-    t7 = s1*t6 + c1*t5
-    t8 = c1*t6 - s1*t5
-    t9 = p_d6*t7
-    t10 = s2*q3
-    t11 = c1*t10
-    t12 = s1*t10
-    t13 = p_d2*s1 - t11 - t9
-    t14 = sqrt(k6 + (k4 + (k3 + (T14*T14 + (T24*T24 + T34*T34)))))
-    t15 = select(less(0.0, t14), t14, 1.0)
-    t16 = (t13 + T14)/t15
-    t17 = p_d6*t8
-    t18 = p_d2*c1 + t12 - t17
-    t19 = (t18 - T24)/t15
-    t20 = c2*c5 - s2*t4
+    t9 = s1*t8 + c1*t7
+    t10 = c1*t8 - s1*t7
+    t11 = p_d6*t9
+    t12 = s2*q3
+    t13 = c1*t12
+    t14 = s1*t12
+    t15 = p_d2*s1 - t13 - t11
+    t16 = (t15 + T14)/t5
+    t17 = p_d6*t10
+    t18 = p_d2*c1 + t14 - t17
+    t19 = (t18 - T24)/t5
+    t20 = c2*c5 - s2*t6
     t21 = p_d6*t20
     t22 = c2*q3 + t21
-    t23 = (p_d1 + t22 - T34)/t15
+    t23 = (p_d1 + t22 - T34)/t5
     s6 = sin(q6)
     t24 = c5*s6
     t25 = s5*s6
@@ -886,18 +906,18 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t30 = c2*t27 - s2*t25
     t31 = c1*t28 - s1*t30
     t32 = s1*t28 + c1*t30
-    t33 = t29*t8 + t31*t20
+    t33 = t29*t10 + t31*t20
     t34 = t33 - T11
-    t35 = t29*t7 + t32*t20
+    t35 = t29*t9 + t32*t20
     t36 = t35 - T21
-    t37 = t32*t8 - t31*t7
+    t37 = t32*t10 - t31*t9
     t38 = t37 - T31
     t39 = t16*t16 + t19*t19 + t23*t23 + t34*t34 + t36*t36 + t38*t38
     t40 = t32 + T12
     t41 = t31 - T22
     t42 = t29 - T32
-    t43 = t7 - T13
-    t44 = t8 + T23
+    t43 = t9 - T13
+    t44 = t10 + T23
     t45 = t39 + t40*t40 + t41*t41 + t42*t42 + t43*t43 + t44*t44
     t46 = t20 - T33
     t47 = sqrt(t45 + t46*t46) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
@@ -906,14 +926,14 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t50 = maximum(0.0, t49 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     t51 = c4*(s1*c2) + c1*s4
     t52 = s2*c4
-    t53 = 1.0/t15
+    t53 = 1.0/t5
     t54 = (t51*t21 - t52*t17)*t53
     t55 = t18*t53
-    t56 = t13*t53
-    t57 = (s1*(t12 - t17) + c1*(t11 + t9))*t53
+    t56 = t15*t53
+    t57 = (s1*(t14 - t17) + c1*(t13 + t11))*t53
     t58 = c4*(c1*c2) - s1*s4
-    t59 = (t58*t21 + t52*t9)*t53
-    t60 = (t58*t17 + t51*t9)*t53
+    t59 = (t58*t21 + t52*t11)*t53
+    t60 = (t58*t17 + t51*t11)*t53
     t61 = t54*t54 + t59*t59 + t60*t60 + 2.0*(t58*t58 + t51*t51 + t52*t52)
     t62 = t55*t54 - t56*t59 + 2.0*t52
     t63 = damping1 + (2.0 + (t55*t55 + t56*t56))
@@ -953,27 +973,27 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t97 = damping1 + t61 - t62*t64 - t68*t72 - t78*t82 - t92*t96
     t98 = 2.0*t20
     t99 = t98/t63
-    t100 = 2.0*(s1*t7 + c1*t8) - t67*t99
+    t100 = 2.0*(s1*t9 + c1*t10) - t67*t99
     t101 = t100/t71
     t102 = t75*t99 + t77*t101
     t103 = t102/t81
-    t104 = 2.0*(t73*t7 - t74*t8 + c2*t20) + t86*t99 + t88*t101 - t90*t103
+    t104 = 2.0*(t73*t9 - t74*t10 + c2*t20) + t86*t99 + t88*t101 - t90*t103
     t105 = t104/t95
-    t106 = 2.0*(t58*t7 - t51*t8 - t52*t20) + t62*t99 + t68*t101 - t78*t103
-    t107 = t106 - t92*t105
+    t106 = 2.0*(t58*t9 - t51*t10 - t52*t20) + t62*t99 + t68*t101
+    t107 = t106 - t78*t103 - t92*t105
     t108 = t107/t97
-    t109 = t20*T23 + t8*T33 + (t37*T21 - t35*T31 + (t29*T22 - t31*T32))
-    t110 = t7*T33 - t20*T13 + (t33*T31 - t37*T11 - (t32*T32 + t29*T12))
-    t111 = t8*T13 + t7*T23 - (t35*T11 - t33*T21 + (t31*T12 + t32*T22))
+    t109 = t20*T23 + t10*T33 + (t37*T21 - t35*T31 + (t29*T22 - t31*T32))
+    t110 = t9*T33 - t20*T13 + (t33*T31 - t37*T11 - (t32*T32 + t29*T12))
+    t111 = t10*T13 + t9*T23 - (t35*T11 - t33*T21 + (t31*T12 + t32*T22))
     t112 = t111 - t16*t55 + t19*t56
     t113 = t73*t109 + t74*t110 - c2*t111 - t16*t83 + t19*t84 - t23*t85
     t114 = t58*t109 + t51*t110 + t52*t111 - t16*t54 - t19*t59 - t23*t60
-    t115 = damping1 + 2.0*(t7*t7 + t8*t8 + t20*t20) - t98*t99 - t100*t101
+    t115 = damping1 + 2.0*(t9*t9 + t10*t10 + t20*t20) - t98*t99 - t100*t101
     t116 = s1*t109 - c1*t110 + t16*t65 - t19*t66 + t23*t57 + t112*t69
     t117 = t73*t16 - t74*t19 - c2*t23 + t112*t76 - t79*t116
     t118 = t113 - t112*t87 + t89*t116 + t93*t117
     t119 = t114 - t112*t64 + t72*t116 + t82*t117 - t96*t118
-    t120 = t7*t109 - t8*t110 - t20*t111 + t112*t99 - t101*t116 + t103*t117
+    t120 = t9*t109 - t10*t110 - t20*t111 + t112*t99 - t101*t116 + t103*t117
     t121 = (t120 - t105*t118 - t108*t119)/(t115 - t102*t103 - t104*t105 - t107*t108)
     t122 = t119/t97 - t108*t121
     t123 = t118/t95 - t96*t122 - t105*t121
@@ -981,7 +1001,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t125 = t116/t71 - t79*t124 + t89*t123 + t72*t122 - t101*t121
     t126 = t112/t63 + t69*t125 + t76*t124 - t87*t123 - t64*t122 + t99*t121
     return (
-        q1 + t126, q2 + t125, q3 + t15*t124, q4 - t123, q5 - t122, q6 - t121, t50,
+        q1 + t126, q2 + t125, q3 + t5*t124, q4 - t123, q5 - t122, q6 - t121, t50, t5,
     )
 
 
@@ -1745,6 +1765,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 3e-11
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1755,11 +1778,26 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05, 1e-06,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1794,12 +1832,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1815,6 +1858,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -1900,7 +1950,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -1916,7 +1966,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -1946,10 +2032,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -1963,10 +2046,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 

@@ -26,7 +26,16 @@ Every function has a last input `params`, a column of the free parameters in the
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
-beyond 1e30. A reachable pose has up to 8 solutions, and no more.
+beyond 1e30. A reachable pose has up to 8 solutions, and no more but where joints are free.
+Branches, in this order; `derive show ROBOT inverse --format json` has their signs:
+1. shoulder left, q3 > 0, wrist flipped
+2. shoulder left, q3 > 0, wrist not flipped
+3. shoulder left, q3 < 0, wrist flipped
+4. shoulder left, q3 < 0, wrist not flipped
+5. shoulder right, q3 > 0, wrist flipped
+6. shoulder right, q3 > 0, wrist not flipped
+7. shoulder right, q3 < 0, wrist flipped
+8. shoulder right, q3 < 0, wrist not flipped
 
 Self-check: `derive verify stanford-laschi` compares every function with an independent recursion.
 """
@@ -46,7 +55,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 107, "add": 58, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
-    "inverse_kinematics": {"mul": 116, "add": 91, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 86},
+    "inverse_kinematics": {"mul": 118, "add": 92, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 95},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -528,35 +537,35 @@ def _inverse_kinematics(functions, k, T, near):
     t20 = absolute(t4)
     t21 = t19 - t19*less(t17, t20)
     t22 = sin(near1)
-    t23 = -t22
-    t24 = select(t21, t23, t11 - t14)
-    t25 = select(t21, t23, t11 + t14)
-    t26 = cos(near1)
-    t27 = select(t21, t26, t15 - t12)
-    t28 = select(t21, -t26, t15 + t12)
-    t29 = atan2(t24, t28)
-    t30 = atan2(t25, t27)
-    t31 = t3*t24 + t4*t28
-    t32 = t3*t25 - t4*t27
-    t33 = T34 - p_d6*T33
-    t34 = t33*t33
-    t35 = sqrt(t34 + t31*t31)
-    t36 = absolute(t31)
-    t37 = absolute(t33)
-    t38 = 1.0 - less(t17, t37)
-    t39 = t38 - t38*less(t17, t36)
-    t40 = cos(near2)
-    t41 = select(t39, t40, t33/t35)
-    t42 = T23*t24 + T13*t28
-    t43 = sin(near2)
-    t44 = select(t39, t43, t31/t35)
-    t45 = t41*t42 - T33*t44
+    t23 = select(t21, t22, t14 - t11)
+    t24 = select(t21, -t22, t14 + t11)
+    t25 = cos(near1)
+    t26 = select(t21, t25, t15 - t12)
+    t27 = select(t21, -t25, t15 + t12)
+    t28 = atan2(t23, t27)
+    t29 = atan2(t24, t26)
+    t30 = t3*t23 - t4*t27
+    t31 = t3*t24 - t4*t26
+    t32 = T34 - p_d6*T33
+    t33 = t32*t32
+    t34 = sqrt(t33 + t30*t30)
+    t35 = absolute(t30)
+    t36 = absolute(t32)
+    t37 = 1.0 - less(t17, t36)
+    t38 = t37 - t37*less(t17, t35)
+    t39 = cos(near2)
+    t40 = select(t38, t39, t32/t34)
+    t41 = T23*t23 - T13*t27
+    t42 = sin(near2)
+    t43 = -t42
+    t44 = select(t38, t43, t30/t34)
+    t45 = t40*t41 - T33*t44
     t46 = absolute(t45)
-    t47 = T13*t24 - T23*t28
+    t47 = T13*t23 + T23*t27
     t48 = absolute(t47)
     t49 = 1.0 - less(1e-12, t48)
     t50 = t49 - t49*less(1e-12, t46)
-    t51 = maximum(t50, maximum(t21, t39))
+    t51 = maximum(t50, maximum(t21, t38))
     t52 = (1.0 - t21)*(1.0 - less(1e-11*t6, t7))
     t53 = t9*t52
     t54 = maximum(t21, t52)
@@ -564,95 +573,104 @@ def _inverse_kinematics(functions, k, T, near):
     t56 = 1.0 - less(0.001, t48)
     t57 = 0.001*t16
     t58 = 1.0 - less(t57, t18)
-    t59 = 1.0 - less(t57, t37)
+    t59 = 1.0 - less(t57, t36)
     t60 = 1.0 - less(1e-14*absolute(100000.0*t5), t8)
     t61 = t60 - t60*less(1e-11*absolute(100.0*t5), t7)
     t62 = maximum(t61, t58 - t58*less(t57, t20))
-    t63 = maximum(t56 - t56*less(0.001, t46), maximum(t62, t59 - t59*less(t57, t36)))
+    t63 = maximum(t56 - t56*less(0.001, t46), maximum(t62, t59 - t59*less(t57, t35)))
     t64 = maximum(t21, t61)
     t65 = select(t51, 3.0, t55) + 4.0*t63
-    t66 = t53 - t39*t53
-    t67 = select(t51, 8.0, 4.0*maximum(t50, maximum(t39, t64)))
-    t68 = 1.0 - t50
-    t69 = sqrt(t34 + t32*t32)
-    t70 = absolute(t32)
-    t71 = t38 - t38*less(t17, t70)
-    t72 = select(t71, t40, t33/t69)
-    t73 = select(t71, -t43, t32/t69)
-    t74 = t54 - t71*t54
-    t75 = T23*t25 - T13*t27
-    t76 = t72*t75 - T33*t73
-    t77 = absolute(t76)
-    t78 = T13*t25 + T23*t27
-    t79 = absolute(t78)
-    t80 = 1.0 - less(1e-12, t79)
-    t81 = t80 - t80*less(1e-12, t77)
-    t82 = maximum(t81, maximum(t21, t71))
-    t83 = 1.0 - less(0.001, t79)
-    t84 = maximum(t83 - t83*less(0.001, t77), maximum(t62, t59 - t59*less(t57, t70)))
-    t85 = select(t82, 3.0, t55) + 4.0*t84
-    t86 = select(t82, 8.0, 4.0*maximum(t81, maximum(t71, t64)))
-    t87 = 1.0 - t81
-    t88 = sqrt(t47*t47 + t45*t45)
-    t89 = t45/t88
-    t90 = sin(near4)
-    t91 = select(t50, t90, t47/t88)
-    t92 = t47*t91
-    t93 = t91*(T31*t44 - t41*(T11*t28 + T21*t24))
-    t94 = cos(near4)
-    t95 = select(t50, t94, t89)
-    t96 = T11*t24 - T21*t28
-    t97 = atan2(t44, t41)
-    t98 = t91*(T32*t44 - t41*(T12*t28 + T22*t24))
-    t99 = T12*t24 - T22*t28
-    t100 = atan2(t93 + t96*t95, -(t98 + t99*t95))
-    t101 = select(less(t100, 0.0), 3.141592653589793, -3.141592653589793)
-    t102 = atan2(t91, t95)
-    t103 = t44*t42 + T33*t41
-    t104 = t31*t44 + t33*t41
-    t105 = t32*t73 + t33*t72
-    t106 = atan2(t92 + t45*t95, -t103)
-    t107 = select(less(0.0, t102), 3.141592653589793, -3.141592653589793)
-    t108 = select(less(0.0, t97), 3.141592653589793, -3.141592653589793)
-    t109 = t97 - t108
-    t110 = -t94
-    t111 = select(t50, t110, t89)
-    t112 = atan2(t93 + t111*t96, t98 + t111*t99)
-    t113 = atan2(t92 + t45*t111, t103)
-    t114 = atan2(t91, -t111)
-    t115 = select(less(0.0, t112), 3.141592653589793, -3.141592653589793)
-    t116 = select(less(0.0, t114), 3.141592653589793, -3.141592653589793)
-    t117 = sqrt(t78*t78 + t76*t76)
-    t118 = select(t81, -t90, t78/t117)
-    t119 = t76/t117
-    t120 = select(t81, t110, t119)
-    t121 = t78*t118
-    t122 = select(t81, t94, t119)
-    t123 = t118*(t73*T31 + t72*(t27*T11 - t25*T21))
-    t124 = t25*T11 + t27*T21
-    t125 = atan2(t73, t72)
-    t126 = t118*(t73*T32 + t72*(t27*T12 - t25*T22))
-    t127 = t25*T12 + t27*T22
-    t128 = t73*t75 + T33*t72
-    t129 = atan2(t123 + t124*t120, -(t126 + t127*t120))
-    t130 = atan2(t123 + t122*t124, t126 + t122*t127)
-    t131 = select(less(t129, 0.0), 3.141592653589793, -3.141592653589793)
-    t132 = atan2(t118, -t120)
-    t133 = atan2(t121 + t76*t122, t128)
-    t134 = atan2(t121 + t76*t120, -t128)
-    t135 = atan2(t118, t122)
-    t136 = select(less(t132, 0.0), 3.141592653589793, -3.141592653589793)
-    t137 = select(less(t125, 0.0), 3.141592653589793, -3.141592653589793)
-    t138 = t125 + t137
-    t139 = select(less(0.0, t130), 3.141592653589793, -3.141592653589793)
-    t140 = select(less(t135, 0.0), 3.141592653589793, -3.141592653589793)
+    t66 = sqrt(t33 + t31*t31)
+    t67 = absolute(t31)
+    t68 = t37 - t37*less(t17, t67)
+    t69 = select(t68, t39, t32/t66)
+    t70 = select(t68, t43, t31/t66)
+    t71 = T23*t24 - T13*t26
+    t72 = t69*t71 - T33*t70
+    t73 = absolute(t72)
+    t74 = T13*t24 + T23*t26
+    t75 = absolute(t74)
+    t76 = 1.0 - less(1e-12, t75)
+    t77 = t76 - t76*less(1e-12, t73)
+    t78 = maximum(t77, maximum(t21, t68))
+    t79 = 1.0 - less(0.001, t75)
+    t80 = maximum(t79 - t79*less(0.001, t73), maximum(t62, t59 - t59*less(t57, t67)))
+    t81 = 1.0 - t77
+    t82 = t54 - t68*t54
+    t83 = t53 - t38*t53
+    t84 = t81*t82
+    t85 = t54*t81
+    t86 = maximum(t53, maximum(t84, maximum(t82, maximum(t54, t85))))
+    t87 = 1.0 - t50
+    t88 = t53*t87
+    t89 = t87*t83
+    t90 = 1.0 - maximum(t89, maximum(t83, maximum(t88, t86)))
+    t91 = 4.0*maximum(maximum(t50, maximum(t38, t64)), t90*t63)
+    t92 = select(t78, 3.0, t55) + 4.0*t80
+    t93 = 4.0*maximum(maximum(t77, maximum(t68, t64)), t80*t90)
+    t94 = select(t51, 8.0, t91)
+    t95 = select(t78, 8.0, t93)
+    t96 = sqrt(t47*t47 + t45*t45)
+    t97 = t45/t96
+    t98 = sin(near4)
+    t99 = -t98
+    t100 = select(t50, t99, t47/t96)
+    t101 = t47*t100
+    t102 = t100*(T31*t44 + t40*(T11*t27 - T21*t23))
+    t103 = cos(near4)
+    t104 = -t103
+    t105 = select(t50, t104, t97)
+    t106 = select(t50, t103, t97)
+    t107 = T11*t23 + T21*t27
+    t108 = atan2(t44, t40)
+    t109 = t100*(T32*t44 + t40*(T12*t27 - T22*t23))
+    t110 = T12*t23 + T22*t27
+    t111 = atan2(t102 + t107*t105, -(t109 + t110*t105))
+    t112 = atan2(t102 + t106*t107, t109 + t106*t110)
+    t113 = select(less(t111, 0.0), 3.141592653589793, -3.141592653589793)
+    t114 = atan2(t100, -t105)
+    t115 = atan2(t100, t106)
+    t116 = t44*t41 + T33*t40
+    t117 = t30*t44 + t32*t40
+    t118 = atan2(t101 + t45*t106, t116)
+    t119 = atan2(t101 + t45*t105, -t116)
+    t120 = t31*t70 + t32*t69
+    t121 = select(less(t114, 0.0), 3.141592653589793, -3.141592653589793)
+    t122 = select(less(t108, 0.0), 3.141592653589793, -3.141592653589793)
+    t123 = t108 + t122
+    t124 = select(less(0.0, t112), 3.141592653589793, -3.141592653589793)
+    t125 = select(less(t115, 0.0), 3.141592653589793, -3.141592653589793)
+    t126 = sqrt(t74*t74 + t72*t72)
+    t127 = select(t77, t99, t74/t126)
+    t128 = t72/t126
+    t129 = select(t77, t104, t128)
+    t130 = t74*t127
+    t131 = select(t77, t103, t128)
+    t132 = t127*(t70*T31 + t69*(t26*T11 - t24*T21))
+    t133 = t24*T11 + t26*T21
+    t134 = atan2(t70, t69)
+    t135 = t127*(t70*T32 + t69*(t26*T12 - t24*T22))
+    t136 = t24*T12 + t26*T22
+    t137 = t70*t71 + T33*t69
+    t138 = atan2(t132 + t133*t129, -(t135 + t136*t129))
+    t139 = atan2(t132 + t131*t133, t135 + t131*t136)
+    t140 = select(less(t138, 0.0), 3.141592653589793, -3.141592653589793)
+    t141 = atan2(t127, -t129)
+    t142 = atan2(t130 + t72*t131, t137)
+    t143 = atan2(t130 + t72*t129, -t137)
+    t144 = atan2(t127, t131)
+    t145 = select(less(t141, 0.0), 3.141592653589793, -3.141592653589793)
+    t146 = select(less(t134, 0.0), 3.141592653589793, -3.141592653589793)
+    t147 = t134 + t146
+    t148 = select(less(0.0, t139), 3.141592653589793, -3.141592653589793)
+    t149 = select(less(t144, 0.0), 3.141592653589793, -3.141592653589793)
     return (
-        -t30, -t125, t105, -t135, -t133, t130, -t30, -t125, t105, -(t135 + t140), t133, t130 - t139, -t30,
-        -t138, -t105, -t132, -t134, -t129, -t30, -t138, -t105, -(t132 + t136), t134, -(t129 + t131), t29, t97,
-        t104, t114, -t113, t112, t29, t97, t104, t114 - t116, t113, t112 - t115, t29, t109, -t104, t102, -t106,
-        -t100, t29, t109, -t104, t102 - t107, t106, -(t100 + t101), select(t54, t85, t86),
-        select(t54*t87, t85, t86), select(t74, t85, t86), select(t87*t74, t85, t86), select(t53, t65, t67),
-        select(t53*t68, t65, t67), select(t66, t65, t67), select(t68*t66, t65, t67),
+        -t29, -t134, t120, -t144, -t142, t139, -t29, -t134, t120, -(t144 + t149), t142, t139 - t148, -t29,
+        -t147, -t120, -t141, -t143, -t138, -t29, -t147, -t120, -(t141 + t145), t143, -(t138 + t140), -t28,
+        -t108, t117, -t115, -t118, t112, -t28, -t108, t117, -(t115 + t125), t118, t112 - t124, -t28, -t123,
+        -t117, -t114, -t119, -t111, -t28, -t123, -t117, -(t114 + t121), t119, -(t111 + t113),
+        select(t54, t92, t95), select(t85, t92, t95), select(t82, t92, t95), select(t84, t92, t95),
+        select(t53, t65, t94), select(t88, t65, t94), select(t83, t65, t94), select(t89, t65, t94),
     )
 
 
@@ -661,7 +679,7 @@ def _inverse_kinematics_step_constants(functions, p):
     t1 = p_d6*p_d6
     t2 = p_d2*p_d2
     return (
-        p_d6, p_d2, t1, t2,
+        p_d6, t1, p_d2, t2,
     )
 
 
@@ -670,35 +688,35 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     q1, q2, q3, q4, q5, q6 = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
-    p_d6, p_d2, k3, k4 = k
+    p_d6, k2, p_d2, k4 = k
+    t3 = sqrt(k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34))))
+    t4 = select(less(0.0, t3), t3, 1.0)
     c4 = cos(q4)
     s5 = sin(q5)
-    t3 = c4*s5
+    t5 = c4*s5
     c2 = cos(q2)
     s2 = sin(q2)
     c5 = cos(q5)
-    t4 = c2*t3 + s2*c5
+    t6 = c2*t5 + s2*c5
     c1 = cos(q1)
     s4 = sin(q4)
-    t5 = s4*s5
+    t7 = s4*s5
     s1 = sin(q1)
-    t6 = s1*t5 - c1*t4
-    t7 = c1*t5 + s1*t4
-    t8 = p_d6*t6
-    t9 = s2*q3
-    t10 = c1*t9
-    t11 = s1*t9
-    t12 = p_d2*s1 - t10 + t8
-    t13 = sqrt(k4 + (k3 + (T14*T14 + (T24*T24 + T34*T34))))
-    t14 = select(less(0.0, t13), t13, 1.0)
-    t15 = (t12 + T14)/t14
-    t16 = p_d6*t7
-    t17 = p_d2*c1 + t11 + t16
-    t18 = (t17 - T24)/t14
-    t19 = c2*c5 - s2*t3
+    t8 = s1*t7 - c1*t6
+    t9 = c1*t7 + s1*t6
+    t10 = p_d6*t8
+    t11 = s2*q3
+    t12 = c1*t11
+    t13 = s1*t11
+    t14 = p_d2*s1 - t12 + t10
+    t15 = (t14 + T14)/t4
+    t16 = p_d6*t9
+    t17 = p_d2*c1 + t13 + t16
+    t18 = (t17 - T24)/t4
+    t19 = c2*c5 - s2*t5
     t20 = p_d6*t19
     t21 = c2*q3 + t20
-    t22 = (t21 - T34)/t14
+    t22 = (t21 - T34)/t4
     s6 = sin(q6)
     t23 = c5*s6
     t24 = s5*s6
@@ -710,18 +728,18 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t29 = c2*t26 - s2*t24
     t30 = c1*t27 + s1*t29
     t31 = s1*t27 - c1*t29
-    t32 = t28*t7 + t30*t19
+    t32 = t28*t9 + t30*t19
     t33 = t32 + T11
-    t34 = t28*t6 + t31*t19
+    t34 = t28*t8 + t31*t19
     t35 = t34 + T21
-    t36 = t31*t7 - t30*t6
+    t36 = t31*t9 - t30*t8
     t37 = t36 - T31
     t38 = t15*t15 + t18*t18 + t22*t22 + t33*t33 + t35*t35 + t37*t37
     t39 = t31 - T12
     t40 = t30 + T22
     t41 = t28 - T32
-    t42 = t6 + T13
-    t43 = t7 - T23
+    t42 = t8 + T13
+    t43 = t9 - T23
     t44 = t38 + t39*t39 + t40*t40 + t41*t41 + t42*t42 + t43*t43
     t45 = t19 - T33
     t46 = sqrt(t44 + t45*t45) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
@@ -730,14 +748,14 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t49 = maximum(0.0, t48 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     t50 = c1*c4 - s4*(s1*c2)
     t51 = s2*s4
-    t52 = 1.0/t14
+    t52 = 1.0/t4
     t53 = (t50*t20 - t51*t16)*t52
     t54 = t17*t52
-    t55 = t12*t52
-    t56 = (s1*(t11 + t16) + c1*(t10 - t8))*t52
+    t55 = t14*t52
+    t56 = (s1*(t13 + t16) + c1*(t12 - t10))*t52
     t57 = s1*c4 + s4*(c1*c2)
-    t58 = (t57*t20 - t51*t8)*t52
-    t59 = (t57*t16 - t50*t8)*t52
+    t58 = (t57*t20 - t51*t10)*t52
+    t59 = (t57*t16 - t50*t10)*t52
     t60 = t53*t53 + t58*t58 + t59*t59 + 2.0*(t57*t57 + t50*t50 + t51*t51)
     t61 = t54*t53 + t55*t58 - 2.0*t51
     t62 = damping1 + (2.0 + (t54*t54 + t55*t55))
@@ -777,27 +795,27 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t96 = damping1 + t60 - t61*t63 - t67*t71 - t77*t81 - t91*t95
     t97 = 2.0*t19
     t98 = t97/t62
-    t99 = 2.0*(s1*t6 + c1*t7) + t66*t98
+    t99 = 2.0*(s1*t8 + c1*t9) + t66*t98
     t100 = t99/t70
     t101 = t74*t98 - t76*t100
     t102 = t101/t80
-    t103 = 2.0*(t72*t6 - t73*t7 - c2*t19) + t85*t98 - t87*t100 - t89*t102
+    t103 = 2.0*(t72*t8 - t73*t9 - c2*t19) + t85*t98 - t87*t100 - t89*t102
     t104 = t103/t94
-    t105 = 2.0*(t57*t6 + t50*t7 + t51*t19) + t61*t98 - t67*t100 - t77*t102
+    t105 = 2.0*(t57*t8 + t50*t9 + t51*t19) + t61*t98 - t67*t100 - t77*t102
     t106 = t105 - t91*t104
     t107 = t106/t96
-    t108 = t19*T23 - t7*T33 + (t36*T21 + t34*T31 + (t28*T22 + t30*T32))
-    t109 = t6*T33 + t19*T13 + (t32*T31 + t36*T11 - (t31*T32 - t28*T12))
-    t110 = t7*T13 + t6*T23 - (t34*T11 - t32*T21 + (t30*T12 + t31*T22))
+    t108 = t19*T23 - t9*T33 + (t36*T21 + t34*T31 + (t28*T22 + t30*T32))
+    t109 = t8*T33 + t19*T13 + (t32*T31 + t36*T11 - (t31*T32 - t28*T12))
+    t110 = t9*T13 + t8*T23 - (t34*T11 - t32*T21 + (t30*T12 + t31*T22))
     t111 = t110 + t15*t54 - t18*t55
     t112 = t72*t108 - t73*t109 + c2*t110 + t15*t82 + t18*t83 + t22*t84
     t113 = t57*t108 + t50*t109 - t51*t110 + t15*t53 - t18*t58 + t22*t59
-    t114 = damping1 + 2.0*(t6*t6 + t7*t7 + t19*t19) - t97*t98 - t99*t100
+    t114 = damping1 + 2.0*(t8*t8 + t9*t9 + t19*t19) - t97*t98 - t99*t100
     t115 = s1*t108 + c1*t109 + t15*t64 - t18*t65 + t22*t56 - t111*t68
     t116 = t72*t15 - t73*t18 - c2*t22 - t111*t75 - t78*t115
     t117 = t112 - t111*t86 - t88*t115 - t92*t116
     t118 = t113 - t111*t63 - t71*t115 - t81*t116 - t95*t117
-    t119 = t6*t108 + t7*t109 - t19*t110 + t111*t98 - t100*t115 - t102*t116
+    t119 = t8*t108 + t9*t109 - t19*t110 + t111*t98 - t100*t115 - t102*t116
     t120 = (t119 - t104*t117 - t107*t118)/(t114 - t101*t102 - t103*t104 - t106*t107)
     t121 = t118/t96 - t107*t120
     t122 = t117/t94 - t95*t121 - t104*t120
@@ -805,7 +823,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t124 = t115/t70 - t78*t123 - t88*t122 - t71*t121 - t100*t120
     t125 = t111/t62 - t68*t124 - t75*t123 - t86*t122 - t63*t121 + t98*t120
     return (
-        q1 - t125, q2 + t124, q3 + t14*t123, q4 - t122, q5 + t121, q6 + t120, t49,
+        q1 - t125, q2 + t124, q3 + t4*t123, q4 - t122, q5 + t121, q6 + t120, t49, t4,
     )
 
 

@@ -1301,6 +1301,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[3 * lanes] = q4 + t109;
     result[4 * lanes] = q5 + t108;
     result[5 * lanes] = t118;
+    result[6 * lanes] = t25;
 }
 
 KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
@@ -1368,252 +1369,272 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double t21 = t19*t20;
     const double t22 = 1.0 - (t21 < t16);
     const double t23 = t22 - t22*(t21 < t18);
-    const double t24 = t23 > 0.0 ? ca1 : t15 + t13;
-    const double t25 = t23 > 0.0 ? -ca1 : t15 - t13;
-    const double t26 = t23 > 0.0 ? sa1 : t14 + t17;
-    const double t27 = t23 > 0.0 ? sa1 : t14 - t17;
-    const double t28 = arctangent(t26, t25);
-    const double t29 = arctangent(t27, t24);
-    const double t30 = t3 - k2*(T11*t25 + T12*t26);
-    const double t31 = t1 - k2*(T21*t25 + T22*t26);
-    const double t32 = sqrt(t30*t30 + t31*t31);
-    const double t33 = fabs(t30);
-    const double t34 = 1.0 - (t20 < t33);
-    const double t35 = fabs(t31);
-    const double t36 = t34 - t34*(t20 < t35);
-    const double t37 = -ca2;
-    const double t38 = t36 > 0.0 ? t37 : t31/t32;
-    const double t39 = t36 > 0.0 ? sa2 : t30/t32;
-    const double t40 = (t31*t38 + t30*t39)/k4;
-    const double t41 = (t2 - k2*(T31*t25 + T32*t26))/k4;
-    const double t42 = 1.5 - 0.5*(t40*t40 + t41*t41);
-    const double t43 = t40*t42;
-    const double t44 = k7 > 0.0 ? -t41*t42 : sa3;
-    const double t45 = t39*t44;
-    const double t46 = t38*t44;
-    const double t47 = T11*t45 + T21*t46;
-    const double t48 = k7 > 0.0 ? t43 : ca3;
-    const double t49 = k7 > 0.0 ? -t43 : ca3;
-    const double t50 = t47 + T31*t48;
-    const double t51 = T12*t45 + T22*t46;
-    const double t52 = t51 + T32*t48;
-    const double t53 = t26*t26 + t25*t25;
-    const double t54 = (t26*t50 - t25*t52)/t53;
-    const double t55 = (t26*t52 + t25*t50)/t53;
-    const double t56 = 1.5 - 0.5*(t54*t54 + t55*t55);
-    const double t57 = t54*t56;
-    const double t58 = t55*t56;
-    const double t59 = T23*t39 - T13*t38;
-    const double t60 = (t2*T33 + (t3*T13 + t1*T23))/k4;
-    const double t61 = t60*t60;
-    const double t62 = 1.5 - 0.5*(t61 + t59*t59);
-    const double t63 = t59*t62;
-    const double t64 = k7 > 0.0 ? t63 : ca4;
-    const double t65 = k7 > 0.0 ? -t63 : ca4;
-    const double t66 = t39*t48;
-    const double t67 = k7 > 0.0 ? -t60*t62 : sa4;
-    const double t68 = t38*t67;
-    const double t69 = t68 - t64*t66;
-    const double t70 = t57*t69 - t45*t58;
-    const double t71 = t45*t57 + t58*t69;
-    const double t72 = t25*t70 - t26*t71;
-    const double t73 = t38*t48;
-    const double t74 = t39*t67;
-    const double t75 = t74 + t64*t73;
-    const double t76 = t46*t57 - t58*t75;
-    const double t77 = t57*t75 + t46*t58;
-    const double t78 = t26*t76 + t25*t77;
-    const double t79 = maximum(fabs(k1*t72 + (k2*t70 + (T14 - k4*t66))), fabs(k2*t77 + (k1*t78 - (T24 - k4*t73))));
-    const double t80 = t44*t64;
-    const double t81 = t48*t58 - t57*t80;
-    const double t82 = t48*t57 + t58*t80;
-    const double t83 = t25*t81 + t26*t82;
-    const double t84 = maximum(fabs(T31 - t83), maximum(fabs(T11 + t72), fabs(T21 - t78)));
-    const double t85 = maximum(fabs(t26*t77 - (T22 + t25*t76)), maximum(fabs(t26*t70 + (T12 + t25*t71)), t84));
-    const double t86 = T34 + k4*t44;
-    const double t87 = 1e-07*t19;
-    const double t88 = maximum(fabs(t67*t66 + (T13 + t38*t64)), maximum(fabs(t26*t81 - (T32 + t25*t82)), t85));
-    const double t89 = fabs(T33 - t44*t67);
-    const double t90 = maximum(t89, maximum(fabs(t67*t73 + (T23 - t39*t64)), t88));
-    const double t91 = fabs(t39*t39 - (1.0 - t38*t38));
-    const double t92 = 1.0 - t44*t44;
-    const double t93 = t44*t65;
-    const double t94 = 1.0 - t67*t67;
-    const double t95 = maximum(fabs(t94 - t64*t64), maximum(fabs(t92 - t48*t48), maximum(t91, t90)));
-    const double t96 = fabs(1.0 - t53);
-    const double t97 = maximum(t96, maximum(fabs(t58*t58 - (1.0 - t57*t57)), t95));
-    const double t98 = (1.0 - t23)*(1.0 - (t8 < -1e-11*t10));
-    const double t99 = t11*t98;
-    const double t100 = (maximum(fabs(k1*t83 - (t86 - k2*t81)), t79) < t87)*((t97 < 1e-07)*(t99*(1.0 - t36)));
-    const double t101 = maximum(t23, maximum(k8, maximum(k8, t36)));
-    const double t102 = t98 - t99 > 0.0 ? 2.0 : 1.0;
-    const double t103 = maximum(t23, t98);
-    const double t104 = 0.001*t19;
-    const double t105 = 1.0 - (t104 < t33);
-    const double t106 = t19*t104;
-    const double t107 = 1.0 - (t106 < t16);
-    const double t108 = 1.0 - (1e-14*fabs(100000.0*t6) < t8);
-    const double t109 = t108 - t108*(t8 < -1e-11*fabs(100.0*t6));
-    const double t110 = maximum(t109, t107 - t107*(t106 < t18));
-    const double t111 = maximum(k8, maximum(k8, maximum(t110, t105 - t105*(t104 < t35))));
-    const double t112 = maximum(t23, t109);
-    const double t113 = (t101 > 0.0 ? 3.0 : t102) + 4.0*t111;
-    const double t114 = t101 > 0.0 ? 8.0 : 4.0*maximum(k8, maximum(k8, maximum(t36, t112)));
-    const double t115 = t47 - T31*t49;
-    const double t116 = t51 - T32*t49;
-    const double t117 = (t26*t115 - t25*t116)/t53;
-    const double t118 = (t26*t116 + t25*t115)/t53;
-    const double t119 = 1.5 - 0.5*(t117*t117 + t118*t118);
-    const double t120 = t117*t119;
-    const double t121 = t118*t119;
-    const double t122 = t39*t49;
-    const double t123 = t68 - t65*t122;
-    const double t124 = t45*t120 + t121*t123;
-    const double t125 = t120*t123 - t45*t121;
-    const double t126 = t26*t124 - t25*t125;
-    const double t127 = t38*t49;
-    const double t128 = t74 + t65*t127;
-    const double t129 = t46*t120 - t121*t128;
-    const double t130 = t120*t128 + t46*t121;
-    const double t131 = t26*t129 + t25*t130;
-    const double t132 = maximum(fabs(k2*t125 - (k1*t126 - (T14 + k4*t122))), fabs(k2*t130 + (k1*t131 - (T24 + k4*t127))));
-    const double t133 = t49*t120 + t121*t93;
-    const double t134 = t49*t121 - t120*t93;
-    const double t135 = t26*t133 + t25*t134;
-    const double t136 = maximum(fabs(T31 + t135), maximum(fabs(T11 - t126), fabs(T21 - t131)));
-    const double t137 = maximum(fabs(t26*t130 - (T22 + t25*t129)), maximum(fabs(t26*t125 + (T12 + t25*t124)), t136));
-    const double t138 = maximum(fabs(t67*t122 - (T13 - t38*t65)), maximum(fabs(t26*t134 + (T32 - t25*t133)), t137));
-    const double t139 = arctangent(t39, -t38);
-    const double t140 = maximum(t89, maximum(fabs(t67*t127 - (T23 + t39*t65)), t138));
-    const double t141 = maximum(fabs(t94 - t65*t65), maximum(fabs(t92 - t49*t49), maximum(t91, t140)));
-    const double t142 = maximum(t96, maximum(fabs(t121*t121 - (1.0 - t120*t120)), t141));
-    const double t143 = (maximum(fabs(k2*t134 + (t86 + k1*t135)), t132) < t87)*(t99*(t142 < 1e-07));
-    const double t144 = t3 - k2*(T11*t24 - T12*t27);
-    const double t145 = t1 - k2*(T21*t24 - T22*t27);
-    const double t146 = sqrt(t144*t144 + t145*t145);
-    const double t147 = fabs(t144);
-    const double t148 = 1.0 - (t20 < t147);
-    const double t149 = 1.0 - (t104 < t147);
-    const double t150 = fabs(t145);
-    const double t151 = t148 - t148*(t20 < t150);
-    const double t152 = t151 > 0.0 ? t37 : t145/t146;
-    const double t153 = t151 > 0.0 ? sa2 : t144/t146;
-    const double t154 = (t145*t152 + t144*t153)/k4;
-    const double t155 = maximum(k8, maximum(t110, t149 - t149*(t104 < t150)));
-    const double t156 = (t2 - k2*(T31*t24 - T32*t27))/k4;
-    const double t157 = 1.5 - 0.5*(t154*t154 + t156*t156);
-    const double t158 = k7 > 0.0 ? -t156*t157 : sa3;
-    const double t159 = t154*t157;
-    const double t160 = t153*t158;
-    const double t161 = t152*t158;
-    const double t162 = T11*t160 + T21*t161;
-    const double t163 = k7 > 0.0 ? t159 : ca3;
-    const double t164 = k7 > 0.0 ? -t159 : ca3;
-    const double t165 = t162 + T31*t163;
-    const double t166 = T12*t160 + T22*t161;
-    const double t167 = t166 + T32*t163;
-    const double t168 = t27*t27 + t24*t24;
-    const double t169 = (t27*t165 + t24*t167)/t168;
-    const double t170 = (t27*t167 - t24*t165)/t168;
-    const double t171 = 1.5 - 0.5*(t169*t169 + t170*t170);
-    const double t172 = t169*t171;
-    const double t173 = t170*t171;
-    const double t174 = t153*T23 - t152*T13;
-    const double t175 = 1.5 - 0.5*(t61 + t174*t174);
-    const double t176 = t174*t175;
-    const double t177 = k7 > 0.0 ? -t60*t175 : sa4;
-    const double t178 = k7 > 0.0 ? t176 : ca4;
-    const double t179 = k7 > 0.0 ? -t176 : ca4;
-    const double t180 = t153*t163;
-    const double t181 = t152*t177;
-    const double t182 = t181 - t178*t180;
-    const double t183 = t172*t182 - t160*t173;
-    const double t184 = t160*t172 + t173*t182;
-    const double t185 = t24*t183 + t27*t184;
-    const double t186 = t152*t163;
-    const double t187 = t153*t177;
-    const double t188 = t187 + t178*t186;
-    const double t189 = t161*t172 - t173*t188;
-    const double t190 = t172*t188 + t161*t173;
-    const double t191 = t27*t189 - t24*t190;
-    const double t192 = maximum(fabs(k1*t185 + (k2*t183 - (T14 - k4*t180))), fabs(k1*t191 - (k2*t190 + (T24 - k4*t186))));
-    const double t193 = t158*t178;
-    const double t194 = t163*t172 + t173*t193;
-    const double t195 = t163*t173 - t172*t193;
-    const double t196 = t27*t194 - t24*t195;
-    const double t197 = maximum(fabs(T31 - t196), maximum(fabs(T11 - t185), fabs(T21 - t191)));
-    const double t198 = maximum(fabs(t27*t190 - (T22 - t24*t189)), maximum(fabs(t27*t183 + (T12 - t24*t184)), t197));
-    const double t199 = T34 + k4*t158;
-    const double t200 = maximum(fabs(k1*t196 - (t199 + k2*t195)), t192) < t87;
-    const double t201 = maximum(fabs(t177*t180 + (T13 + t152*t178)), maximum(fabs(t27*t195 - (T32 - t24*t194)), t198));
-    const double t202 = fabs(T33 - t158*t177);
-    const double t203 = maximum(t202, maximum(fabs(t177*t186 + (T23 - t153*t178)), t201));
-    const double t204 = fabs(t153*t153 - (1.0 - t152*t152));
-    const double t205 = 1.0 - t158*t158;
-    const double t206 = t158*t179;
-    const double t207 = 1.0 - t177*t177;
-    const double t208 = maximum(fabs(t207 - t178*t178), maximum(fabs(t205 - t163*t163), maximum(t204, t203)));
-    const double t209 = fabs(1.0 - t168);
-    const double t210 = maximum(t209, maximum(fabs(t173*t173 - (1.0 - t172*t172)), t208));
-    const double t211 = maximum(t23, maximum(k8, maximum(k8, t151)));
-    const double t212 = (t211 > 0.0 ? 3.0 : t102) + 4.0*maximum(k8, t155);
-    const double t213 = t211 > 0.0 ? 8.0 : 4.0*maximum(k8, maximum(k8, maximum(t151, t112)));
-    const double t214 = t200*((t210 < 1e-07)*(t103*(1.0 - t151))) > 0.0 ? t212 : t213;
-    const double t215 = t162 - T31*t164;
-    const double t216 = t166 - T32*t164;
-    const double t217 = (t27*t215 + t24*t216)/t168;
-    const double t218 = (t27*t216 - t24*t215)/t168;
-    const double t219 = 1.5 - 0.5*(t217*t217 + t218*t218);
-    const double t220 = t217*t219;
-    const double t221 = t218*t219;
-    const double t222 = t153*t164;
-    const double t223 = t181 - t179*t222;
-    const double t224 = t160*t220 + t221*t223;
-    const double t225 = t220*t223 - t160*t221;
-    const double t226 = t27*t224 + t24*t225;
-    const double t227 = t152*t164;
-    const double t228 = t187 + t179*t227;
-    const double t229 = t220*t228 + t161*t221;
-    const double t230 = t161*t220 - t221*t228;
-    const double t231 = t24*t229 - t27*t230;
-    const double t232 = maximum(fabs(k2*t225 + (k1*t226 - (T14 + k4*t222))), fabs(k1*t231 + (k2*t229 + (T24 + k4*t227))));
-    const double t233 = t164*t221 - t220*t206;
-    const double t234 = t164*t220 + t221*t206;
-    const double t235 = t24*t233 - t27*t234;
-    const double t236 = maximum(fabs(k1*t235 - (t199 - k2*t233)), t232) < t87;
-    const double t237 = maximum(fabs(T31 - t235), maximum(fabs(T11 - t226), fabs(T21 + t231)));
-    const double t238 = maximum(fabs(t27*t229 - (T22 - t24*t230)), maximum(fabs(t27*t225 + (T12 - t24*t224)), t237));
-    const double t239 = maximum(fabs(t177*t222 - (T13 - t152*t179)), maximum(fabs(t27*t233 + (T32 + t24*t234)), t238));
-    const double t240 = arctangent(t153, -t152);
-    const double t241 = maximum(t202, maximum(fabs(t177*t227 - (T23 + t153*t179)), t239));
-    const double t242 = maximum(fabs(t207 - t179*t179), maximum(fabs(t205 - t164*t164), maximum(t204, t241)));
-    const double t243 = maximum(t209, maximum(fabs(t221*t221 - (1.0 - t220*t220)), t242));
-    const double t244 = (0.0 < t139) ? 3.141592653589793 : -3.141592653589793;
-    const double t245 = (0.0 < t240) ? 3.141592653589793 : -3.141592653589793;
-    result[0] = t240;
-    result[lanes] = arctangent(t158, t164);
-    result[2 * lanes] = arctangent(t177, t179);
-    result[3 * lanes] = -arctangent(t218, t217);
-    result[4 * lanes] = t29;
-    result[5 * lanes] = t240 - t245;
-    result[6 * lanes] = arctangent(t158, t163);
-    result[7 * lanes] = arctangent(t177, t178);
-    result[8 * lanes] = arctangent(t170, -t169);
-    result[9 * lanes] = t29;
-    result[10 * lanes] = t139;
-    result[11 * lanes] = arctangent(t44, t49);
-    result[12 * lanes] = arctangent(t67, t65);
-    result[13 * lanes] = arctangent(t118, -t117);
-    result[14 * lanes] = -t28;
-    result[15 * lanes] = t139 - t244;
-    result[16 * lanes] = arctangent(t44, t48);
-    result[17 * lanes] = arctangent(t67, t64);
-    result[18 * lanes] = -arctangent(t55, t54);
-    result[19 * lanes] = -t28;
-    result[20 * lanes] = t236*(t103*(t243 < 1e-07)) > 0.0 ? t212 : t213;
-    result[21 * lanes] = t214;
-    result[22 * lanes] = t143 > 0.0 ? t113 : t114;
-    result[23 * lanes] = t100 > 0.0 ? t113 : t114;
+    const double t24 = t23 > 0.0 ? ca1 : t13 + t15;
+    const double t25 = t23 > 0.0 ? ca1 : t13 - t15;
+    const double t26 = t23 > 0.0 ? sa1 : t17 + t14;
+    const double t27 = t23 > 0.0 ? -sa1 : t17 - t14;
+    const double t28 = arctangent(t27, t24);
+    const double t29 = t3 - k2*(T11*t24 + T12*t27);
+    const double t30 = t1 - k2*(T21*t24 + T22*t27);
+    const double t31 = sqrt(t29*t29 + t30*t30);
+    const double t32 = fabs(t29);
+    const double t33 = 1.0 - (t20 < t32);
+    const double t34 = fabs(t30);
+    const double t35 = t33 - t33*(t20 < t34);
+    const double t36 = -ca2;
+    const double t37 = t35 > 0.0 ? t36 : t30/t31;
+    const double t38 = t35 > 0.0 ? sa2 : t29/t31;
+    const double t39 = (t30*t37 + t29*t38)/k4;
+    const double t40 = (t2 - k2*(T31*t24 + T32*t27))/k4;
+    const double t41 = 1.5 - 0.5*(t39*t39 + t40*t40);
+    const double t42 = t39*t41;
+    const double t43 = k7 > 0.0 ? -t40*t41 : sa3;
+    const double t44 = t38*t43;
+    const double t45 = t37*t43;
+    const double t46 = T11*t44 + T21*t45;
+    const double t47 = k7 > 0.0 ? -t42 : ca3;
+    const double t48 = k7 > 0.0 ? t42 : ca3;
+    const double t49 = t46 - T31*t47;
+    const double t50 = T12*t44 + T22*t45;
+    const double t51 = t50 - T32*t47;
+    const double t52 = t27*t27 + t24*t24;
+    const double t53 = (t27*t49 - t24*t51)/t52;
+    const double t54 = (t27*t51 + t24*t49)/t52;
+    const double t55 = 1.5 - 0.5*(t53*t53 + t54*t54);
+    const double t56 = t53*t55;
+    const double t57 = t54*t55;
+    const double t58 = t38*T23 - t37*T13;
+    const double t59 = (t3*T13 + (t2*T33 + t1*T23))/k4;
+    const double t60 = t59*t59;
+    const double t61 = 1.5 - 0.5*(t60 + t58*t58);
+    const double t62 = t58*t61;
+    const double t63 = k7 > 0.0 ? -t62 : ca4;
+    const double t64 = k7 > 0.0 ? t62 : ca4;
+    const double t65 = t38*t47;
+    const double t66 = k7 > 0.0 ? -t59*t61 : sa4;
+    const double t67 = t37*t66;
+    const double t68 = t67 - t63*t65;
+    const double t69 = t56*t68 - t44*t57;
+    const double t70 = t44*t56 + t57*t68;
+    const double t71 = t24*t69 - t27*t70;
+    const double t72 = t37*t47;
+    const double t73 = t38*t66;
+    const double t74 = t73 + t63*t72;
+    const double t75 = t45*t56 - t57*t74;
+    const double t76 = t56*t74 + t45*t57;
+    const double t77 = t27*t75 + t24*t76;
+    const double t78 = t43*t63;
+    const double t79 = t47*t56 + t57*t78;
+    const double t80 = t47*t57 - t56*t78;
+    const double t81 = t27*t79 + t24*t80;
+    const double t82 = maximum(fabs(T31 + t81), maximum(fabs(T11 + t71), fabs(T21 - t77)));
+    const double t83 = maximum(fabs(t27*t76 - (T22 + t24*t75)), maximum(fabs(t27*t69 + (T12 + t24*t70)), t82));
+    const double t84 = maximum(fabs(t66*t65 - (T13 - t37*t63)), maximum(fabs(t27*t80 + (T32 - t24*t79)), t83));
+    const double t85 = fabs(T33 - t43*t66);
+    const double t86 = maximum(t85, maximum(fabs(t66*t72 - (T23 + t38*t63)), t84));
+    const double t87 = fabs(t38*t38 - (1.0 - t37*t37));
+    const double t88 = 1.0 - t43*t43;
+    const double t89 = 1.0 - t66*t66;
+    const double t90 = maximum(fabs(t89 - t63*t63), maximum(fabs(t88 - t47*t47), maximum(t87, t86)));
+    const double t91 = fabs(1.0 - t52);
+    const double t92 = maximum(t91, maximum(fabs(t57*t57 - (1.0 - t56*t56)), t90));
+    const double t93 = maximum(fabs(k1*t71 + (k2*t69 + (T14 + k4*t65))), t19*t92);
+    const double t94 = maximum(fabs(k2*t76 + (k1*t77 - (T24 + k4*t72))), t93);
+    const double t95 = T34 + k4*t43;
+    const double t96 = maximum(fabs(k2*t80 + (t95 + k1*t81)), t94);
+    const double t97 = t43*t64;
+    const double t98 = 1e-07*t19;
+    const double t99 = (1.0 - t23)*(1.0 - (t8 < -1e-11*t10));
+    const double t100 = t11*t99;
+    const double t101 = maximum(t23, t99);
+    const double t102 = t101*(t96 < t98);
+    const double t103 = t99 - t100 > 0.0 ? 2.0 : 1.0;
+    const double t104 = t46 + T31*t48;
+    const double t105 = t50 + T32*t48;
+    const double t106 = (t27*t104 - t24*t105)/t52;
+    const double t107 = (t27*t105 + t24*t104)/t52;
+    const double t108 = 1.5 - 0.5*(t106*t106 + t107*t107);
+    const double t109 = t106*t108;
+    const double t110 = t107*t108;
+    const double t111 = t38*t48;
+    const double t112 = t67 - t64*t111;
+    const double t113 = t109*t112 - t44*t110;
+    const double t114 = t44*t109 + t110*t112;
+    const double t115 = t24*t113 - t27*t114;
+    const double t116 = t37*t48;
+    const double t117 = t73 + t64*t116;
+    const double t118 = t45*t109 - t110*t117;
+    const double t119 = t109*t117 + t45*t110;
+    const double t120 = t27*t118 + t24*t119;
+    const double t121 = t48*t109 + t110*t97;
+    const double t122 = t48*t110 - t109*t97;
+    const double t123 = t27*t121 + t24*t122;
+    const double t124 = maximum(fabs(T31 - t123), maximum(fabs(T11 + t115), fabs(T21 - t120)));
+    const double t125 = maximum(fabs(t27*t119 - (T22 + t24*t118)), maximum(fabs(t27*t113 + (T12 + t24*t114)), t124));
+    const double t126 = maximum(fabs(t66*t111 + (T13 + t37*t64)), maximum(fabs(t27*t122 - (T32 + t24*t121)), t125));
+    const double t127 = arctangent(t38, -t37);
+    const double t128 = maximum(t85, maximum(fabs(t66*t116 + (T23 - t38*t64)), t126));
+    const double t129 = maximum(fabs(t89 - t64*t64), maximum(fabs(t88 - t48*t48), maximum(t87, t128)));
+    const double t130 = maximum(t91, maximum(fabs(t110*t110 - (1.0 - t109*t109)), t129));
+    const double t131 = maximum(fabs(k2*t113 + (k1*t115 + (T14 - k4*t111))), t19*t130);
+    const double t132 = maximum(fabs(k2*t119 + (k1*t120 - (T24 - k4*t116))), t131);
+    const double t133 = maximum(fabs(k2*t122 - (t95 - k1*t123)), t132);
+    const double t134 = t101*(t133 < t98);
+    const double t135 = t134 - t35*t134;
+    const double t136 = minimum(t102 > 0.0 ? t96 : t98, t135 > 0.0 ? t133 : t98);
+    const double t137 = t3 + k2*(T11*t25 - T12*t26);
+    const double t138 = t1 + k2*(T21*t25 - T22*t26);
+    const double t139 = sqrt(t137*t137 + t138*t138);
+    const double t140 = fabs(t137);
+    const double t141 = 1.0 - (t20 < t140);
+    const double t142 = fabs(t138);
+    const double t143 = t141 - t141*(t20 < t142);
+    const double t144 = t143 > 0.0 ? t36 : t138/t139;
+    const double t145 = t143 > 0.0 ? sa2 : t137/t139;
+    const double t146 = (t138*t144 + t137*t145)/k4;
+    const double t147 = (t2 + k2*(T31*t25 - T32*t26))/k4;
+    const double t148 = 1.5 - 0.5*(t146*t146 + t147*t147);
+    const double t149 = k7 > 0.0 ? -t147*t148 : sa3;
+    const double t150 = t146*t148;
+    const double t151 = t145*t149;
+    const double t152 = t144*t149;
+    const double t153 = T11*t151 + T21*t152;
+    const double t154 = k7 > 0.0 ? -t150 : ca3;
+    const double t155 = k7 > 0.0 ? t150 : ca3;
+    const double t156 = t153 - T31*t154;
+    const double t157 = T12*t151 + T22*t152;
+    const double t158 = t157 - T32*t154;
+    const double t159 = t26*t26 + t25*t25;
+    const double t160 = (t26*t156 + t25*t158)/t159;
+    const double t161 = (t26*t158 - t25*t156)/t159;
+    const double t162 = 1.5 - 0.5*(t160*t160 + t161*t161);
+    const double t163 = t160*t162;
+    const double t164 = t161*t162;
+    const double t165 = T23*t145 - T13*t144;
+    const double t166 = 1.5 - 0.5*(t60 + t165*t165);
+    const double t167 = t165*t166;
+    const double t168 = k7 > 0.0 ? -t59*t166 : sa4;
+    const double t169 = k7 > 0.0 ? -t167 : ca4;
+    const double t170 = k7 > 0.0 ? t167 : ca4;
+    const double t171 = t145*t154;
+    const double t172 = t144*t168;
+    const double t173 = t172 - t169*t171;
+    const double t174 = t151*t163 + t164*t173;
+    const double t175 = t163*t173 - t151*t164;
+    const double t176 = t26*t174 + t25*t175;
+    const double t177 = t144*t154;
+    const double t178 = t145*t168;
+    const double t179 = t178 + t169*t177;
+    const double t180 = t152*t163 - t164*t179;
+    const double t181 = t163*t179 + t152*t164;
+    const double t182 = t26*t180 - t25*t181;
+    const double t183 = t149*t169;
+    const double t184 = t154*t164 - t163*t183;
+    const double t185 = t154*t163 + t164*t183;
+    const double t186 = t25*t184 - t26*t185;
+    const double t187 = maximum(fabs(T31 - t186), maximum(fabs(T11 - t176), fabs(T21 - t182)));
+    const double t188 = maximum(fabs(t26*t181 - (T22 - t25*t180)), maximum(fabs(t26*t175 + (T12 - t25*t174)), t187));
+    const double t189 = maximum(fabs(t168*t171 - (T13 - t144*t169)), maximum(fabs(t26*t184 + (T32 + t25*t185)), t188));
+    const double t190 = fabs(T33 - t149*t168);
+    const double t191 = maximum(t190, maximum(fabs(t168*t177 - (T23 + t145*t169)), t189));
+    const double t192 = fabs(t145*t145 - (1.0 - t144*t144));
+    const double t193 = 1.0 - t149*t149;
+    const double t194 = 1.0 - t168*t168;
+    const double t195 = maximum(fabs(t194 - t169*t169), maximum(fabs(t193 - t154*t154), maximum(t192, t191)));
+    const double t196 = fabs(1.0 - t159);
+    const double t197 = maximum(t196, maximum(fabs(t164*t164 - (1.0 - t163*t163)), t195));
+    const double t198 = maximum(fabs(k1*t176 - (k2*t175 + (T14 + k4*t171))), t19*t197);
+    const double t199 = maximum(fabs(k1*t182 + (k2*t181 - (T24 + k4*t177))), t198);
+    const double t200 = T34 + k4*t149;
+    const double t201 = maximum(fabs(k2*t184 + (t200 - k1*t186)), t199);
+    const double t202 = t149*t170;
+    const double t203 = t100*(t201 < t98);
+    const double t204 = t153 + T31*t155;
+    const double t205 = t157 + T32*t155;
+    const double t206 = (t26*t204 + t25*t205)/t159;
+    const double t207 = (t26*t205 - t25*t204)/t159;
+    const double t208 = 1.5 - 0.5*(t206*t206 + t207*t207);
+    const double t209 = t206*t208;
+    const double t210 = t207*t208;
+    const double t211 = t145*t155;
+    const double t212 = t172 - t170*t211;
+    const double t213 = t151*t209 + t210*t212;
+    const double t214 = t209*t212 - t151*t210;
+    const double t215 = t26*t213 + t25*t214;
+    const double t216 = t144*t155;
+    const double t217 = t178 + t170*t216;
+    const double t218 = t209*t217 + t152*t210;
+    const double t219 = t152*t209 - t210*t217;
+    const double t220 = t25*t218 - t26*t219;
+    const double t221 = t155*t209 + t210*t202;
+    const double t222 = t155*t210 - t209*t202;
+    const double t223 = t26*t221 - t25*t222;
+    const double t224 = arctangent(t26, -t25);
+    const double t225 = maximum(fabs(T31 - t223), maximum(fabs(T11 - t215), fabs(T21 + t220)));
+    const double t226 = maximum(fabs(t26*t218 - (T22 - t25*t219)), maximum(fabs(t26*t214 + (T12 - t25*t213)), t225));
+    const double t227 = maximum(fabs(t168*t211 + (T13 + t144*t170)), maximum(fabs(t26*t222 - (T32 - t25*t221)), t226));
+    const double t228 = arctangent(t145, -t144);
+    const double t229 = maximum(t190, maximum(fabs(t168*t216 + (T23 - t145*t170)), t227));
+    const double t230 = maximum(fabs(t194 - t170*t170), maximum(fabs(t193 - t155*t155), maximum(t192, t229)));
+    const double t231 = maximum(t196, maximum(fabs(t210*t210 - (1.0 - t209*t209)), t230));
+    const double t232 = maximum(fabs(k2*t214 - (k1*t215 - (T14 - k4*t211))), t19*t231);
+    const double t233 = maximum(fabs(k1*t220 - (k2*t218 - (T24 - k4*t216))), t232);
+    const double t234 = maximum(fabs(k2*t222 - (t200 - k1*t223)), t233);
+    const double t235 = t100*(t234 < t98);
+    const double t236 = t235 - t143*t235;
+    const double t237 = minimum(t236 > 0.0 ? t234 : t98, minimum(t203 > 0.0 ? t201 : t98, t136));
+    const double t238 = maximum(1000.0*t237, 3e-11*t19);
+    const double t239 = 0.001*t19;
+    const double t240 = 1.0 - (t239 < t32);
+    const double t241 = t19*t239;
+    const double t242 = 1.0 - (t241 < t16);
+    const double t243 = 1.0 - (t239 < t140);
+    const double t244 = 1.0 - (1e-14*fabs(100000.0*t6) < t8);
+    const double t245 = t244 - t244*(t8 < -1e-11*fabs(100.0*t6));
+    const double t246 = maximum(t245, t242 - t242*(t241 < t18));
+    const double t247 = maximum(t23, t245);
+    const double t248 = maximum(k8, maximum(k8, maximum(t246, t240 - t240*(t239 < t34))));
+    const double t249 = t102*maximum(t248, t96 < t238);
+    const double t250 = t135*maximum(t248, t133 < t238);
+    const double t251 = maximum(k8, maximum(t246, t243 - t243*(t239 < t142)));
+    const double t252 = maximum(k8, t251);
+    const double t253 = t203*maximum(t252, t201 < t238);
+    const double t254 = t236*maximum(t252, t234 < t238);
+    const double t255 = 1.0 - maximum(t254, maximum(t253, maximum(t249, t250)));
+    const double t256 = maximum(maximum(k8, maximum(k8, maximum(t143, t247))), t252*t255);
+    const double t257 = maximum(t23, maximum(k8, maximum(k8, t143)));
+    const double t258 = maximum(maximum(k8, maximum(k8, maximum(t35, t247))), t248*t255);
+    const double t259 = maximum(t23, maximum(k8, maximum(k8, t35)));
+    const double t260 = t257 > 0.0 ? 8.0 : 4.0*t256;
+    const double t261 = t259 > 0.0 ? 8.0 : 4.0*t258;
+    const double t262 = (t257 > 0.0 ? 3.0 : t103) + 4.0*t252;
+    const double t263 = (t259 > 0.0 ? 3.0 : t103) + 4.0*t248;
+    const double t264 = (0.0 < t228) ? 3.141592653589793 : -3.141592653589793;
+    const double t265 = (0.0 < t127) ? 3.141592653589793 : -3.141592653589793;
+    result[0] = t127;
+    result[lanes] = arctangent(t43, t47);
+    result[2 * lanes] = arctangent(t66, t63);
+    result[3 * lanes] = arctangent(t54, -t53);
+    result[4 * lanes] = -t28;
+    result[5 * lanes] = t127 - t265;
+    result[6 * lanes] = arctangent(t43, t48);
+    result[7 * lanes] = arctangent(t66, t64);
+    result[8 * lanes] = -arctangent(t107, t106);
+    result[9 * lanes] = -t28;
+    result[10 * lanes] = t228;
+    result[11 * lanes] = arctangent(t149, t154);
+    result[12 * lanes] = arctangent(t168, t169);
+    result[13 * lanes] = arctangent(t161, -t160);
+    result[14 * lanes] = -t224;
+    result[15 * lanes] = t228 - t264;
+    result[16 * lanes] = arctangent(t149, t155);
+    result[17 * lanes] = arctangent(t168, t170);
+    result[18 * lanes] = -arctangent(t207, t206);
+    result[19 * lanes] = -t224;
+    result[20 * lanes] = t249 > 0.0 ? t263 : t261;
+    result[21 * lanes] = t250 > 0.0 ? t263 : t261;
+    result[22 * lanes] = t253 > 0.0 ? t262 : t260;
+    result[23 * lanes] = t254 > 0.0 ? t262 : t260;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -1635,10 +1656,10 @@ KERNEL int inverse_kinematics_result(const double *restrict values, size_t lanes
     return count;
 }
 
-static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1};
+static const int inverse_kinematics_revolute[] = {1, 1, 1, 1, 1}, inverse_kinematics_turning[] = {1, 1, 1, 1, 1};
 
-/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, and the error of
-   the first. */
+/* A step of Newton's method: from a configuration to one that is nearer to the pose, angles without full turns, the error of the
+   first, and the unit of length. */
 static void inverse_kinematics_step(const double *restrict q, const double *restrict T, const double *restrict damping, const double *restrict k, double *restrict result)
 {
     double angles[5], sines[5], cosines[5];
@@ -1650,7 +1671,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
     inverse_kinematics_step_lane(q, T, damping, sines, cosines, k, result, 1, 1);
     const double turn = 6.283185307179586;
     for (size_t j = 0; j < 5; ++j)
-        if (inverse_kinematics_revolute[j] && fabs(result[j]) > 0.5 * turn)
+        if (inverse_kinematics_turning[j] && fabs(result[j]) > 0.5 * turn)
             result[j] -= turn * floor(result[j] / turn + 0.5);
 }
 
@@ -1660,7 +1681,7 @@ static void inverse_kinematics_step(const double *restrict q, const double *rest
 static double inverse_kinematics_refined(const double *restrict T, const double *restrict k, double *restrict q)
 {
     enum { error = 5 };
-    double ahead[5 + 1], found[5 + 1], damping = 1e-12, fall = 0.1;
+    double ahead[5 + 2], found[5 + 2], damping = 1e-12, fall = 0.1;
     inverse_kinematics_step(q, T, &damping, k + 8, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
@@ -1742,6 +1763,33 @@ static void inverse_kinematics_values(const double *restrict T, const double *re
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
 
+/* Lists where Newton's method leads from a configuration: a solution that is none of infinitely many and is not listed yet, or any
+   if there is no other. */
+static void inverse_kinematics_added(const double *restrict T, const double *restrict k, double unit, const double *restrict start, size_t branch, double *restrict q, int *restrict kinds)
+{
+    static const double nudge[] = {7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05};
+    double row[5], back[5];
+    size_t place = kinds[branch] ? 4 : branch, listed = 0;
+    for (size_t j = 0; j < 5; ++j)
+        row[j] = isfinite(start[j]) ? start[j] : 0.0;
+    if (!(inverse_kinematics_refined(T, k, row) <= 3e-11))
+        return;
+    for (size_t b = 0; b < 4; ++b) {
+        listed += kinds[b] > 0;
+        if (kinds[b] && inverse_kinematics_apart(T, q + 5 * b, row, 3e-5) == 0)
+            return;
+        if (!kinds[b] && place == 4)
+            place = b;
+    }
+    for (size_t j = 0; j < 5; ++j)
+        back[j] = row[j] + nudge[j] * (inverse_kinematics_revolute[j] ? 1.0 : unit);
+    const int alone = inverse_kinematics_refined(T, k, back) <= 3e-11 && inverse_kinematics_apart(T, row, back, 1e-8) == 0;
+    if (place == 4 || (listed && !alone))
+        return;
+    memcpy(q + 5 * place, row, sizeof row);
+    kinds[place] = alone ? 1 : 3;
+}
+
 /* Whether a pose has finite entries, and is not so far away that powers of its position are no numbers. */
 static int inverse_kinematics_is_finite(const double *T)
 {
@@ -1751,6 +1799,65 @@ static int inverse_kinematics_is_finite(const double *T)
     return sum <= 1e30;
 }
 
+/* Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special. */
+static void inverse_kinematics_alone(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict kinds)
+{
+    static const double beside[][12] = {
+        {0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048},
+        {0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024},
+    };
+    static const double starts[][5] = {
+        {-0.237, -0.447, -0.631, -0.794, -0.937},
+        {-0.475, -0.893, 0.738, 0.413, 0.126},
+        {-0.712, 0.66, 0.107, -0.381, -0.811},
+        {-0.95, 0.213, -0.525, 0.825, 0.252},
+        {0.813, -0.234, 0.844, 0.032, -0.684},
+        {0.575, -0.68, 0.213, -0.762, 0.379},
+        {0.338, 0.873, -0.418, 0.444, -0.558},
+        {0.1, 0.426, 0.951, -0.349, 0.505},
+        {-0.137, -0.02, 0.32, 0.857, -0.432},
+        {-0.375, -0.467, -0.311, 0.063, 0.631},
+        {-0.612, -0.914, -0.943, -0.73, -0.306},
+        {-0.849, 0.639, 0.426, 0.476, 0.757},
+        {0.913, 0.193, -0.205, -0.318, -0.18},
+        {0.676, -0.254, -0.836, 0.889, 0.884},
+        {0.438, -0.701, 0.533, 0.095, -0.053},
+        {0.201, 0.852, -0.098, -0.699, -0.99},
+        {-0.037, 0.406, -0.729, 0.508, 0.073},
+        {-0.274, -0.041, 0.639, -0.286, -0.864},
+        {-0.512, -0.488, 0.008, 0.92, 0.199},
+        {-0.749, -0.934, -0.623, 0.127, -0.738},
+        {-0.987, 0.619, 0.746, -0.667, 0.325},
+        {0.776, 0.172, 0.115, 0.539, -0.612},
+        {0.538, -0.275, -0.516, -0.254, 0.452},
+        {0.301, -0.721, 0.853, 0.952, -0.485},
+    };
+    const double damping = 1e-12;
+    double start[5], step[5 + 2], values[24], moved[16] = {0.0};
+    for (size_t j = 0; j < 5; ++j)
+        start[j] = isfinite(q[j]) ? q[j] : 0.0;
+    inverse_kinematics_step(start, T, &damping, k + 8, step);
+    const double unit = step[5 + 1];
+    for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double *const a = beside[i] + 4 * row;
+                moved[4 * row + column] = a[0] * T[column] + a[1] * T[4 + column] + a[2] * T[8 + column] + (column == 3 ? unit * a[3] : 0.0);
+            }
+        inverse_kinematics_values(moved, near, k, values);
+        for (size_t b = 0; b < 4; ++b)
+            inverse_kinematics_added(T, k, unit, values + 5 * b, b, q, kinds);
+    }
+    memcpy(values, q, 20 * sizeof *q);
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; ++i) {
+        for (size_t j = 0; j < 5; ++j) {
+            const double value = values[5 * (i % 4) + j];
+            start[j] = (isfinite(value) ? value : 0.0) + starts[i][j] * (inverse_kinematics_revolute[j] ? 3.141592653589793 : unit);
+        }
+        inverse_kinematics_added(T, k, unit, start, i % 4, q, kinds);
+    }
+}
+
 /* With free joints at `near`; branches that have no solution then are tried with them at some other places, after two times with
    the other joints turned, too, differently in each branch. */
 int thumb_inverse_kinematics(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict q, int *restrict status)
@@ -1758,7 +1865,7 @@ int thumb_inverse_kinematics(const double *restrict T, const double *restrict ne
     static const double places[] = {0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0, 2.5, -2.5, 3.0, -3.0};
     double start[5], values[24];
     const double *const codes = values + 20;
-    int kinds[4], doubts[4], free[4], settled[4] = {0}, lacking = 1;
+    int kinds[4], doubts[4], doubted[4], free[4], settled[4] = {0}, lacking = 1, unsure = 0;
     if (!inverse_kinematics_is_finite(T)) {
         for (size_t j = 0; j < 20; ++j)
             q[j] = NAN;
@@ -1774,7 +1881,7 @@ int thumb_inverse_kinematics(const double *restrict T, const double *restrict ne
         return count;
     memcpy(q, values, 20 * sizeof *q);
     for (size_t b = 0; b < 4; ++b) {
-        doubts[b] = codes[b] >= 4.0;
+        doubted[b] = doubts[b] = codes[b] >= 4.0;
         free[b] = codes[b] >= 7.0;
         kinds[b] = doubts[b] ? 0 : (int)codes[b];
     }
@@ -1790,9 +1897,13 @@ int thumb_inverse_kinematics(const double *restrict T, const double *restrict ne
         if (lacking)
             inverse_kinematics_values(T, start, k, values);
         for (size_t j = 0; j < 20 && i > 1; ++j)
-            if (inverse_kinematics_revolute[j % 5])
+            if (inverse_kinematics_turning[j % 5])
                 values[j] += 1.3 * (double)(i * (j / 5 + 1) * (j % 5 + 2));
     }
+    for (size_t b = 0; b < 4; ++b)
+        unsure |= doubted[b] && (kinds[b] == 0 || kinds[b] == 3);
+    if (unsure)
+        inverse_kinematics_alone(T, start, k, q, kinds);
     count = 0;
     for (size_t b = 0; b < 4; ++b) {
         for (size_t j = 0; j < 5 && !kinds[b]; ++j)

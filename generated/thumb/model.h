@@ -21,7 +21,7 @@
  *
  * Nothing is allocated, there are no global variables, and all functions may be called from several threads at once.
  * A result must not overlap an argument (the definitions say `restrict`); arguments may overlap each other.
- * Not a number and infinity go in and out as in <math.h>.
+ * Not a number and infinity go in and out as in <math.h>; inverse kinematics has no solution for them.
  *
  * `params` holds the parameters without a number; index_of_... are their places in it. What depends on them alone is
  * computed once, by f_constants(params, k), and then given to f as `k`.
@@ -55,7 +55,7 @@ enum {
     thumb_none = 0, /**< The branch does not exist. */
     thumb_exact = 1, /**< A solution. */
     thumb_boundary = 2, /**< A solution on the boundary of the workspace, where branches coincide; one is listed. */
-    thumb_singular = 3, /**< A solution in which joints are free; they are at `near`, and others follow. */
+    thumb_singular = 3, /**< A solution at a singular pose: as a rule joints are free, at `near` where the others allow it. */
 };
 
 /**
@@ -181,7 +181,7 @@ void thumb_analytic_jacobian_zyz_constants(const double *params, double *k);
 /**
  * Joint variables of a pose of the end effector, every branch.
  *
- * A reachable pose has up to 2 solutions, and no more.
+ * A reachable pose has up to 2 solutions, and no more but where joints are free.
  * T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond 1e30, none exists.
  *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
@@ -192,7 +192,7 @@ void thumb_analytic_jacobian_zyz_constants(const double *params, double *k);
  * @param[out] status  what each branch is, 4; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 366 mul, 258 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 140 cases.
+ * Closed form, all branches at once: 374 mul, 259 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 161 cases.
  * Once per set of parameters: 4 mul, 4 add, 1 cases.
  */
 int thumb_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

@@ -44,7 +44,7 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 111, "add": 67, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 76, "add": 29, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 54, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
-    "inverse_kinematics": {"mul": 366, "add": 258, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 140},
+    "inverse_kinematics": {"mul": 374, "add": 259, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 161},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -200,7 +200,7 @@ def analytic_jacobian_zyz(q, params=None, out=None):
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None):
     """Joint variables of a pose of the end effector, every branch.
 
-    A reachable pose has up to 2 solutions, and no more. Rows are branches in a fixed order.
+    A reachable pose has up to 2 solutions, and no more but where joints are free. Rows are branches in a fixed order.
 
     Args:
         T: Pose of the end effector in the world frame, (..., 4, 4).
@@ -219,7 +219,7 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 366 mul, 258 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 140 cases.
+    Closed form, all branches at once: 374 mul, 259 add, 19 div, 4 sin, 4 cos, 4 sqrt, 16 atan2, 161 cases.
     Once per set of parameters: 4 mul, 4 add, 1 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
@@ -718,247 +718,265 @@ def _inverse_kinematics(functions, k, T, near):
     t29 = 1.0 - less(t28, t23)
     t30 = t29 - t29*less(t28, t25)
     t31 = cos(near5)
-    t32 = select(t30, t31, t22 + t20)
-    t33 = select(t30, -t31, t22 - t20)
+    t32 = select(t30, t31, t20 + t22)
+    t33 = select(t30, t31, t20 - t22)
     t34 = sin(near5)
-    t35 = select(t30, t34, t21 + t24)
-    t36 = select(t30, t34, t21 - t24)
-    t37 = atan2(t35, t33)
-    t38 = atan2(t36, t32)
-    t39 = t10 - p_lI2*(T11*t33 + T12*t35)
-    t40 = t8 - p_lI2*(T21*t33 + T22*t35)
-    t41 = sqrt(t39*t39 + t40*t40)
-    t42 = absolute(t39)
-    t43 = 1.0 - less(t27, t42)
-    t44 = absolute(t40)
-    t45 = t43 - t43*less(t27, t44)
-    t46 = cos(near1)
-    t47 = -t46
-    t48 = select(t45, t47, t40/t41)
-    t49 = sin(near1)
-    t50 = select(t45, t49, t39/t41)
-    t51 = (t40*t48 + t39*t50)/p_lI1
-    t52 = (t9 - p_lI2*(T31*t33 + T32*t35))/p_lI1
-    t53 = 1.5 - 0.5*(t51*t51 + t52*t52)
-    t54 = t51*t53
-    t55 = sin(near2)
-    t56 = select(k7, -t52*t53, t55)
-    t57 = t50*t56
-    t58 = t48*t56
-    t59 = T11*t57 + T21*t58
-    t60 = cos(near2)
-    t61 = select(k7, t54, t60)
-    t62 = select(k7, -t54, t60)
-    t63 = t59 + T31*t61
-    t64 = T12*t57 + T22*t58
-    t65 = t64 + T32*t61
-    t66 = t35*t35 + t33*t33
-    t67 = (t35*t63 - t33*t65)/t66
-    t68 = (t35*t65 + t33*t63)/t66
-    t69 = 1.5 - 0.5*(t67*t67 + t68*t68)
-    t70 = t67*t69
-    t71 = t68*t69
-    t72 = T23*t50 - T13*t48
-    t73 = (t9*T33 + (t10*T13 + t8*T23))/p_lI1
-    t74 = t73*t73
-    t75 = 1.5 - 0.5*(t74 + t72*t72)
-    t76 = t72*t75
-    t77 = cos(near3)
-    t78 = select(k7, t76, t77)
-    t79 = select(k7, -t76, t77)
-    t80 = t50*t61
-    t81 = sin(near3)
-    t82 = select(k7, -t73*t75, t81)
-    t83 = t48*t82
-    t84 = t83 - t78*t80
-    t85 = t70*t84 - t57*t71
-    t86 = t57*t70 + t71*t84
-    t87 = t33*t85 - t35*t86
-    t88 = absolute(p_lI3*t87 + (p_lI2*t85 + (T14 - p_lI1*t80)))
-    t89 = t48*t61
-    t90 = t50*t82
-    t91 = t90 + t78*t89
-    t92 = t58*t70 - t71*t91
-    t93 = t70*t91 + t58*t71
-    t94 = t35*t92 + t33*t93
-    t95 = absolute(p_lI2*t93 + (p_lI3*t94 - (T24 - p_lI1*t89)))
-    t96 = t56*t78
-    t97 = t61*t71 - t70*t96
-    t98 = t61*t70 + t71*t96
-    t99 = t33*t97 + t35*t98
-    t100 = maximum(absolute(T31 - t99), maximum(absolute(T11 + t87), absolute(T21 - t94)))
-    t101 = maximum(absolute(t35*t93 - (T22 + t33*t92)), maximum(absolute(t35*t85 + (T12 + t33*t86)), t100))
-    t102 = T34 + p_lI1*t56
-    t103 = maximum(absolute(p_lI3*t99 - (t102 - p_lI2*t97)), maximum(t88, t95))
-    t104 = 1e-07*t26
-    t105 = maximum(absolute(t82*t80 + (T13 + t48*t78)), maximum(absolute(t35*t97 - (T32 + t33*t98)), t101))
-    t106 = absolute(T33 - t56*t82)
-    t107 = maximum(t106, maximum(absolute(t82*t89 + (T23 - t50*t78)), t105))
-    t108 = absolute(t50*t50 - (1.0 - t48*t48))
-    t109 = 1.0 - t56*t56
-    t110 = maximum(absolute(t109 - t61*t61), maximum(t108, t107))
-    t111 = t56*t79
-    t112 = 1.0 - t82*t82
-    t113 = maximum(absolute(t71*t71 - (1.0 - t70*t70)), maximum(absolute(t112 - t78*t78), t110))
-    t114 = absolute(1.0 - t66)
-    t115 = (1.0 - t30)*(1.0 - less(t15, -1e-11*t17))
-    t116 = t18*t115
-    t117 = less(t103, t104)*(less(maximum(t114, t113), 1e-07)*(t116*(1.0 - t45)))
-    t118 = maximum(t30, maximum(k8, maximum(k8, t45)))
-    t119 = select(t115 - t116, 2.0, 1.0)
-    t120 = maximum(t30, t115)
-    t121 = 0.001*t26
-    t122 = 1.0 - less(t121, t42)
-    t123 = t26*t121
-    t124 = 1.0 - less(t123, t23)
-    t125 = 1.0 - less(1e-14*absolute(100000.0*t13), t15)
-    t126 = t125 - t125*less(t15, -1e-11*absolute(100.0*t13))
-    t127 = maximum(t126, t124 - t124*less(t123, t25))
-    t128 = maximum(k8, maximum(t127, t122 - t122*less(t121, t44)))
-    t129 = maximum(t30, t126)
-    t130 = select(t118, 3.0, t119) + 4.0*maximum(k8, t128)
-    t131 = select(t118, 8.0, 4.0*maximum(k8, maximum(k8, maximum(t45, t129))))
-    t132 = t59 - T31*t62
-    t133 = t64 - T32*t62
-    t134 = (t35*t132 - t33*t133)/t66
-    t135 = (t35*t133 + t33*t132)/t66
-    t136 = 1.5 - 0.5*(t134*t134 + t135*t135)
-    t137 = t134*t136
-    t138 = t135*t136
-    t139 = t50*t62
-    t140 = t83 - t79*t139
-    t141 = t57*t137 + t138*t140
-    t142 = t137*t140 - t57*t138
-    t143 = t35*t141 - t33*t142
-    t144 = absolute(p_lI2*t142 - (p_lI3*t143 - (T14 + p_lI1*t139)))
-    t145 = t48*t62
-    t146 = t90 + t79*t145
-    t147 = t58*t137 - t138*t146
-    t148 = t137*t146 + t58*t138
-    t149 = t35*t147 + t33*t148
-    t150 = absolute(p_lI2*t148 + (p_lI3*t149 - (T24 + p_lI1*t145)))
-    t151 = t62*t137 + t138*t111
-    t152 = t62*t138 - t137*t111
-    t153 = t35*t151 + t33*t152
-    t154 = maximum(absolute(p_lI2*t152 + (t102 + p_lI3*t153)), maximum(t144, t150))
-    t155 = maximum(absolute(T31 + t153), maximum(absolute(T11 - t143), absolute(T21 - t149)))
-    t156 = maximum(absolute(t35*t148 - (T22 + t33*t147)), maximum(absolute(t35*t142 + (T12 + t33*t141)), t155))
-    t157 = maximum(absolute(t82*t139 - (T13 - t48*t79)), maximum(absolute(t35*t152 + (T32 - t33*t151)), t156))
-    t158 = atan2(t50, -t48)
-    t159 = maximum(t106, maximum(absolute(t82*t145 - (T23 + t50*t79)), t157))
-    t160 = maximum(absolute(t109 - t62*t62), maximum(t108, t159))
-    t161 = maximum(absolute(t138*t138 - (1.0 - t137*t137)), maximum(absolute(t112 - t79*t79), t160))
-    t162 = less(t154, t104)*(t116*less(maximum(t114, t161), 1e-07))
-    t163 = t10 - p_lI2*(T11*t32 - T12*t36)
-    t164 = t8 - p_lI2*(T21*t32 - T22*t36)
-    t165 = sqrt(t163*t163 + t164*t164)
-    t166 = absolute(t163)
-    t167 = 1.0 - less(t27, t166)
-    t168 = 1.0 - less(t121, t166)
-    t169 = absolute(t164)
-    t170 = t167 - t167*less(t27, t169)
-    t171 = select(t170, t47, t164/t165)
-    t172 = select(t170, t49, t163/t165)
-    t173 = (t164*t171 + t163*t172)/p_lI1
-    t174 = maximum(k8, maximum(t127, t168 - t168*less(t121, t169)))
-    t175 = (t9 - p_lI2*(T31*t32 - T32*t36))/p_lI1
-    t176 = 1.5 - 0.5*(t173*t173 + t175*t175)
-    t177 = select(k7, -t175*t176, t55)
-    t178 = t173*t176
-    t179 = t172*t177
-    t180 = t171*t177
-    t181 = T11*t179 + T21*t180
-    t182 = select(k7, t178, t60)
-    t183 = select(k7, -t178, t60)
-    t184 = t181 + T31*t182
-    t185 = T12*t179 + T22*t180
-    t186 = t185 + T32*t182
-    t187 = t36*t36 + t32*t32
-    t188 = (t36*t184 + t32*t186)/t187
-    t189 = (t36*t186 - t32*t184)/t187
-    t190 = 1.5 - 0.5*(t188*t188 + t189*t189)
-    t191 = t188*t190
-    t192 = t189*t190
-    t193 = t172*T23 - t171*T13
-    t194 = 1.5 - 0.5*(t74 + t193*t193)
-    t195 = t193*t194
-    t196 = select(k7, -t73*t194, t81)
-    t197 = select(k7, t195, t77)
-    t198 = select(k7, -t195, t77)
-    t199 = t172*t182
-    t200 = t171*t196
-    t201 = t200 - t197*t199
-    t202 = t191*t201 - t179*t192
-    t203 = t179*t191 + t192*t201
-    t204 = t32*t202 + t36*t203
-    t205 = absolute(p_lI3*t204 + (p_lI2*t202 - (T14 - p_lI1*t199)))
-    t206 = t171*t182
-    t207 = t172*t196
-    t208 = t207 + t197*t206
-    t209 = t180*t191 - t192*t208
-    t210 = t191*t208 + t180*t192
-    t211 = t36*t209 - t32*t210
-    t212 = absolute(p_lI3*t211 - (p_lI2*t210 + (T24 - p_lI1*t206)))
-    t213 = t177*t197
-    t214 = t182*t191 + t192*t213
-    t215 = t182*t192 - t191*t213
-    t216 = t36*t214 - t32*t215
-    t217 = maximum(absolute(T31 - t216), maximum(absolute(T11 - t204), absolute(T21 - t211)))
-    t218 = maximum(absolute(t36*t210 - (T22 - t32*t209)), maximum(absolute(t36*t202 + (T12 - t32*t203)), t217))
-    t219 = T34 + p_lI1*t177
-    t220 = maximum(absolute(p_lI3*t216 - (t219 + p_lI2*t215)), maximum(t205, t212))
-    t221 = maximum(absolute(t196*t199 + (T13 + t171*t197)), maximum(absolute(t36*t215 - (T32 - t32*t214)), t218))
-    t222 = maximum(absolute(t196*t206 + (T23 - t172*t197)), t221)
-    t223 = absolute(T33 - t177*t196)
-    t224 = absolute(t172*t172 - (1.0 - t171*t171))
-    t225 = 1.0 - t177*t177
-    t226 = maximum(absolute(t225 - t182*t182), maximum(t224, maximum(t223, t222)))
-    t227 = t177*t198
-    t228 = 1.0 - t196*t196
-    t229 = maximum(absolute(t192*t192 - (1.0 - t191*t191)), maximum(absolute(t228 - t197*t197), t226))
-    t230 = absolute(1.0 - t187)
-    t231 = less(t220, t104)*(less(maximum(t230, t229), 1e-07)*(t120*(1.0 - t170)))
-    t232 = maximum(t30, maximum(k8, maximum(k8, t170)))
-    t233 = select(t232, 3.0, t119) + 4.0*maximum(k8, t174)
-    t234 = select(t232, 8.0, 4.0*maximum(k8, maximum(k8, maximum(t170, t129))))
-    t235 = t181 - T31*t183
-    t236 = t185 - T32*t183
-    t237 = (t36*t235 + t32*t236)/t187
-    t238 = (t36*t236 - t32*t235)/t187
-    t239 = 1.5 - 0.5*(t237*t237 + t238*t238)
-    t240 = t237*t239
-    t241 = t238*t239
-    t242 = t172*t183
-    t243 = t200 - t198*t242
-    t244 = t179*t240 + t241*t243
-    t245 = t240*t243 - t179*t241
-    t246 = t36*t244 + t32*t245
-    t247 = absolute(p_lI2*t245 + (p_lI3*t246 - (T14 + p_lI1*t242)))
-    t248 = t171*t183
-    t249 = t207 + t198*t248
-    t250 = t240*t249 + t180*t241
-    t251 = t180*t240 - t241*t249
-    t252 = t32*t250 - t36*t251
-    t253 = absolute(p_lI3*t252 + (p_lI2*t250 + (T24 + p_lI1*t248)))
-    t254 = t183*t241 - t240*t227
-    t255 = t183*t240 + t241*t227
-    t256 = t32*t254 - t36*t255
-    t257 = maximum(absolute(p_lI3*t256 - (t219 - p_lI2*t254)), maximum(t247, t253))
-    t258 = maximum(absolute(T31 - t256), maximum(absolute(T11 - t246), absolute(T21 + t252)))
-    t259 = maximum(absolute(t36*t250 - (T22 - t32*t251)), maximum(absolute(t36*t245 + (T12 - t32*t244)), t258))
-    t260 = maximum(absolute(t196*t242 - (T13 - t171*t198)), maximum(absolute(t36*t254 + (T32 + t32*t255)), t259))
-    t261 = atan2(t172, -t171)
-    t262 = maximum(absolute(t196*t248 - (T23 + t172*t198)), t260)
-    t263 = maximum(absolute(t225 - t183*t183), maximum(t224, maximum(t223, t262)))
-    t264 = maximum(absolute(t241*t241 - (1.0 - t240*t240)), maximum(absolute(t228 - t198*t198), t263))
-    t265 = less(t257, t104)*(t120*less(maximum(t230, t264), 1e-07))
-    t266 = select(less(0.0, t158), 3.141592653589793, -3.141592653589793)
-    t267 = select(less(0.0, t261), 3.141592653589793, -3.141592653589793)
+    t35 = select(t30, t34, t24 + t21)
+    t36 = select(t30, -t34, t24 - t21)
+    t37 = atan2(t36, t32)
+    t38 = t10 - p_lI2*(T11*t32 + T12*t36)
+    t39 = t8 - p_lI2*(T21*t32 + T22*t36)
+    t40 = sqrt(t38*t38 + t39*t39)
+    t41 = absolute(t38)
+    t42 = 1.0 - less(t27, t41)
+    t43 = absolute(t39)
+    t44 = t42 - t42*less(t27, t43)
+    t45 = cos(near1)
+    t46 = -t45
+    t47 = select(t44, t46, t39/t40)
+    t48 = sin(near1)
+    t49 = select(t44, t48, t38/t40)
+    t50 = (t39*t47 + t38*t49)/p_lI1
+    t51 = (t9 - p_lI2*(T31*t32 + T32*t36))/p_lI1
+    t52 = 1.5 - 0.5*(t50*t50 + t51*t51)
+    t53 = t50*t52
+    t54 = sin(near2)
+    t55 = select(k7, -t51*t52, t54)
+    t56 = t49*t55
+    t57 = t47*t55
+    t58 = T11*t56 + T21*t57
+    t59 = cos(near2)
+    t60 = select(k7, -t53, t59)
+    t61 = select(k7, t53, t59)
+    t62 = t58 - T31*t60
+    t63 = T12*t56 + T22*t57
+    t64 = t63 - T32*t60
+    t65 = t36*t36 + t32*t32
+    t66 = (t36*t62 - t32*t64)/t65
+    t67 = (t36*t64 + t32*t62)/t65
+    t68 = 1.5 - 0.5*(t66*t66 + t67*t67)
+    t69 = t66*t68
+    t70 = t67*t68
+    t71 = t49*T23 - t47*T13
+    t72 = (t10*T13 + (t9*T33 + t8*T23))/p_lI1
+    t73 = t72*t72
+    t74 = 1.5 - 0.5*(t73 + t71*t71)
+    t75 = t71*t74
+    t76 = cos(near3)
+    t77 = select(k7, -t75, t76)
+    t78 = select(k7, t75, t76)
+    t79 = t49*t60
+    t80 = sin(near3)
+    t81 = select(k7, -t72*t74, t80)
+    t82 = t47*t81
+    t83 = t82 - t77*t79
+    t84 = t69*t83 - t56*t70
+    t85 = t56*t69 + t70*t83
+    t86 = t32*t84 - t36*t85
+    t87 = t47*t60
+    t88 = t49*t81
+    t89 = t88 + t77*t87
+    t90 = t57*t69 - t70*t89
+    t91 = t69*t89 + t57*t70
+    t92 = t36*t90 + t32*t91
+    t93 = t55*t77
+    t94 = t60*t69 + t70*t93
+    t95 = t60*t70 - t69*t93
+    t96 = t36*t94 + t32*t95
+    t97 = maximum(absolute(T31 + t96), maximum(absolute(T11 + t86), absolute(T21 - t92)))
+    t98 = maximum(absolute(t36*t91 - (T22 + t32*t90)), maximum(absolute(t36*t84 + (T12 + t32*t85)), t97))
+    t99 = absolute(p_lI3*t86 + (p_lI2*t84 + (T14 + p_lI1*t79)))
+    t100 = maximum(absolute(t81*t79 - (T13 - t47*t77)), maximum(absolute(t36*t95 + (T32 - t32*t94)), t98))
+    t101 = absolute(p_lI2*t91 + (p_lI3*t92 - (T24 + p_lI1*t87)))
+    t102 = absolute(T33 - t55*t81)
+    t103 = maximum(t102, maximum(absolute(t81*t87 - (T23 + t49*t77)), t100))
+    t104 = absolute(t49*t49 - (1.0 - t47*t47))
+    t105 = 1.0 - t55*t55
+    t106 = maximum(absolute(t105 - t60*t60), maximum(t104, t103))
+    t107 = 1.0 - t81*t81
+    t108 = maximum(absolute(t70*t70 - (1.0 - t69*t69)), maximum(absolute(t107 - t77*t77), t106))
+    t109 = absolute(1.0 - t65)
+    t110 = T34 + p_lI1*t55
+    t111 = maximum(absolute(p_lI2*t95 + (t110 + p_lI3*t96)), maximum(t101, maximum(t99, t26*maximum(t109, t108))))
+    t112 = t55*t78
+    t113 = 1e-07*t26
+    t114 = (1.0 - t30)*(1.0 - less(t15, -1e-11*t17))
+    t115 = t18*t114
+    t116 = maximum(t30, t114)
+    t117 = t116*less(t111, t113)
+    t118 = select(t114 - t115, 2.0, 1.0)
+    t119 = t58 + T31*t61
+    t120 = t63 + T32*t61
+    t121 = (t36*t119 - t32*t120)/t65
+    t122 = (t36*t120 + t32*t119)/t65
+    t123 = 1.5 - 0.5*(t121*t121 + t122*t122)
+    t124 = t121*t123
+    t125 = t122*t123
+    t126 = t49*t61
+    t127 = t82 - t78*t126
+    t128 = t124*t127 - t56*t125
+    t129 = t56*t124 + t125*t127
+    t130 = t32*t128 - t36*t129
+    t131 = t47*t61
+    t132 = t88 + t78*t131
+    t133 = t57*t124 - t125*t132
+    t134 = t124*t132 + t57*t125
+    t135 = t36*t133 + t32*t134
+    t136 = t61*t124 + t125*t112
+    t137 = t61*t125 - t124*t112
+    t138 = t36*t136 + t32*t137
+    t139 = maximum(absolute(T31 - t138), maximum(absolute(T11 + t130), absolute(T21 - t135)))
+    t140 = maximum(absolute(t36*t134 - (T22 + t32*t133)), maximum(absolute(t36*t128 + (T12 + t32*t129)), t139))
+    t141 = absolute(p_lI2*t128 + (p_lI3*t130 + (T14 - p_lI1*t126)))
+    t142 = absolute(p_lI2*t134 + (p_lI3*t135 - (T24 - p_lI1*t131)))
+    t143 = maximum(absolute(t81*t126 + (T13 + t47*t78)), maximum(absolute(t36*t137 - (T32 + t32*t136)), t140))
+    t144 = atan2(t49, -t47)
+    t145 = maximum(t102, maximum(absolute(t81*t131 + (T23 - t49*t78)), t143))
+    t146 = maximum(absolute(t105 - t61*t61), maximum(t104, t145))
+    t147 = maximum(absolute(t125*t125 - (1.0 - t124*t124)), maximum(absolute(t107 - t78*t78), t146))
+    t148 = maximum(t142, maximum(t141, t26*maximum(t109, t147)))
+    t149 = maximum(absolute(p_lI2*t137 - (t110 - p_lI3*t138)), t148)
+    t150 = t116*less(t149, t113)
+    t151 = t150 - t44*t150
+    t152 = minimum(select(t117, t111, t113), select(t151, t149, t113))
+    t153 = t10 + p_lI2*(T11*t33 - T12*t35)
+    t154 = t8 + p_lI2*(T21*t33 - T22*t35)
+    t155 = sqrt(t153*t153 + t154*t154)
+    t156 = absolute(t153)
+    t157 = 1.0 - less(t27, t156)
+    t158 = absolute(t154)
+    t159 = t157 - t157*less(t27, t158)
+    t160 = select(t159, t46, t154/t155)
+    t161 = select(t159, t48, t153/t155)
+    t162 = (t154*t160 + t153*t161)/p_lI1
+    t163 = (t9 + p_lI2*(T31*t33 - T32*t35))/p_lI1
+    t164 = 1.5 - 0.5*(t162*t162 + t163*t163)
+    t165 = select(k7, -t163*t164, t54)
+    t166 = t162*t164
+    t167 = t161*t165
+    t168 = t160*t165
+    t169 = T11*t167 + T21*t168
+    t170 = select(k7, -t166, t59)
+    t171 = select(k7, t166, t59)
+    t172 = t169 - T31*t170
+    t173 = T12*t167 + T22*t168
+    t174 = t173 - T32*t170
+    t175 = t35*t35 + t33*t33
+    t176 = (t35*t172 + t33*t174)/t175
+    t177 = (t35*t174 - t33*t172)/t175
+    t178 = 1.5 - 0.5*(t176*t176 + t177*t177)
+    t179 = t176*t178
+    t180 = t177*t178
+    t181 = T23*t161 - T13*t160
+    t182 = 1.5 - 0.5*(t73 + t181*t181)
+    t183 = t181*t182
+    t184 = select(k7, -t72*t182, t80)
+    t185 = select(k7, -t183, t76)
+    t186 = select(k7, t183, t76)
+    t187 = t161*t170
+    t188 = t160*t184
+    t189 = t188 - t185*t187
+    t190 = t167*t179 + t180*t189
+    t191 = t179*t189 - t167*t180
+    t192 = t35*t190 + t33*t191
+    t193 = t160*t170
+    t194 = t161*t184
+    t195 = t194 + t185*t193
+    t196 = t168*t179 - t180*t195
+    t197 = t179*t195 + t168*t180
+    t198 = t35*t196 - t33*t197
+    t199 = t165*t185
+    t200 = t170*t180 - t179*t199
+    t201 = t170*t179 + t180*t199
+    t202 = t33*t200 - t35*t201
+    t203 = maximum(absolute(T31 - t202), maximum(absolute(T11 - t192), absolute(T21 - t198)))
+    t204 = maximum(absolute(t35*t197 - (T22 - t33*t196)), maximum(absolute(t35*t191 + (T12 - t33*t190)), t203))
+    t205 = absolute(p_lI3*t192 - (p_lI2*t191 + (T14 + p_lI1*t187)))
+    t206 = maximum(absolute(t184*t187 - (T13 - t160*t185)), maximum(absolute(t35*t200 + (T32 + t33*t201)), t204))
+    t207 = absolute(p_lI3*t198 + (p_lI2*t197 - (T24 + p_lI1*t193)))
+    t208 = maximum(absolute(t184*t193 - (T23 + t161*t185)), t206)
+    t209 = absolute(T33 - t165*t184)
+    t210 = absolute(t161*t161 - (1.0 - t160*t160))
+    t211 = 1.0 - t165*t165
+    t212 = maximum(absolute(t211 - t170*t170), maximum(t210, maximum(t209, t208)))
+    t213 = 1.0 - t184*t184
+    t214 = maximum(absolute(t180*t180 - (1.0 - t179*t179)), maximum(absolute(t213 - t185*t185), t212))
+    t215 = absolute(1.0 - t175)
+    t216 = maximum(t207, maximum(t205, t26*maximum(t215, t214)))
+    t217 = T34 + p_lI1*t165
+    t218 = maximum(absolute(p_lI2*t200 + (t217 - p_lI3*t202)), t216)
+    t219 = t165*t186
+    t220 = t115*less(t218, t113)
+    t221 = t169 + T31*t171
+    t222 = t173 + T32*t171
+    t223 = (t35*t221 + t33*t222)/t175
+    t224 = (t35*t222 - t33*t221)/t175
+    t225 = 1.5 - 0.5*(t223*t223 + t224*t224)
+    t226 = t223*t225
+    t227 = t224*t225
+    t228 = t161*t171
+    t229 = t188 - t186*t228
+    t230 = t167*t226 + t227*t229
+    t231 = t226*t229 - t167*t227
+    t232 = t35*t230 + t33*t231
+    t233 = t160*t171
+    t234 = t194 + t186*t233
+    t235 = t226*t234 + t168*t227
+    t236 = t168*t226 - t227*t234
+    t237 = t33*t235 - t35*t236
+    t238 = t171*t226 + t227*t219
+    t239 = t171*t227 - t226*t219
+    t240 = t35*t238 - t33*t239
+    t241 = atan2(t35, -t33)
+    t242 = maximum(absolute(T31 - t240), maximum(absolute(T11 - t232), absolute(T21 + t237)))
+    t243 = maximum(absolute(t35*t235 - (T22 - t33*t236)), maximum(absolute(t35*t231 + (T12 - t33*t230)), t242))
+    t244 = absolute(p_lI2*t231 - (p_lI3*t232 - (T14 - p_lI1*t228)))
+    t245 = absolute(p_lI3*t237 - (p_lI2*t235 - (T24 - p_lI1*t233)))
+    t246 = maximum(absolute(t184*t228 + (T13 + t160*t186)), maximum(absolute(t35*t239 - (T32 - t33*t238)), t243))
+    t247 = atan2(t161, -t160)
+    t248 = maximum(absolute(t184*t233 + (T23 - t161*t186)), t246)
+    t249 = maximum(absolute(t211 - t171*t171), maximum(t210, maximum(t209, t248)))
+    t250 = maximum(absolute(t227*t227 - (1.0 - t226*t226)), maximum(absolute(t213 - t186*t186), t249))
+    t251 = maximum(t245, maximum(t244, t26*maximum(t215, t250)))
+    t252 = maximum(absolute(p_lI2*t239 - (t217 - p_lI3*t240)), t251)
+    t253 = t115*less(t252, t113)
+    t254 = t253 - t159*t253
+    t255 = minimum(select(t254, t252, t113), minimum(select(t220, t218, t113), t152))
+    t256 = maximum(1000.0*t255, 3e-11*t26)
+    t257 = 0.001*t26
+    t258 = 1.0 - less(t257, t41)
+    t259 = t26*t257
+    t260 = 1.0 - less(t259, t23)
+    t261 = 1.0 - less(t257, t156)
+    t262 = 1.0 - less(1e-14*absolute(100000.0*t13), t15)
+    t263 = t262 - t262*less(t15, -1e-11*absolute(100.0*t13))
+    t264 = maximum(t263, t260 - t260*less(t259, t25))
+    t265 = maximum(t30, t263)
+    t266 = maximum(k8, maximum(t264, t258 - t258*less(t257, t43)))
+    t267 = maximum(k8, t266)
+    t268 = t117*maximum(t267, less(t111, t256))
+    t269 = t151*maximum(t267, less(t149, t256))
+    t270 = maximum(k8, maximum(t264, t261 - t261*less(t257, t158)))
+    t271 = maximum(k8, t270)
+    t272 = t220*maximum(t271, less(t218, t256))
+    t273 = t254*maximum(t271, less(t252, t256))
+    t274 = 1.0 - maximum(t273, maximum(t272, maximum(t268, t269)))
+    t275 = maximum(maximum(k8, maximum(k8, maximum(t159, t265))), t271*t274)
+    t276 = maximum(t30, maximum(k8, maximum(k8, t159)))
+    t277 = maximum(maximum(k8, maximum(k8, maximum(t44, t265))), t267*t274)
+    t278 = maximum(t30, maximum(k8, maximum(k8, t44)))
+    t279 = select(t276, 8.0, 4.0*t275)
+    t280 = select(t278, 8.0, 4.0*t277)
+    t281 = select(t276, 3.0, t118) + 4.0*t271
+    t282 = select(t278, 3.0, t118) + 4.0*t267
+    t283 = select(less(0.0, t247), 3.141592653589793, -3.141592653589793)
+    t284 = select(less(0.0, t144), 3.141592653589793, -3.141592653589793)
     return (
-        t261, atan2(t177, t183), atan2(t196, t198), -atan2(t238, t237), t38, t261 - t267, atan2(t177, t182),
-        atan2(t196, t197), atan2(t189, -t188), t38, t158, atan2(t56, t62), atan2(t82, t79), atan2(t135, -t134),
-        -t37, t158 - t266, atan2(t56, t61), atan2(t82, t78), -atan2(t68, t67), -t37, select(t265, t233, t234),
-        select(t231, t233, t234), select(t162, t130, t131), select(t117, t130, t131),
+        t144, atan2(t55, t60), atan2(t81, t77), atan2(t67, -t66), -t37, t144 - t284, atan2(t55, t61),
+        atan2(t81, t78), -atan2(t122, t121), -t37, t247, atan2(t165, t170), atan2(t184, t185),
+        atan2(t177, -t176), -t241, t247 - t283, atan2(t165, t171), atan2(t184, t186), -atan2(t224, t223),
+        -t241, select(t268, t282, t280), select(t269, t282, t280), select(t272, t281, t279),
+        select(t273, t281, t279),
     )
 
 
@@ -1108,7 +1126,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t123 = t122 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t124 = maximum(0.0, t123 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
     return (
-        t118, q2 + t117, q3 + t116, q4 + t115, q5 + t114, t124,
+        t118, q2 + t117, q3 + t116, q4 + t115, q5 + t114, t124, t31,
     )
 
 
@@ -1872,6 +1890,9 @@ others are turned, too, differently in each branch."""
 _CLOSED = 1e-07
 """Error of the pose of a solution in doubt, lengths relative to the reach, beyond which it is none."""
 
+_TURNING = np.array([kind == "revolute" and name not in GIVEN for name, kind in zip(JOINT_NAMES, JOINT_TYPES)])
+"""Joints that may be turned: not those that are given."""
+
 _REPRODUCED = 3e-11
 """Likewise of one with free joints, or that was found near a branch that does not exist."""
 
@@ -1882,11 +1903,50 @@ _SAME = (1e-7, 3e-5)
 """Solutions nearer to each other than this are one [rad, or relative]; where a branch merges with others the second."""
 
 
+_BESIDE = (
+    (0.9999995648001089, -0.0008000861999784501, -0.00047985588003603, 0.0006, 0.0007999134000216501, 0.9999996152000963, -0.0003601919099520225, 0.00064, 0.00048014387996402996, 0.0003598079100480225, 0.999999820000045, -0.00048),
+    (0.9997120647854233, -0.014569521857582044, 0.019066110125221823, 0.0144, 0.01422399960008998, 0.9997343797645529, 0.01813415981404184, -0.0108, -0.019325251818340872, -0.017857742008048186, 0.9996537579044715, 0.024),
+)
+"""Rows of motions, lengths in the unit, from a pose to poses beside: their solutions lead to those of a singular pose."""
+
+_STARTS = (
+    (-0.237, -0.447, -0.631, -0.794, -0.937,),
+    (-0.475, -0.893, 0.738, 0.413, 0.126,),
+    (-0.712, 0.66, 0.107, -0.381, -0.811,),
+    (-0.95, 0.213, -0.525, 0.825, 0.252,),
+    (0.813, -0.234, 0.844, 0.032, -0.684,),
+    (0.575, -0.68, 0.213, -0.762, 0.379,),
+    (0.338, 0.873, -0.418, 0.444, -0.558,),
+    (0.1, 0.426, 0.951, -0.349, 0.505,),
+    (-0.137, -0.02, 0.32, 0.857, -0.432,),
+    (-0.375, -0.467, -0.311, 0.063, 0.631,),
+    (-0.612, -0.914, -0.943, -0.73, -0.306,),
+    (-0.849, 0.639, 0.426, 0.476, 0.757,),
+    (0.913, 0.193, -0.205, -0.318, -0.18,),
+    (0.676, -0.254, -0.836, 0.889, 0.884,),
+    (0.438, -0.701, 0.533, 0.095, -0.053,),
+    (0.201, 0.852, -0.098, -0.699, -0.99,),
+    (-0.037, 0.406, -0.729, 0.508, 0.073,),
+    (-0.274, -0.041, 0.639, -0.286, -0.864,),
+    (-0.512, -0.488, 0.008, 0.92, 0.199,),
+    (-0.749, -0.934, -0.623, 0.127, -0.738,),
+    (-0.987, 0.619, 0.746, -0.667, 0.325,),
+    (0.776, 0.172, 0.115, 0.539, -0.612,),
+    (0.538, -0.275, -0.516, -0.254, 0.452,),
+    (0.301, -0.721, 0.853, 0.952, -0.485,),
+)
+"""What is added to branches, in half turns and units of length, where poses beside are out of reach."""
+
+_NUDGE = (7e-06, -1.4e-05, -2e-06, 1e-05, -1.1e-05,)
+_BACK = 1e-8
+"""What is added to solutions: those that do not come back from there to so much are double, or some of infinitely many."""
+
+
 class _Step(_Function):
-    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, and the error of the first."""
+    """A step of Newton's method: from a configuration, a pose and a damping to a configuration, the error of the first, the reach."""
 
     def __init__(self, kernel, hoisted=None, needs=()):
-        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 1,), kernel, hoisted, needs)
+        super().__init__("inverse_kinematics_step", ("q", "T", "damping"), (DOF + 2,), kernel, hoisted, needs)
 
     def refined(self, q, poses, parameters):
         """Configurations (N, DOF) moved to where their poses (N, 16) are reached, and what is left of the errors.
@@ -1921,12 +1981,17 @@ class _Step(_Function):
         return q, error
 
     def _steps(self, q, poses, damping, parameters):
-        """Where steps lead, angles without full turns, and the errors before them."""
-        result = np.empty((len(q), DOF + 1))
+        """Where steps lead, angles without full turns, the errors before them, and the unit of length."""
+        result = np.empty((len(q), DOF + 2))
         self._fill([q, poses, damping, *parameters], result)
         ahead = result[:, :DOF]
-        ahead -= 2.0 * math.pi * np.where(_REVOLUTE & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
+        ahead -= 2.0 * math.pi * np.where(_TURNING & (np.abs(ahead) > math.pi), np.round(ahead / (2.0 * math.pi)), 0.0)
         return result
+
+    def units(self, q, poses, parameters):
+        """Units of the joint variables (N, DOF), 1 for angles."""
+        length = self._steps(q, poses, np.full((len(q), 1), 1e-12), parameters)[:, DOF + 1]
+        return np.where(_REVOLUTE, 1.0, length[:, None]), length
 
     def twice(self, elsewhere, constants, q, pose):
         """Two steps on columns of another library, each taken where it helps; joint variables and the error."""
@@ -1942,6 +2007,13 @@ class _Step(_Function):
 def _rows(groups, places):
     """Some rows of the inputs of a kernel, each of which is the same for all or an array."""
     return [group if isinstance(group, list) else group[places] for group in groups]
+
+
+def _apart(a, b, size):
+    """How far the joints of two configurations are apart, angles but for full turns, lengths relative to them and to `size`."""
+    apart = np.abs(a - b)
+    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
+    return np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[..., None] + 1e-300))
 
 
 class _Inverse(_Function):
@@ -2027,7 +2099,7 @@ class _Inverse(_Function):
         free = found[:, self.result.size :] >= 4.0 + SINGULAR
         settled = np.zeros_like(free)
         self._refine(poses, found, doubts, free, settled, constants)
-        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _REVOLUTE
+        turns = 1.3 * np.multiply.outer(np.arange(1.0, self.branches + 1.0), np.arange(2.0, DOF + 2.0)) * _TURNING
         for time, place in enumerate(_ELSEWHERE):
             lacking = free & (found[:, self.result.size :] == NONE)
             stuck = np.flatnonzero(lacking.any(axis=1))
@@ -2043,7 +2115,43 @@ class _Inverse(_Function):
             again, known = free[stuck], settled[stuck]
             self._refine(poses[stuck], other, lacking, again, known, _rows(constants, stuck))
             found[stuck], free[stuck] = other, again
+        kinds = found[:, self.result.size :]
+        unsure = np.flatnonzero((doubts & ((kinds == NONE) | (kinds == SINGULAR))).any(axis=1))
+        if unsure.size:
+            chosen = found[unsure]
+            self._add_alone(_rows(groups, unsure), poses[unsure], chosen, _rows(constants, unsure))
+            found[unsure] = chosen
         rows[doubtful] = found
+
+    def _add_alone(self, groups, poses, rows, constants):
+        """Solutions that are none of infinitely many, by those of poses a little beside, at which nothing is special."""
+        q, codes = rows[:, : self.result.size].reshape(-1, self.branches, DOF), rows[:, self.result.size :]
+        unit, length = self.step.units(np.nan_to_num(q[:, 0]), poses, constants)
+        starts = []
+        for motion in np.reshape(_BESIDE, (-1, 3, 4)):
+            beside = poses.reshape(-1, 4, 4).copy()
+            beside[:, :3] = motion[:, :3] @ beside[:, :3]
+            beside[:, :3, 3] += length[:, None] * motion[:, 3]
+            there = np.empty_like(rows)
+            self._fill([beside.reshape(-1, _POSE_ENTRIES), *groups[1:]], there)
+            starts.append(there[:, : self.result.size].reshape(q.shape))
+        for k, start in enumerate(_STARTS):
+            starts.append((q[:, k % self.branches] + np.where(_REVOLUTE, math.pi, unit) * start)[:, None])
+        starts = np.nan_to_num(np.concatenate(starts, axis=1))
+        place, branch = (each.ravel() for each in np.indices(starts.shape[:2]))
+        found, error = self.step.refined(starts.reshape(-1, DOF), poses[place], _rows(constants, place))
+        reached = np.flatnonzero(error <= _REPRODUCED)
+        place, branch, found = place[reached], branch[reached] % self.branches, found[reached]
+        nudged = found + unit[place] * _NUDGE
+        back, error = self.step.refined(nudged, poses[place], _rows(constants, place))
+        size = np.abs(poses[:, 3:12:4]).sum(axis=1)[place]
+        alone = (error <= _REPRODUCED) & (_apart(found, back, size).max(axis=1) < _BACK)
+        for one, row in enumerate(place):
+            listed = codes[row] > 0.0
+            again = listed & (_apart(q[row], found[one], size[one : one + 1]).max(axis=1) < _SAME[1])
+            if not listed.any() or (alone[one] and not again.any() and not listed.all()):
+                slot = branch[one] if not listed[branch[one]] else listed.argmin()
+                q[row, slot], codes[row, slot] = found[one], EXACT if alone[one] else SINGULAR
 
     def _refine(self, poses, rows, doubtful, free, settled, constants):
         """Branches in doubt led to their poses; what does not get there, or is another one again, is none.
@@ -2073,10 +2181,7 @@ class _Inverse(_Function):
             for before in range(later):
                 both = (codes[:, later] > 0.0) & (codes[:, before] > 0.0) & (doubts[:, later] + doubts[:, before] > 0)
                 if both.any():
-                    a, b = q[:, before], q[:, later]
-                    apart = np.abs(a - b)
-                    turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-                    apart = np.where(_REVOLUTE, turned, apart / (np.abs(a) + np.abs(b) + size[:, None] + 1e-300))
+                    apart = _apart(q[:, before], q[:, later], size)
                     exact = (codes[:, later] == EXACT) & (codes[:, before] == EXACT)
                     same = both & (apart.max(axis=1) < np.where(exact, *_SAME))
                     first = doubts[:, before] > doubts[:, later]
@@ -2090,10 +2195,7 @@ class _Inverse(_Function):
 
     def _may_be_one(self, q, exists, size):
         """Whether two solutions of a pose are the same but for two joints, all pairs at once: quicker where poses are few."""
-        apart = np.abs(q[:, :, None] - q[:, None])
-        turned = np.abs(apart - 2.0 * math.pi * np.round(apart / (2.0 * math.pi)))
-        lengths = np.abs(q)[:, :, None] + np.abs(q)[:, None] + size[:, None, None, None] + 1e-300
-        differ = np.where(_REVOLUTE, turned, apart / lengths) > _SAME[1]
+        differ = _apart(q[:, :, None], q[:, None], size[:, None, None]) > _SAME[1]
         alike = (differ.sum(axis=-1) <= 2) & exists[:, :, None] & exists[:, None]
         return bool(np.triu(alike, 1).any())
 
