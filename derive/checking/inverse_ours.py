@@ -17,8 +17,8 @@ from derive.checking.inverse_poses import PoseNames
 from derive.checking.latex_names import SIGN
 from derive.checking.printed_inverse import Formula, Line, Place, PrintedInverse
 from derive.errors import CheckError, DeriveError
-from derive.handouts.notation.derivation import SignPrinter, pose_names, with_names
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.solution_printer import SignPrinter, pose_names, with_names
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.inverse.elementary import Line as OurLine
 from derive.model.inverse.in_numbers import array_value

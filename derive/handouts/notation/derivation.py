@@ -8,182 +8,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from typing import Any
 
 import sympy
 
-from derive.handouts.notation.notation import Notation, Order
-from derive.handouts.notation.pieces import Box, Piece, fraction, italic, joined
-from derive.handouts.notation.printer import LatexPrinter, Pieces
-from derive.handouts.notation.subscripts import Glyph
-from derive.handouts.notation.text import PlainPrinter, TextPrinter
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
+from derive.handouts.notation.text import PlainPrinter
 from derive.model.inverse.derivation import PrintedEquation, Step
-from derive.model.inverse.elementary import Line, Sign
+from derive.model.inverse.elementary import Line
 from derive.model.inverse.nodes import Kind
 from derive.model.inverse.origins import Form, Origin
 from derive.model.inverse.solutions import InverseKinematics
 from derive.robot.description import IDENTITY
-from derive.robot.handout_options import PoseEntries
 from derive.robot.robot import Robot
 
 Print = Callable[[Any], str]
 
-WIDEST_QUOTIENT = 380.0
-"""Widest sum above a divisor [pt]."""
-
 LONGEST_PAIR = 12
 """Operations of two arcs half a turn apart that are both written."""
-
-
-class SignPrinter(TextPrinter):
-    """Text in which a choice of sign is ``+-``.
-
-    Args:
-        robot: The robot.
-        notation: Its notation, see `with_names`.
-        pose: Names of the entries of the pose.
-    """
-
-    def __init__(self, robot: Robot, notation: Notation, pose: frozenset[str]) -> None:
-        super().__init__(robot, notation)
-        self._order = SolutionOrder(notation, pose)
-
-    def _print_Mul(self, expression: Any) -> str:
-        signs = [factor for factor in expression.args if isinstance(factor, Sign)]
-        if signs:
-            rest = sympy.Mul(*(factor for factor in expression.args if not isinstance(factor, Sign)), evaluate=False)
-            return f"+-{self.parenthesize(rest, 50)}"
-        above, below = sympy.fraction(expression)
-        if not below.is_Mul:
-            return super()._print_Mul(expression)
-        if above.as_coeff_Mul()[0] < 0:
-            return f"-{self._print_Mul(-expression)}"
-        return f"{self.parenthesize(above, 50)}/({self._print(below)})"
-
-    def _print_Symbol(self, symbol: Any) -> str:
-        return "+-1" if isinstance(symbol, Sign) else str(super()._print_Symbol(symbol))
-
-    def _print_Abs(self, expression: Any) -> str:
-        return f"abs({self._print(expression.args[0])})"
-
-    def _print_Add(self, expression: Any, order: Any = None) -> str:
-        return re.sub(r" \+ \+-", " +- ", super()._print_Add(expression, order))
-
-
-class SolutionOrder(Order):
-    """The order in which solutions are written: what is added before what is subtracted, the pose before the arm.
-
-    Args:
-        notation: The robot's notation, see `with_names`.
-        pose: Names of the entries of the pose.
-    """
-
-    def __init__(self, notation: Notation, pose: frozenset[str]) -> None:
-        super().__init__(notation)
-        self._pose = pose
-
-    def term(self, term: Any) -> Any:
-        """Sort key of a term of a sum.
-
-        Args:
-            term: A SymPy expression.
-        """
-        symbols = term.free_symbols
-        has_sign = any(isinstance(symbol, Sign) for symbol in symbols)
-        is_negative = bool(term.as_coeff_Mul()[0] < 0)
-        return has_sign, is_negative, self._pose.isdisjoint(symbol.name for symbol in symbols), super().term(term)
-
-
-def pose_names(found: InverseKinematics) -> frozenset[str]:
-    """Names of the entries of the pose, and of the pose within the arm.
-
-    Args:
-        found: The inverse kinematics.
-    """
-    within = (line.symbol for line in found.definitions)
-    return frozenset(symbol.name for symbol in (*found.pose.free_symbols, *within))
-
-
-def with_names(notation: Notation, found: InverseKinematics) -> Notation:
-    """The notation in which the entries of the pose, then named quantities stand behind the parameters of the arm.
-
-    Args:
-        notation: The robot's notation.
-        found: Its inverse kinematics.
-    """
-    pose = [symbol.name for symbol in found.pose[:3, :].T] + [line.symbol.name for line in found.definitions]
-    named = [line.symbol.name for line in found.lines if line.symbol.is_Symbol]
-    last = len(notation.positions)
-    positions = {name: (0, last + k) for k, name in enumerate(dict.fromkeys((*pose, *named)))}
-    return replace(notation.with_terms(_columns(notation, found)), positions={**positions, **notation.positions})
-
-
-def _columns(notation: Notation, found: InverseKinematics) -> dict[str, Glyph]:
-    """The rotation of the pose by its columns n, s and a, where that is wanted and no symbol looks like it."""
-    if notation.options.pose is PoseEntries.ENTRIES:
-        return {}
-    letters = {(i, j): Glyph(italic("nsa"[j]), italic("xyz"[i])) for j in range(3) for i in range(3)}
-    if any(glyph.box.tex in notation.taken for glyph in letters.values()):
-        return {}
-    return {found.pose[place].name: glyph for place, glyph in letters.items()}
-
-
-class SignLatexPrinter(LatexPrinter):
-    """LaTeX in which a choice of sign is a plus-minus, and a quotient on its own a fraction.
-
-    Args:
-        notation: The robot's notation, see `with_names`.
-        found: Its inverse kinematics.
-        widest: The widest sum above a divisor [pt].
-    """
-
-    def __init__(self, notation: Notation, found: InverseKinematics, widest: float = WIDEST_QUOTIENT) -> None:
-        self._widest = widest
-        sign = Glyph(Box("\\pm ", 8.0))
-        signs = {symbol.name: sign for line in found.lines for symbol in line.signs}
-        sums = {name.name: _subscripted(name.name, notation) for name in found.sums.values()}
-        super().__init__(notation.with_terms({**signs, **sums}))
-        self._order = SolutionOrder(notation, pose_names(found))
-
-    def latex(self, expression: Any) -> str:
-        """One line of LaTeX, for mathematics mode.
-
-        Args:
-            expression: A SymPy expression in the robot's symbols, those of the pose, named quantities and signs.
-        """
-        return with_signs(super().latex(expression))
-
-    def pieces(self, expression: Any) -> Pieces:
-        """The expression as pieces; a quotient with a sum above as a fraction, where it is not too wide.
-
-        Args:
-            expression: A SymPy expression in the robot's symbols, those of the pose, named quantities and signs.
-        """
-        above, below = sympy.fraction(expression) if expression.is_Mul else (expression, sympy.S.One)
-        if above.is_Add and not below.is_Integer:
-            top, bottom = joined(super().pieces(above)), joined(super().pieces(below))
-            if top.width <= self._widest:
-                return [Piece(fraction(top, bottom))]
-        return super().pieces(expression)
-
-
-def _subscripted(name: str, notation: Notation) -> Glyph:
-    """``q23`` with the letter that the joint variables have."""
-    labels = re.sub(r"^\D*", "", name)
-    letter = next((notation.glyph(v).head for v in notation.labels), None)
-    if not labels or letter is None:
-        return notation.glyph(name)
-    return Glyph(letter, Box(labels, 5.0 * len(labels)))
-
-
-def with_signs(text: str) -> str:
-    """LaTeX without a plus or minus before a plus-minus sign.
-
-    Args:
-        text: The LaTeX.
-    """
-    return re.sub(r"\+\s*\\pm", r"\\pm", re.sub(r"-\s*\\pm", r"\\mp", text))
 
 
 def derivation_lines(found: InverseKinematics, form: str, notation: Notation) -> list[str]:

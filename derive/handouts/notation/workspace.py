@@ -7,15 +7,9 @@ from typing import Any
 
 import sympy
 
-from derive.handouts.notation.derivation import (
-    Print,
-    SignLatexPrinter,
-    SignPrinter,
-    formula,
-    pose_names,
-    with_names,
-)
+from derive.handouts.notation.derivation import Print, formula
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
 from derive.handouts.notation.text import PlainPrinter
 from derive.model.inverse.reach import Bound, Reach
 
