@@ -109,6 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.model.model import Model
 
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
+    _check_task(model, arguments)
     shown: list[tuple[str, Any]] = []
     for name in dict.fromkeys(arguments.quantities or _usual(robot, arguments)):
         if name in DESCRIBED:
@@ -162,6 +163,16 @@ def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:
         free = len(variables) - len(options.given or ())
         options = replace(options, task=chosen_task(list(filter(None, words)), free), location=None)
     return robot if options == robot.inverse else replace(robot, inverse=options)
+
+
+def _check_task(model: Model, arguments: argparse.Namespace) -> None:
+    """Refuse a task or given joints where nothing that is asked for depends on them."""
+    from derive.model.quantity_names import parse
+
+    option = "--task" if arguments.task is not None else "--given" if arguments.given is not None else ""
+    names = [name for name in arguments.quantities if option and name not in DESCRIBED]
+    if names and len(names) == len(arguments.quantities) and all(parse(model, n)[0].name != "inverse" for n in names):
+        raise QuantityError(f"{option} with {names[0]}", allowed="allowed: with inverse, workspace and aspects")
 
 
 def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
