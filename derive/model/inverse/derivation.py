@@ -336,8 +336,9 @@ class Derivation:
         return bool(plain > turned)
 
     def _positive(self, p: Polynomial) -> Expr:
-        """What is zero where a polynomial is: most coefficients are 1, and most terms positive."""
+        """What is zero where a polynomial is: most coefficients are 1, most terms positive, no constant factor."""
         value = self._write(p * (1 / self._scale(p)))
+        value = value.as_independent(*value.free_symbols, as_Add=False)[1]  # without sqrt(3) or cos(pi/18)
         return -value if is_negative(value) else value
 
     def _has_pose(self, exponents: tuple[int, ...]) -> bool:

@@ -47,3 +47,14 @@ def test_the_pose_has_other_names_where_the_robot_has_these() -> None:
     assert names[1, 1] == "R11"
     assert names[1, 4] == "Px"
     assert len(set(names.values())) == 12
+
+
+def test_where_an_unknown_is_free_no_constant_stands_before_what_vanishes() -> None:
+    rows = "".join(
+        f"  - {{type: revolute, d: {d}, alpha: {twist}}}\n" for d, twist in ((0.1, "pi/3"), (0.2, "pi/2"), (0.3, "pi/3"))
+    )
+    robot = Robot.from_text(f"name: tilted\nconvention: standard\njoints:\n{rows}")
+    found = inverse_kinematics(robot, robot.style)
+    vanishing = {str(value) for step in found.steps for value in step.fails}
+    assert "wz" in vanishing
+    assert not any("sqrt(3)" in text for text in vanishing)
