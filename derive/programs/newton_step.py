@@ -4,15 +4,18 @@ With e what the wanted entries of the pose are off and G their derivatives, leng
 
     q' = q - (G^T G + damping)^-1 G^T e
 
-(Levenberg, A method for the solution of certain non-linear problems in least squares, 1944). Where R is wanted whole,
-the axes of the joints are enough: turned by w, the columns r_j of R, which should be t_j, move by w x r_j; two such
-motions have the product 2 w.v, and that with r_j - t_j is w.(sum of t_j x r_j). The matrix is positive definite and is
-factored without looking for pivots (Golub and Van Loan, Matrix Computations, ch. 4).
+(Levenberg, A method for the solution of certain non-linear problems in least squares, 1944), but G^T G is not formed,
+which squares the singular values: the step is that of least squares with rows of the damping below those of G.
+Where R is wanted whole, the axes of the joints are enough: turned by w, the columns r_j of R, which should be t_j,
+move by w x r_j; two such motions have the product 2 w.v, and that with r_j - t_j is w.(sum of t_j x r_j), as if w were
+three rows of weight 2.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
+from functools import reduce
 
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.vectors import Vector, column, cross, dot
@@ -49,9 +52,14 @@ def newton_step(trace: Trace, graph: SolutionGraph, reach: Value) -> Function:
     unit = trace.domain.number(0).less(reach).select(reach, 1)
     fit = _Fit(trace, graph.places, unit)
     damping = trace.domain.argument(DAMPING, 0)
-    matrix = [[fit.product(a, b) + (damping if a == b else 0) for b in joints[: i + 1]] for i, a in enumerate(joints)]
+    rows = fit.rows
+    zero, one = trace.chain.zero, trace.chain.one
+    columns = [[slopes[k] for slopes, _, _ in rows] + [one if k == i else zero for i in joints] for k in joints]
+    weights: list[Value | int] = [weight for _, _, weight in rows]
+    weights += [damping] * len(joints)
+    steps = least_squares(columns, weights, [off for _, off, _ in rows] + [zero] * len(joints))
     results = trace.arguments(Q)
-    for joint, step in zip(joints, solved(matrix, [fit.slope(k) for k in joints]), strict=True):
+    for joint, step in zip(joints, steps, strict=True):
         results[joint] = results[joint] - (step if trace.chain.joints[joint].revolute else unit * step)
     tape = cut(*bake(trace.graph, [value.ref for value in (*results, fit.error, unit)], trace.choice.numbers))
     return Function(INTERFACE, (trace.n + 2,), tape, "damped Newton", widths={POSE: POSE_ENTRIES, DAMPING: 1})
@@ -67,6 +75,7 @@ class _Fit:
     """
 
     def __init__(self, trace: Trace, places: Sequence[tuple[int, int]], unit: Value) -> None:
+        self._places = places
         self._pose = [[trace.domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
         frame = trace.shortest_pose or forward_kinematics(trace.chain)
         rows = trace.shortest_jacobian or jacobian(trace.chain)
@@ -93,24 +102,14 @@ class _Fit:
     def _wanted(self, j: int) -> Vector[Value]:
         return (self._pose[0][j], self._pose[1][j], self._pose[2][j])
 
-    def product(self, a: int, b: int) -> Value:
-        """An entry of G^T G.
-
-        Args:
-            a: A joint.
-            b: Another, or the same.
-        """
-        total = sum((row[a] * row[b] for row in self._slopes), self._torque[0] - self._torque[0])
-        return total + 2 * dot(self._axes[a], self._axes[b]) if self._whole else total
-
-    def slope(self, joint: int) -> Value:
-        """An entry of G^T e.
-
-        Args:
-            joint: The joint.
-        """
-        products = (row[joint] * off for row, off in zip(self._slopes, self._off, strict=True))
-        return sum(products, dot(self._axes[joint], self._torque))
+    @property
+    def rows(self) -> Sequence[tuple[Sequence[Value], Value, int]]:
+        """Rows of G with what is off and a weight, such that the normal equations are those of all wanted entries."""
+        found = [(slopes, off, 1) for slopes, off in zip(self._slopes, self._off, strict=True)]
+        if not self._whole:
+            return found
+        turned = [([axis[i] for axis in self._axes], self._torque[i] * Fraction(1, 2), 2) for i in range(3)]
+        return [row for row, (_, j) in zip(found, self._places, strict=True) if j == 3] + turned
 
     @property
     def error(self) -> Value:
@@ -123,29 +122,38 @@ class _Fit:
         return total.maximum(0)
 
 
-def solved(matrix: Sequence[Sequence[Value]], right: Sequence[Value]) -> list[Value]:
-    """The solution of a system whose matrix is symmetric and positive definite, by M = L D L^T.
+def least_squares(
+    columns: Sequence[Sequence[Value]], weights: Sequence[Value | int], right: Sequence[Value]
+) -> list[Value]:
+    """The x for which the weighted sum of the squares of A x - b is least, by the modified method of Gram and Schmidt.
+
+    It loses the digits of the condition of A, not of its square (Bjorck, Numerical Methods for Least Squares Problems,
+    section 2.4), and without square roots.
 
     Args:
-        matrix: Its rows up to the diagonal.
-        right: The right-hand side.
+        columns: Of A, linearly independent.
+        weights: Of the rows.
+        right: The vector b.
     """
-    size = len(right)
-    lower = [list(row) for row in matrix]
-    pivots: list[Value] = []
-    values = list(right)
-    for j in range(size):
-        pivots.append(lower[j][j])
-        scaled = [lower[i][j] for i in range(j, size)]
-        for i in range(j + 1, size):
-            lower[i][j] = lower[i][j] / pivots[j]
-            for k in range(j + 1, i + 1):
-                lower[i][k] = lower[i][k] - lower[i][j] * scaled[k - j]
-    for i in range(size):
-        for j in range(i):
-            values[i] = values[i] - lower[i][j] * values[j]
-    values = [value / pivot for value, pivot in zip(values, pivots, strict=True)]
-    for i in reversed(range(size)):
-        for j in range(i + 1, size):
-            values[i] = values[i] - lower[j][i] * values[j]
-    return values
+    rest = [list(column) for column in (*columns, right)]
+    factors: list[list[Value]] = []
+    for j in range(len(columns)):
+        weighted = [weight * value for weight, value in zip(weights, rest[j], strict=True)]
+        square = dot_product(weighted, rest[j])
+        factors.append([dot_product(weighted, other) / square for other in rest[j + 1 :]])
+        for other, factor in zip(rest[j + 1 :], factors[j], strict=True):
+            other[:] = [value - factor * own for value, own in zip(other, rest[j], strict=True)]
+    found: list[Value] = []
+    for row in reversed(factors):
+        found.insert(0, row[-1] - dot_product(row[:-1], found) if found else row[-1])
+    return found
+
+
+def dot_product(a: Sequence[Value], b: Sequence[Value]) -> Value:
+    """The sum of the products of two rows of values.
+
+    Args:
+        a: At least one value.
+        b: As many.
+    """
+    return reduce(Value.__add__, map(Value.__mul__, a, b))

@@ -257,6 +257,33 @@ def test_next_to_poses_that_are_singular_twice_there_is_a_solution() -> None:
     assert np.isfinite(found[..., 0]).any(axis=1).all()
 
 
+EQUAL = """
+name: equal
+convention: standard
+joints:
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, a: 0.4}
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute, d: 0.4, alpha: -pi/2}
+  - {type: revolute, alpha: pi/2}
+  - {type: revolute}
+"""
+"""Upper arm and forearm have one length: folded, the wrist is on the first axis, and on the second."""
+
+
+def test_beside_a_folded_elbow_of_equal_lengths_there_is_a_solution() -> None:
+    model, rng = model_of(Robot.from_text(EQUAL)), np.random.default_rng(2)
+    q = rng.integers(-3, 5, (300, 6)) * np.pi / 4
+    q[:, 2] = -np.pi / 2
+    q += 10.0 ** rng.uniform(-10, -3, (300, 1)) * rng.standard_normal(q.shape)
+    pose = model.forward_kinematics(q)
+    found = model.inverse_kinematics(pose)
+    exists = np.isfinite(found[..., 0])
+    assert exists.any(axis=1).all()
+    off = (model.forward_kinematics(np.nan_to_num(found)) - pose[:, None])[exists]
+    assert np.abs(off).max() < 3e-11
+
+
 CONIC = """
 name: conic
 convention: modified

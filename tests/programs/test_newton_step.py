@@ -7,7 +7,7 @@ import pytest
 
 from derive.model.inverse.solve import solve
 from derive.programs.inverse import inverse_function
-from derive.programs.newton_step import solved
+from derive.programs.newton_step import least_squares
 from derive.programs.program import DAMPING, POSE, Function
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
@@ -88,13 +88,13 @@ def test_what_a_matrix_is_off_a_pose_is_no_error() -> None:
     assert stepped(robot, step, q, pose, 1e-12)[1] > 1e-5
 
 
-def test_systems_are_solved_without_pivots() -> None:
+def test_least_squares_lose_the_digits_of_a_matrix_and_not_of_its_square() -> None:
     rng = np.random.default_rng(2)
-    root = rng.normal(size=(5, 5))
-    matrix, right = root @ root.T + np.eye(5), rng.normal(size=5)
+    left, right = (np.linalg.qr(rng.normal(size=(rows, 4)))[0] for rows in (7, 4))
+    matrix, wanted, weights = left * [1, 0.5, 1e-3, 1e-9] @ right.T, rng.normal(size=4), rng.uniform(1, 2, 7)
     graph = Graph()
-    entries = [[Value(graph, graph.input("m", 5 * i + j)) for j in range(i + 1)] for i in range(5)]
-    values = solved(entries, [Value(graph, graph.input("r", i)) for i in range(5)])
-    tape = cut(graph, [value.ref for value in values])
-    found = evaluate(tape, {"m": list(matrix.ravel()), "r": list(right)}, ARITHMETIC)
-    np.testing.assert_allclose(np.array(found, dtype=float), np.linalg.solve(matrix, right), rtol=1e-10)
+    columns = [[Value(graph, graph.input("m", 4 * i + j)) for i in range(7)] for j in range(4)]
+    values = least_squares(columns, *([Value(graph, graph.input(name, i)) for i in range(7)] for name in "wr"))
+    inputs = {"m": list(matrix.ravel()), "w": list(weights), "r": list(matrix @ wanted)}
+    found = evaluate(cut(graph, [value.ref for value in values]), inputs, ARITHMETIC)
+    np.testing.assert_allclose(np.array(found, dtype=float), wanted, atol=1e-5)

@@ -27,6 +27,15 @@ ILL = 1e9
 DOUBLE, MISSING = 1e5, 1e2
 """By these factors a radicand may be above that of a double root, or below zero, so that rounding decides about it."""
 
+TURNED = 1e-12
+"""Where two equations are one, turned, their determinant is a square: it is zero below this part of what others are."""
+
+SHORT = Fraction(1, 10**10)
+"""Where all coefficients are small their radicand counts as if it was this part of its usual size: they are rounded."""
+
+FOLDED = Fraction(1, 10**12)
+"""Where a radicand keeps all its digits its two roots are one below this part of what it usually is."""
+
 
 class Mask(Protocol):
     """Where something holds: a truth value, or an array of them."""
@@ -211,6 +220,9 @@ class Solver(Generic[N, M]):
             pairs = zip(formula.degenerate, (first, second), strict=True)
             zeros = [self._is_zero(p, factor, own) for p, own in pairs]
             return zeros[0] | zeros[1]
+        if _are_turned(formula):
+            a, b, d, e = map(self.evaluate, (*first.linear[:2], *second.linear[:2]))
+            return self.field.is_zero(a * e - b * d, self._scale(first, second, factor=factor * factor * TURNED))
         mask = self.field.truth(bool(formula.degenerate))
         for p in formula.degenerate:
             mask = mask & self._is_zero(p, factor, *((first,) if second is first else (first, second)))
@@ -290,10 +302,10 @@ class Solver(Generic[N, M]):
             both = [(cosine, sine), (-cosine, -sine)]
             exists, no = f.has_root(square, square), f.truth(False)
             return [Branch(pair, exists, no, no) for pair in both]
-        one = f.number(1)
         if not has_a or not has_b:
             known = f.divide(c, b if has_b else a)
-            return self._both(one - known * known, one, lambda e, r: (e * r, known) if has_b else (known, e * r))
+            radicand, size = self._square_of_other(equation.linear[1 if has_b else 0], equation.linear[2], known)
+            return self._both(radicand, size, lambda e, r: (e * r, known) if has_b else (known, e * r))
         square = a * a + b * b
         along = f.divide(c, square)
 
@@ -301,7 +313,21 @@ class Solver(Generic[N, M]):
             across = f.divide(e * root, square)
             return a * along - b * across, b * along + a * across
 
-        return self._both(square - c * c, square, _turned)
+        usual = self._scale(equation)
+        return self._both(square - c * c, square + usual * usual * f.number(SHORT), _turned)
+
+    def _square_of_other(self, factor: Polynomial, right: Polynomial, known: N) -> tuple[N, N]:
+        """1 - x^2 of x = C/B, and its size: by B - C and B + C where one of these is known to all its digits.
+
+        So it is beside a folded elbow of two equal lengths, whose B + C is the square of a distance.
+        """
+        f, one = self.field, self.field.number(1)
+        for sign in (1, -1):
+            exact = factor + sign * right
+            if not right.is_constant and _is_sum_of_squares(exact):
+                near = f.divide(self.evaluate(exact), self.evaluate(factor))
+                return near * (one - sign * known), near * f.number(Fraction(1, 2)) + f.number(FOLDED)
+        return one - known * known, one
 
     def _one_angle(self, first: Equation, second: Equation) -> list[Branch[N, M]]:
         f = self.field
@@ -321,3 +347,18 @@ class Solver(Generic[N, M]):
 
 CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
 """Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients."""
+
+
+def _is_sum_of_squares(p: Polynomial) -> bool:
+    """Whether no digits are lost in a sum, p.p included: even powers whose factors have one sign."""
+    terms, names = list(p.terms()), p.ring.names
+    even = all(e % 2 == 0 or names[i] == "p.p" for exponents, _ in terms for i, e in enumerate(exponents))
+    return even and len({coefficient > 0 for _, coefficient in terms}) == 1
+
+
+def _are_turned(formula: Formula) -> bool:
+    """Whether of two equations A c + B s = C the second has the coefficients of the first, turned by a right angle."""
+    if formula.kind is not Kind.TYPE_3 or len(formula.degenerate) != 1:
+        return False
+    (a, b, _), (d, e, _) = (equation.linear for equation in formula.equations)
+    return (d == -b and e == a) or (d == b and e == -a)

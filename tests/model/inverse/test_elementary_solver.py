@@ -82,3 +82,35 @@ def test_a_conic_meets_the_unit_circle_in_four_points() -> None:
     assert len(found) == 4
     assert all(abs(rest(equation, branch)) < 1e-12 for branch in found)
     assert all(abs(np.hypot(*branch.numbers) - 1) < 1e-12 for branch in found)
+
+
+@pytest.mark.parametrize("sine_or_cosine", [0, 1])
+@pytest.mark.parametrize("away", [1e-3, 1e-6, 1e-9])
+def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(away: float, sine_or_cosine: int) -> None:
+    """2 c = x^2 - 2: beside c = -1 the sine is x, but for x^3, and 1 - c^2 would have lost it."""
+    ring = Ring(("x",))
+    x = ring.generator("x")
+    terms = {(1, 0) if sine_or_cosine else (0, 1): ring.number(Fraction(2)), (0, 0): 2 - x * x}
+    solver = Solver(FloatField({}), lambda p: np.float64(sum(c * away ** e[0] for e, c in p.terms())), np.float64(1))
+    both = solver.solve(Formula(Kind.TYPE_2, (Equation(terms, 2, SOURCE),)))
+    assert all(branch.exists and not branch.boundary for branch in both)
+    found = [branch.numbers[sine_or_cosine] for branch in both]
+    np.testing.assert_allclose(found, np.array([1, -1]) * away * np.sqrt(1 - away**2 / 4), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("short", "known"), [(1e-3, True), (1e-9, True), (1e-13, False)])
+def test_equations_that_are_one_turned_determine_an_angle_where_they_have_a_length(short: float, known: bool) -> None:
+    terms = [{(1, 0): 3, (0, 1): 4, (0, 0): -5}, {(1, 0): -4, (0, 1): 3, (0, 0): 0}]
+    first, second = (_equation({e: Fraction(v) * Fraction(short) for e, v in row.items()}) for row in terms)
+    solver, formula = Solver(FloatField({}), _number, np.float64(1)), Formula(Kind.TYPE_3, (first, second))
+    assert bool(solver.degenerate(formula)) is not known
+
+
+def test_a_length_that_may_be_negative_is_no_square_and_rounding_leaves_it_its_root() -> None:
+    ring = Ring(("x",))
+    terms = {(1, 0): ring.number(Fraction(1)), (0, 0): 1 - ring.generator("x")}
+    solver = Solver(
+        FloatField({}), lambda p: np.float64(sum(c * (-1e-16) ** e[0] for e, c in p.terms())), np.float64(1)
+    )
+    first, second = solver.solve(Formula(Kind.TYPE_2, (Equation(terms, 1, SOURCE),)))
+    assert (bool(first.exists), bool(first.boundary), bool(second.exists)) == (True, True, False)
