@@ -50,9 +50,8 @@ def test_the_pose_has_other_names_where_the_robot_has_these() -> None:
 
 
 def test_where_an_unknown_is_free_no_constant_stands_before_what_vanishes() -> None:
-    rows = "".join(
-        f"  - {{type: revolute, d: {d}, alpha: {twist}}}\n" for d, twist in ((0.1, "pi/3"), (0.2, "pi/2"), (0.3, "pi/3"))
-    )
+    table = ((0.1, "pi/3"), (0.2, "pi/2"), (0.3, "pi/3"))
+    rows = "".join(f"  - {{type: revolute, d: {d}, alpha: {twist}}}\n" for d, twist in table)
     robot = Robot.from_text(f"name: tilted\nconvention: standard\njoints:\n{rows}")
     found = inverse_kinematics(robot, robot.style)
     vanishing = {str(value) for step in found.steps for value in step.fails}
