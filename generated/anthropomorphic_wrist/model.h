@@ -202,7 +202,7 @@ void anthropomorphic_wrist_analytic_jacobian_zyz_constants(const double *params,
  * 6. shoulder right, elbow down, wrist not flipped
  * 7. shoulder right, elbow up, wrist flipped
  * 8. shoulder right, elbow up, wrist not flipped
- * Closed form, all branches at once: 164 mul, 116 add, 19 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 115 cases.
+ * Closed form, all branches at once: 163 mul, 114 add, 19 div, 4 sin, 4 cos, 7 sqrt, 19 atan2, 115 cases.
  * Once per set of parameters: 5 mul, 3 add, 1 cases.
  */
 int anthropomorphic_wrist_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);

@@ -674,7 +674,7 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     const double t27 = sqrt(t26) - fabs(1.0 - (T11*T11 + T21*T21 + t13)) - fabs(T11*T12 + T21*T22 + T31*T32);
     const double t28 = t27 - fabs(T11*T13 + T21*T23 + T31*T33) - fabs(1.0 - (T12*T12 + T22*T22 + T32*T32));
     const double t29 = t28 - fabs(T12*T13 + T22*T23 + T32*T33) - fabs(1.0 - (T13*T13 + T23*T23 + T33*T33));
-    const double t30 = (t24 + t4*t9 - t6*t10)/(damping1 + (2.0 + (t9*t9 + t10*t10)));
+    const double t30 = (t24 + (t4*t9 - t6*t10))/(damping1 + (2.0 + (t9*t9 + t10*t10)));
     result[0] = q1 + t30;
     result[lanes] = maximum(0.0, t29);
     result[2 * lanes] = t2;

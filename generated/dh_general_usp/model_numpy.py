@@ -503,7 +503,7 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t32 = t31 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
     t33 = t32 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
     t34 = maximum(0.0, t33 - absolute(1.0 - (T13*T13 + T23*T23 + T33*T33)))
-    t35 = (t28 + t8*t13 - t10*t14)/(damping1 + (2.0 + (t13*t13 + t14*t14)))
+    t35 = (t28 + (t8*t13 - t10*t14))/(damping1 + (2.0 + (t13*t13 + t14*t14)))
     return (
         q1 + t35, t34, t6,
     )

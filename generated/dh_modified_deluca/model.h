@@ -43,7 +43,7 @@ enum {
     dh_modified_deluca_link_transforms_constant_count = 5,
     dh_modified_deluca_jacobian_constant_count = 2,
     dh_modified_deluca_analytic_jacobian_rpy_constant_count = 5,
-    dh_modified_deluca_inverse_kinematics_constant_count = 14,
+    dh_modified_deluca_inverse_kinematics_constant_count = 16,
     dh_modified_deluca_branches = 1, /**< Branches of inverse kinematics. */
     dh_modified_deluca_none = 0, /**< The branch does not exist. */
     dh_modified_deluca_exact = 1, /**< A solution. */
@@ -172,7 +172,7 @@ void dh_modified_deluca_analytic_jacobian_zyz_batch(size_t count, const double *
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
  * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
  *                     have no solution with them there, they are elsewhere.
- * @param[in]  k       14 constants from inverse_kinematics_constants().
+ * @param[in]  k       16 constants from inverse_kinematics_constants().
  * @param[out] q       joint variables, 1 x 1: a row for each branch [rad, m], not a number where a branch does not exist.
  * @param[out] status  what each branch is, 1; may be NULL.
  * @return the number of solutions.
@@ -195,7 +195,7 @@ void dh_modified_deluca_inverse_kinematics_batch(size_t count, const double *T, 
  */
 int dh_modified_deluca_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
 
-/** The constants of dh_modified_deluca_inverse_kinematics, 14, from the parameters, 3. */
+/** The constants of dh_modified_deluca_inverse_kinematics, 16, from the parameters, 3. */
 void dh_modified_deluca_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus

@@ -434,13 +434,15 @@ def _inverse_kinematics_step_constants(functions, p):
     p_d1, p_a0, p_alpha0 = p
     t1 = sin(p_alpha0)
     t2 = cos(p_alpha0)
-    t3 = 2.0*(t1*t1 + t2*t2)
-    t4 = p_d1*p_d1
-    t5 = p_a0*p_a0
-    t6 = p_d1*t1
-    t7 = p_d1*t2
+    t3 = 2.0*t1
+    t4 = 2.0*t2
+    t5 = t1*t3 + t2*t4
+    t6 = p_d1*p_d1
+    t7 = p_a0*p_a0
+    t8 = p_d1*t1
+    t9 = p_d1*t2
     return (
-        t1, t2, t3, t4, p_a0, t5, t6, t7,
+        t1, t2, t3, t4, t5, t6, p_a0, t7, t8, t9,
     )
 
 
@@ -449,37 +451,37 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     (q1,) = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
-    k1, k2, k3, k4, p_a0, k6, k7, k8 = k
+    k1, k2, k3, k4, k5, k6, p_a0, k8, k9, k10 = k
     c1 = cos(q1)
     s1 = sin(q1)
-    t8 = k1*s1
-    t9 = k1*c1
-    t10 = k2*s1
-    t11 = k2*c1
-    t12 = k2*(k1*T13 - (t10*T11 - c1*T21 + (t11*T12 + s1*T22)))
-    t13 = k1*(k2*T13 - (c1*T31 - t8*T11 - (s1*T32 + t9*T12))) - t12
-    t14 = sqrt(k6 + (k4 + (T14*T14 + (T24*T24 + T34*T34))))
-    t15 = select(less(0.0, t14), t14, 1.0)
-    t16 = (p_a0 - T14)/t15
-    t17 = (k7 + T24)/t15
-    t18 = (k8 - T34)/t15
-    t19 = c1 - T11
-    t20 = t10 - T21
-    t21 = t8 - T31
-    t22 = t16*t16 + t17*t17 + t18*t18 + t19*t19 + t20*t20 + t21*t21
-    t23 = s1 + T12
-    t24 = t11 - T22
-    t25 = t9 - T32
-    t26 = T13*T13
-    t27 = k1 + T23
-    t28 = k2 - T33
-    t29 = t22 + t23*t23 + t24*t24 + t25*t25 + t26 + t27*t27 + t28*t28
-    t30 = sqrt(t29) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
-    t31 = t30 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
-    t32 = t31 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
-    t33 = maximum(0.0, t32 - absolute(1.0 - (t26 + T23*T23 + T33*T33)))
+    t10 = k1*s1
+    t11 = k1*c1
+    t12 = 0.5*(k2*T13 - (c1*T31 - t10*T11 - (s1*T32 + t11*T12)))
+    t13 = k2*s1
+    t14 = k2*c1
+    t15 = 0.5*(k1*T13 - (t13*T11 - c1*T21 + (t14*T12 + s1*T22)))
+    t16 = sqrt(k8 + (k6 + (T14*T14 + (T24*T24 + T34*T34))))
+    t17 = select(less(0.0, t16), t16, 1.0)
+    t18 = (p_a0 - T14)/t17
+    t19 = (k9 + T24)/t17
+    t20 = (k10 - T34)/t17
+    t21 = c1 - T11
+    t22 = t13 - T21
+    t23 = t10 - T31
+    t24 = t18*t18 + t19*t19 + t20*t20 + t21*t21 + t22*t22 + t23*t23
+    t25 = s1 + T12
+    t26 = t14 - T22
+    t27 = t11 - T32
+    t28 = T13*T13
+    t29 = k1 + T23
+    t30 = k2 - T33
+    t31 = t24 + t25*t25 + t26*t26 + t27*t27 + t28 + t29*t29 + t30*t30
+    t32 = sqrt(t31) - absolute(1.0 - (T11*T11 + T21*T21 + T31*T31))
+    t33 = t32 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
+    t34 = t33 - absolute(1.0 - (T12*T12 + T22*T22 + T32*T32)) - absolute(T12*T13 + T22*T23 + T32*T33)
+    t35 = maximum(0.0, t34 - absolute(1.0 - (t28 + T23*T23 + T33*T33)))
     return (
-        q1 - t13/(damping1 + k3), t33, t15,
+        q1 - (t12*k3 - t15*k4)/(damping1 + k5), t35, t17,
     )
 
 

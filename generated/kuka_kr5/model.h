@@ -159,7 +159,7 @@ void kuka_kr5_analytic_jacobian_zyz_batch(size_t count, const double *q, double 
  * 6. shoulder right, elbow up, wrist flipped
  * 7. shoulder right, elbow down, wrist not flipped
  * 8. shoulder right, elbow down, wrist flipped
- * Closed form, all branches at once: 201 mul, 144 add, 18 div, 4 sin, 4 cos, 8 sqrt, 21 atan2, 117 cases.
+ * Closed form, all branches at once: 206 mul, 141 add, 18 div, 4 sin, 4 cos, 8 sqrt, 21 atan2, 117 cases.
  */
 int kuka_kr5_inverse_kinematics(const double *T, const double *near, double *q, int *status);
 

@@ -694,7 +694,7 @@ def _inverse_kinematics(functions, k, T, near):
     t8 = 1.5 - 0.5*(t5*t5 + t6*t6)
     t9 = sqrt(T34*T34 + (T24*T24 + (k3 + T14*T14)))
     t10 = t9*t9
-    t11 = 1e-12*t10
+    t11 = 1e-24*t10
     t12 = less(t11, t7)
     t13 = sin(near1)
     t14 = select(t12, t6*t8, t13)
@@ -722,7 +722,7 @@ def _inverse_kinematics(functions, k, T, near):
     t36 = maximum(absolute(p_a2*t30 - (T14 - p_a1*t16)), t9*maximum(absolute(t26*t26 - (1.0 - t28*t28)), t35))
     t37 = maximum(absolute(T34), maximum(absolute(p_a2*t31 - (T24 - p_a1*t14)), t36))
     t38 = less(t37, 1e-07*t9)
-    t39 = 0.001*t10
+    t39 = 1e-06*t10
     t40 = maximum(1.0 - less(t39, t7), 1.0 - less(t39, t22))
     t41 = select(t38, select(t29, 3.0, 1.0) + 4.0*t40, select(t29, 8.0, 4.0*maximum(t29, t40 - t38*t40)))
     return (
@@ -765,27 +765,32 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t18 = t13*t14
     t19 = (t13 - T24)/t10
     t20 = T34/t10
-    t21 = t6 - t11*t18 + t19*t15
-    t22 = damping1 + (2.0 + (t18*t18 + t15*t15))
-    t23 = 2.0 + (t18*t16 + t15*t17)
-    t24 = t23/t22
-    t25 = (t6 - t11*t16 + t19*t17 - t21*t24)/(damping1 + (2.0 + (t16*t16 + t17*t17)) - t23*t24)
-    t26 = t5 - T11
-    t27 = t5 - T22
-    t28 = t4 - T21
-    t29 = t4 + T12
-    t30 = T31*T31
-    t31 = t11*t11 + t19*t19 + t20*t20 + t26*t26 + t28*t28 + t30
-    t32 = T32*T32
-    t33 = T13*T13
-    t34 = T23*T23
-    t35 = 1.0 - T33
-    t36 = sqrt(t31 + t29*t29 + t27*t27 + t32 + t33 + t34 + t35*t35)
-    t37 = t36 - absolute(1.0 - (t30 + (T11*T11 + T21*T21))) - absolute(T11*T12 + T21*T22 + T31*T32)
-    t38 = t37 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t32 + (T12*T12 + T22*T22)))
-    t39 = t38 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t33 + t34 + T33*T33))
+    t21 = damping1 + (2.0 + (t18*t18 + t15*t15))
+    t22 = (t6 - (t11*t18 - t19*t15))/t21
+    t23 = (2.0 + (t18*t16 + t15*t17))/t21
+    t24 = t16 - t18*t23
+    t25 = t17 - t15*t23
+    t26 = 1.0 - t23
+    t27 = 2.0*t26
+    t28 = t24*(t11 + t18*t22) - t25*(t19 - t15*t22) - (0.5*t6 - t22)*t27
+    t29 = damping1*t23
+    t30 = (t28 - t22*t29)/(damping1 + (t24*t24 + t25*t25 + t26*t27 + t23*t29))
+    t31 = t5 - T11
+    t32 = t5 - T22
+    t33 = t4 - T21
+    t34 = t4 + T12
+    t35 = T31*T31
+    t36 = t11*t11 + t19*t19 + t20*t20 + t31*t31 + t33*t33 + t35
+    t37 = T32*T32
+    t38 = T13*T13
+    t39 = T23*T23
+    t40 = 1.0 - T33
+    t41 = sqrt(t36 + t34*t34 + t32*t32 + t37 + t38 + t39 + t40*t40)
+    t42 = t41 - absolute(1.0 - (t35 + (T11*T11 + T21*T21))) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t43 = t42 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t37 + (T12*T12 + T22*T22)))
+    t44 = t43 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t38 + t39 + T33*T33))
     return (
-        q1 - (t21/t22 - t24*t25), q2 - t25, maximum(0.0, t39), t10,
+        q1 - (t22 + t23*t30), q2 + t30, maximum(0.0, t44), t10,
     )
 
 

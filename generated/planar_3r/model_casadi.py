@@ -324,7 +324,7 @@ def _inverse_kinematics(functions, k, T, near):
     t24 = sqrt(T34*T34 + (T24*T24 + (k7 + T14*T14)))
     t25 = t24*t24
     t26 = absolute(t8)
-    t27 = less(1e-12*t25, t26)
+    t27 = less(1e-24*t25, t26)
     t28 = sin(near1)
     t29 = select(t27, -t22*t23, t28)
     t30 = cos(near1)
@@ -389,7 +389,7 @@ def _inverse_kinematics(functions, k, T, near):
     t89 = maximum(1000.0*t88, 3e-11*t24)
     t90 = 1.0 - less(1e-09, t10)
     t91 = maximum(k8, t90 - t90*less(t10, -9.999999999999999e-10))
-    t92 = maximum(t91, 1.0 - less(0.001*t25, t26))
+    t92 = maximum(t91, 1.0 - less(1e-06*t25, t26))
     t93 = t74*maximum(t92, less(t70, t89))
     t94 = t87*maximum(t92, less(t86, t89))
     t95 = maximum(k8, t49)
@@ -404,11 +404,11 @@ def _inverse_kinematics(functions, k, T, near):
 
 def _inverse_kinematics_step_constants(functions, p):
     p_a1, p_a2, p_a3 = p
-    t1 = p_a3*p_a3
+    t1 = p_a1*p_a1
     t2 = p_a2*p_a2
-    t3 = p_a1*p_a1
+    t3 = p_a3*p_a3
     return (
-        p_a3, t1, p_a2, t2, p_a1, t3,
+        p_a1, p_a2, p_a3, t1, t2, t3,
     )
 
 
@@ -417,65 +417,81 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     q1, q2, q3 = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
-    p_a3, k2, p_a2, k4, p_a1, k6 = k
-    t4 = sqrt(k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))))
-    t5 = select(less(0.0, t4), t4, 1.0)
+    p_a1, p_a2, p_a3, k4, k5, k6 = k
+    t4 = q1 + q2
+    t5 = q3 + t4
+    t6 = sin(t5)
+    t7 = cos(t5)
+    t8 = t6*T11 - t7*T21 + (t7*T12 + t6*T22)
     c1 = cos(q1)
-    t6 = p_a1*c1
-    t7 = q1 + q2
-    t8 = cos(t7)
-    t9 = p_a2*t8
-    t10 = q3 + t7
-    t11 = sin(t7)
-    t12 = p_a2*t11
-    t13 = cos(t10)
-    t14 = sin(t10)
-    t15 = p_a3*t13
-    t16 = (t6 + t9 + t15 - T14)/t5
-    t17 = t9 + t15
+    t9 = p_a1*c1
+    t10 = cos(t4)
+    t11 = p_a2*t10
+    t12 = sin(t4)
+    t13 = p_a2*t12
+    t14 = p_a3*t7
+    t15 = t11 + t14
+    t16 = sqrt(k4 + (k5 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t17 = select(less(0.0, t16), t16, 1.0)
+    t18 = (t9 + t11 + t14 - T14)/t17
     s1 = sin(q1)
-    t18 = p_a1*s1
-    t19 = p_a3*t14
-    t20 = (t18 + t12 + t19 - T24)/t5
-    t21 = t12 + t19
-    t22 = T34/t5
-    t23 = 1.0/t5
-    t24 = (t18 + t21)*t23
-    t25 = t19*t23
-    t26 = (t6 + t17)*t23
+    t19 = p_a1*s1
+    t20 = p_a3*t6
+    t21 = t13 + t20
+    t22 = (t19 + t13 + t20 - T24)/t17
+    t23 = 1.0/t17
+    t24 = (t19 + t21)*t23
+    t25 = (t9 + t15)*t23
+    t26 = t21*t23
     t27 = t15*t23
-    t28 = t21*t23
-    t29 = t17*t23
-    t30 = t13 - T11
-    t31 = t14 - T21
-    t32 = T31*T31
-    t33 = t16*t16 + t20*t20 + t22*t22 + t30*t30 + t31*t31 + t32
-    t34 = t14 + T12
-    t35 = t13 - T22
-    t36 = T32*T32
-    t37 = T13*T13
-    t38 = T23*T23
-    t39 = 1.0 - T33
-    t40 = sqrt(t33 + t34*t34 + t35*t35 + t36 + t37 + t38 + t39*t39)
-    t41 = t40 - absolute(1.0 - (T11*T11 + T21*T21 + t32)) - absolute(T11*T12 + T21*T22 + T31*T32)
-    t42 = t41 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t36 + (T12*T12 + T22*T22)))
-    t43 = t42 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t37 + t38 + T33*T33))
-    t44 = 2.0 + (t24*t25 + t26*t27)
-    t45 = damping1 + (2.0 + (t24*t24 + t26*t26))
-    t46 = t44/t45
-    t47 = 2.0 + (t24*t28 + t26*t29)
-    t48 = 2.0 + (t28*t25 + t29*t27) - t47*t46
-    t49 = t47/t45
-    t50 = damping1 + (2.0 + (t28*t28 + t29*t29)) - t47*t49
-    t51 = t48/t50
-    t52 = damping1 + (2.0 + (t25*t25 + t27*t27)) - t44*t46 - t48*t51
-    t53 = t14*T11 - t13*T21 + (t13*T12 + t14*T22)
-    t54 = t53 - t16*t24 + t20*t26
-    t55 = t53 - t16*t28 + t20*t29 - t54*t49
-    t56 = (t53 - t16*t25 + t20*t27 - t54*t46 - t51*t55)/t52
-    t57 = t55/t50 - t51*t56
+    t28 = t20*t23
+    t29 = t14*t23
+    t30 = T34/t17
+    t31 = damping1 + (2.0 + (t24*t24 + t25*t25))
+    t32 = (t8 - (t18*t24 - t22*t25))/t31
+    t33 = (2.0 + (t24*t26 + t25*t27))/t31
+    t34 = t26 - t24*t33
+    t35 = t18 + t24*t32
+    t36 = t27 - t25*t33
+    t37 = t22 - t25*t32
+    t38 = 0.5*t8 - t32
+    t39 = 1.0 - t33
+    t40 = 2.0*t39
+    t41 = damping1*t33
+    t42 = damping1 + (t34*t34 + t36*t36 + t39*t40 + t33*t41)
+    t43 = (t34*t35 - t36*t37 - t38*t40 - t32*t41)/t42
+    t44 = (2.0 + (t24*t28 + t25*t29))/t31
+    t45 = t28 - t24*t44
+    t46 = t29 - t25*t44
+    t47 = 1.0 - t44
+    t48 = (t34*t45 + t36*t46 + t47*t40 + t44*t41)/t42
+    t49 = t45 - t34*t48
+    t50 = t46 - t36*t48
+    t51 = t47 - t39*t48
+    t52 = 2.0*t51
+    t53 = t49*(t35 - t34*t43) - t50*(t37 + t36*t43) - (t38 + t39*t43)*t52
+    t54 = t44 - t33*t48
+    t55 = damping1*t54
+    t56 = damping1*t48
+    t57 = damping1 + (t49*t49 + t50*t50 + t51*t52 + t54*t55 + t48*t56)
+    t58 = (t53 - (t32 + t33*t43)*t55 + t43*t56)/t57
+    t59 = t43 - t48*t58
+    t60 = t7 - T11
+    t61 = t7 - T22
+    t62 = t6 - T21
+    t63 = t6 + T12
+    t64 = T31*T31
+    t65 = t18*t18 + t22*t22 + t30*t30 + t60*t60 + t62*t62 + t64
+    t66 = T32*T32
+    t67 = T13*T13
+    t68 = T23*T23
+    t69 = 1.0 - T33
+    t70 = sqrt(t65 + t63*t63 + t61*t61 + t66 + t67 + t68 + t69*t69)
+    t71 = t70 - absolute(1.0 - (T11*T11 + T21*T21 + t64)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t72 = t71 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t66 + (T12*T12 + T22*T22)))
+    t73 = t72 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t67 + t68 + T33*T33))
     return (
-        q1 - (t54/t45 - t49*t57 - t46*t56), q2 - t57, q3 - t56, maximum(0.0, t43), t5,
+        q1 - (t32 + (t33*t59 + t44*t58)), q2 + t59, q3 + t58, maximum(0.0, t73), t17,
     )
 
 

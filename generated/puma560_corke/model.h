@@ -338,7 +338,7 @@ void puma560_corke_base_parameters(double *result);
  * 6. shoulder left, elbow up, wrist flipped
  * 7. shoulder left, elbow down, wrist not flipped
  * 8. shoulder left, elbow down, wrist flipped
- * Closed form, all branches at once: 206 mul, 140 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 120 cases.
+ * Closed form, all branches at once: 208 mul, 136 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 120 cases.
  */
 int puma560_corke_inverse_kinematics(const double *T, const double *near, double *q, int *status);
 

@@ -159,7 +159,7 @@ void puma560_laschi_analytic_jacobian_zyz_batch(size_t count, const double *q, d
  * 6. shoulder right, elbow up, wrist not flipped
  * 7. shoulder right, elbow down, wrist flipped
  * 8. shoulder right, elbow down, wrist not flipped
- * Closed form, all branches at once: 214 mul, 139 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 115 cases.
+ * Closed form, all branches at once: 221 mul, 139 add, 18 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 115 cases.
  */
 int puma560_laschi_inverse_kinematics(const double *T, const double *near, double *q, int *status);
 

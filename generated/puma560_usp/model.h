@@ -53,7 +53,7 @@ enum {
     puma560_usp_jacobian_dot_constant_count = 5,
     puma560_usp_analytic_jacobian_rpy_constant_count = 5,
     puma560_usp_analytic_jacobian_zyz_constant_count = 5,
-    puma560_usp_inverse_kinematics_constant_count = 27,
+    puma560_usp_inverse_kinematics_constant_count = 23,
     puma560_usp_branches = 8, /**< Branches of inverse kinematics. */
     puma560_usp_none = 0, /**< The branch does not exist. */
     puma560_usp_exact = 1, /**< A solution. */
@@ -190,7 +190,7 @@ void puma560_usp_analytic_jacobian_zyz_constants(const double *params, double *k
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
  * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
  *                     have no solution with them there, they are elsewhere.
- * @param[in]  k       27 constants from inverse_kinematics_constants().
+ * @param[in]  k       23 constants from inverse_kinematics_constants().
  * @param[out] q       joint variables, 8 x 6: a row for each branch [rad, m], not a number where a branch does not exist.
  * @param[out] status  what each branch is, 8; may be NULL.
  * @return the number of solutions.
@@ -204,8 +204,8 @@ void puma560_usp_analytic_jacobian_zyz_constants(const double *params, double *k
  * 6. shoulder right, elbow up, wrist not flipped
  * 7. shoulder right, elbow down, wrist flipped
  * 8. shoulder right, elbow down, wrist not flipped
- * Closed form, all branches at once: 219 mul, 149 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 130 cases.
- * Once per set of parameters: 17 mul, 8 add, 2 cases.
+ * Closed form, all branches at once: 221 mul, 145 add, 20 div, 4 sin, 4 cos, 7 sqrt, 20 atan2, 130 cases.
+ * Once per set of parameters: 11 mul, 8 add, 2 cases.
  */
 int puma560_usp_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
 
@@ -222,7 +222,7 @@ void puma560_usp_inverse_kinematics_batch(size_t count, const double *T, const d
  */
 int puma560_usp_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
 
-/** The constants of puma560_usp_inverse_kinematics, 27, from the parameters, 5. */
+/** The constants of puma560_usp_inverse_kinematics, 23, from the parameters, 5. */
 void puma560_usp_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus

@@ -1159,7 +1159,7 @@ def _inverse_kinematics(functions, k, T, near):
     t23 = sqrt(T34*T34 + (k7 + t6))
     t24 = t23*t23
     t25 = absolute(t6)
-    t26 = less(1e-12*t24, t25)
+    t26 = less(1e-24*t24, t25)
     t27 = sin(near1)
     t28 = select(t26, -t20*t21, t27)
     t29 = cos(near1)
@@ -1174,7 +1174,7 @@ def _inverse_kinematics(functions, k, T, near):
     t38 = t15*t27 + t10*t29
     t39 = cos(near4)
     t40 = sin(near4)
-    t41 = less(1e-12, t35)
+    t41 = less(1e-24, t35)
     t42 = select(t41, t33*t36, t37*t39 + t38*t40)
     t43 = select(t41, t34*t36, t39*t38 - t37*t40)
     t44 = 1.0 - t41
@@ -1225,7 +1225,7 @@ def _inverse_kinematics(functions, k, T, near):
     t89 = maximum(1000.0*t88, 3e-11*t23)
     t90 = 1.0 - less(1e-09, t8)
     t91 = maximum(k8, t90 - t90*less(t8, -9.999999999999999e-10))
-    t92 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t91))
+    t92 = maximum(1.0 - less(1e-06*t24, t25), maximum(1.0 - less(1e-06, t35), t91))
     t93 = t77*maximum(t92, less(t73, t89))
     t94 = t87*maximum(t92, less(t86, t89))
     t95 = maximum(maximum(t54, maximum(k8, t44)), maximum(k8, t54))
@@ -1240,11 +1240,11 @@ def _inverse_kinematics(functions, k, T, near):
 
 def _inverse_kinematics_step_constants(functions, p):
     p_a1, p_a2, p_d4 = p
-    t1 = p_a1*p_a1
+    t1 = p_d4*p_d4
     t2 = p_a2*p_a2
-    t3 = p_d4*p_d4
+    t3 = p_a1*p_a1
     return (
-        p_a1, p_a2, t1, t2, p_d4, t3,
+        p_d4, t1, p_a2, t2, p_a1, t3,
     )
 
 
@@ -1253,58 +1253,76 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     q1, q2, q3, q4 = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
-    p_a1, p_a2, k3, k4, p_d4, k6 = k
-    t4 = q1 + q2
-    t5 = q4 - t4
-    t6 = sin(t5)
-    t7 = cos(t5)
-    t8 = t6*T11 + t7*T21 + (t7*T12 - t6*T22)
+    p_d4, k2, p_a2, k4, p_a1, k6 = k
+    t4 = sqrt(k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t5 = select(less(0.0, t4), t4, 1.0)
     c1 = cos(q1)
-    t9 = cos(t4)
-    t10 = p_a2*t9
-    t11 = p_a1*c1 + t10
-    t12 = sin(t4)
-    t13 = p_a2*t12
-    t14 = sqrt(k3 + (k4 + (k6 + (T14*T14 + (T24*T24 + T34*T34)))))
-    t15 = select(less(0.0, t14), t14, 1.0)
-    t16 = (t11 - T14)/t15
+    t6 = q1 + q2
+    t7 = cos(t6)
+    t8 = p_a2*t7
+    t9 = p_a1*c1 + t8
+    t10 = (t9 - T14)/t5
     s1 = sin(q1)
-    t17 = p_a1*s1 + t13
-    t18 = 1.0/t15
-    t19 = t11*t18
-    t20 = t13*t18
-    t21 = t10*t18
-    t22 = t17*t18
-    t23 = (t17 - T24)/t15
-    t24 = t8 + t16*t22 - t23*t19
-    t25 = damping1 + (2.0 + (t22*t22 + t19*t19))
-    t26 = 2.0 + (t22*t20 + t19*t21)
-    t27 = t26/t25
-    t28 = 2.0/t25
-    t29 = t8 + t16*t20 - t23*t21 - t24*t27
-    t30 = damping1 + (2.0 + (t20*t20 + t21*t21)) - t26*t27
-    t31 = 2.0 - t26*t28
-    t32 = t31/t30
-    t33 = (t8 - t24*t28 - t32*t29)/(2.0 + damping1 - 2.0*t28 - t31*t32)
-    t34 = t29/t30 - t32*t33
-    t35 = (p_d4 + q3 + T34)/t15
-    t36 = t7 - T11
-    t37 = t7 + T22
-    t38 = t6 + T21
-    t39 = t6 + T12
-    t40 = T31*T31
-    t41 = t16*t16 + t23*t23 + t35*t35 + t36*t36 + t38*t38 + t40
-    t42 = T32*T32
-    t43 = T13*T13
-    t44 = T23*T23
-    t45 = 1.0 + T33
-    t46 = sqrt(t41 + t39*t39 + t37*t37 + t42 + t43 + t44 + t45*t45)
-    t47 = t46 - absolute(1.0 - (T11*T11 + T21*T21 + t40)) - absolute(T11*T12 + T21*T22 + T31*T32)
-    t48 = t47 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t42 + (T12*T12 + T22*T22)))
-    t49 = t48 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t43 + t44 + T33*T33))
+    t11 = sin(t6)
+    t12 = p_a2*t11
+    t13 = p_a1*s1 + t12
+    t14 = (t13 - T24)/t5
+    t15 = (p_d4 + q3 + T34)/t5
+    t16 = q4 - t6
+    t17 = cos(t16)
+    t18 = sin(t16)
+    t19 = t17 - T11
+    t20 = t18 + T21
+    t21 = T31*T31
+    t22 = t10*t10 + t14*t14 + t15*t15 + t19*t19 + t20*t20 + t21
+    t23 = t18 + T12
+    t24 = t17 + T22
+    t25 = T32*T32
+    t26 = T13*T13
+    t27 = T23*T23
+    t28 = 1.0 + T33
+    t29 = sqrt(t22 + t23*t23 + t24*t24 + t25 + t26 + t27 + t28*t28)
+    t30 = t29 - absolute(1.0 - (T11*T11 + T21*T21 + t21)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t31 = t30 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t25 + (T12*T12 + T22*T22)))
+    t32 = t31 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t26 + t27 + T33*T33))
+    t33 = 1.0/t5
+    t34 = t13*t33
+    t35 = t12*t33
+    t36 = t9*t33
+    t37 = t8*t33
+    t38 = damping1 + (2.0 + (t34*t34 + t36*t36))
+    t39 = (2.0 + (t34*t35 + t36*t37))/t38
+    t40 = t35 - t34*t39
+    t41 = t18*T11 + t17*T21 + (t17*T12 - t18*T22)
+    t42 = (t41 + (t10*t34 - t14*t36))/t38
+    t43 = 2.0/t38
+    t44 = t10 - t34*t42
+    t45 = t34*t43
+    t46 = t37 - t36*t39
+    t47 = t14 + t36*t42
+    t48 = t36*t43
+    t49 = 0.5*t41 - t42
+    t50 = 1.0 - t39
+    t51 = 2.0*t50
+    t52 = damping1*t39
+    t53 = damping1 + (t40*t40 + t46*t46 + t50*t51 + t39*t52)
+    t54 = (t40*t44 - t46*t47 + t49*t51 + t42*t52)/t53
+    t55 = 1.0 - t43
+    t56 = (t40*t45 + t46*t48 - t55*t51 - t43*t52)/t53
+    t57 = t45 - t40*t56
+    t58 = t48 - t46*t56
+    t59 = t55 + t50*t56
+    t60 = 2.0*t59
+    t61 = t57*(t44 - t40*t54) - t58*(t47 + t46*t54) - (t49 - t50*t54)*t60
+    t62 = t43 + t39*t56
+    t63 = damping1*t62
+    t64 = damping1*t56
+    t65 = damping1 + (t57*t57 + t58*t58 + t59*t60 + t62*t63 + t56*t64)
+    t66 = (t61 - (t42 - t39*t54)*t63 + t54*t64)/t65
+    t67 = t54 - t56*t66
     return (
-        q1 + (t24/t25 - t27*t34 - t28*t33), q2 + t34, q3 - t15*(t35/(1.0 + damping1)), q4 - t33,
-        maximum(0.0, t49), t15,
+        q1 + (t42 - (t39*t67 - t43*t66)), q2 + t67, q3 - t5*(t15/(1.0 + damping1)), q4 + t66,
+        maximum(0.0, t32), t5,
     )
 
 

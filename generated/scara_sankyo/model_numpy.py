@@ -468,7 +468,7 @@ def _inverse_kinematics(functions, k, T, near):
     t23 = sqrt(T34*T34 + (k6 + t7))
     t24 = t23*t23
     t25 = absolute(t7)
-    t26 = less(1e-12*t24, t25)
+    t26 = less(1e-24*t24, t25)
     t27 = sin(near1)
     t28 = select(t26, -t21*t22, t27)
     t29 = cos(near1)
@@ -483,7 +483,7 @@ def _inverse_kinematics(functions, k, T, near):
     t38 = t16*t27 + t11*t29
     t39 = cos(near4)
     t40 = sin(near4)
-    t41 = less(1e-12, t35)
+    t41 = less(1e-24, t35)
     t42 = select(t41, t33*t36, t39*t37 - t38*t40)
     t43 = select(t41, t34*t36, t38*t39 + t37*t40)
     t44 = 1.0 - t41
@@ -541,7 +541,7 @@ def _inverse_kinematics(functions, k, T, near):
     t96 = maximum(1000.0*t95, 3e-11*t23)
     t97 = 1.0 - less(1e-09, t9)
     t98 = maximum(k8, t97 - t97*less(t9, -9.999999999999999e-10))
-    t99 = maximum(1.0 - less(0.001*t24, t25), maximum(1.0 - less(0.001, t35), t98))
+    t99 = maximum(1.0 - less(1e-06*t24, t25), maximum(1.0 - less(1e-06, t35), t98))
     t100 = t82*maximum(t99, less(t78, t96))
     t101 = t94*maximum(t99, less(t93, t96))
     t102 = maximum(maximum(t59, maximum(k8, t44)), maximum(k8, t59))
@@ -556,12 +556,12 @@ def _inverse_kinematics(functions, k, T, near):
 
 def _inverse_kinematics_step_constants(functions, p):
     p_d1, p_a1, p_a2, p_d4 = p
-    t1 = p_a1*p_a1
-    t2 = p_d1*p_d1
-    t3 = p_a2*p_a2
-    t4 = p_d4*p_d4
+    t1 = p_d4*p_d4
+    t2 = p_a2*p_a2
+    t3 = p_d1*p_d1
+    t4 = p_a1*p_a1
     return (
-        p_a1, p_a2, t1, p_d1, t2, t3, p_d4, t4,
+        p_d4, t1, p_a2, t2, p_d1, t3, p_a1, t4,
     )
 
 
@@ -570,59 +570,77 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     q1, q2, q3, q4 = q
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     (damping1,) = damping
-    p_a1, p_a2, k3, p_d1, k5, k6, p_d4, k8 = k
-    t5 = q1 + q2
-    t6 = q4 + t5
-    t7 = sin(t6)
-    t8 = cos(t6)
-    t9 = t7*T11 - t8*T21 - (t8*T12 + t7*T22)
+    p_d4, k2, p_a2, k4, p_d1, k6, p_a1, k8 = k
+    t5 = k8 + (k6 + (k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34)))))
+    t6 = sqrt(t5)
+    t7 = select(less(0.0, t6), t6, 1.0)
     c1 = cos(q1)
-    t10 = cos(t5)
-    t11 = p_a2*t10
-    t12 = p_a1*c1 + t11
-    t13 = sin(t5)
-    t14 = p_a2*t13
-    t15 = k3 + (k5 + (k6 + (k8 + (T14*T14 + (T24*T24 + T34*T34)))))
-    t16 = sqrt(t15)
-    t17 = select(less(0.0, t16), t16, 1.0)
-    t18 = (t12 - T14)/t17
+    t8 = q1 + q2
+    t9 = cos(t8)
+    t10 = p_a2*t9
+    t11 = p_a1*c1 + t10
+    t12 = (t11 - T14)/t7
     s1 = sin(q1)
-    t19 = p_a1*s1 + t14
-    t20 = 1.0/t17
-    t21 = t12*t20
-    t22 = t14*t20
-    t23 = t11*t20
-    t24 = t19*t20
-    t25 = (t19 - T24)/t17
-    t26 = t9 - t18*t24 + t25*t21
-    t27 = damping1 + (2.0 + (t24*t24 + t21*t21))
-    t28 = 2.0 + (t24*t22 + t21*t23)
-    t29 = t28/t27
-    t30 = 2.0/t27
-    t31 = t9 - t18*t22 + t25*t23 - t26*t29
-    t32 = damping1 + (2.0 + (t22*t22 + t23*t23)) - t28*t29
-    t33 = 2.0 - t28*t30
-    t34 = t33/t32
-    t35 = (t9 - t26*t30 - t34*t31)/(2.0 + damping1 - 2.0*t30 - t33*t34)
-    t36 = t31/t32 - t34*t35
-    t37 = (p_d1 + (p_d4 + q3) - T34)/t17
-    t38 = t8 - T11
-    t39 = t8 + T22
-    t40 = t7 - T21
-    t41 = t7 - T12
-    t42 = T31*T31
-    t43 = t18*t18 + t25*t25 + t37*t37 + t38*t38 + t40*t40 + t42
-    t44 = T32*T32
-    t45 = T13*T13
-    t46 = T23*T23
-    t47 = 1.0 + T33
-    t48 = sqrt(t43 + t41*t41 + t39*t39 + t44 + t45 + t46 + t47*t47)
-    t49 = t48 - absolute(1.0 - (T11*T11 + T21*T21 + t42)) - absolute(T11*T12 + T21*T22 + T31*T32)
-    t50 = t49 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t44 + (T12*T12 + T22*T22)))
-    t51 = t50 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t45 + t46 + T33*T33))
+    t13 = sin(t8)
+    t14 = p_a2*t13
+    t15 = p_a1*s1 + t14
+    t16 = (t15 - T24)/t7
+    t17 = (p_d1 + (p_d4 + q3) - T34)/t7
+    t18 = q4 + t8
+    t19 = cos(t18)
+    t20 = sin(t18)
+    t21 = t19 - T11
+    t22 = t20 - T21
+    t23 = T31*T31
+    t24 = t12*t12 + t16*t16 + t17*t17 + t21*t21 + t22*t22 + t23
+    t25 = t20 - T12
+    t26 = t19 + T22
+    t27 = T32*T32
+    t28 = T13*T13
+    t29 = T23*T23
+    t30 = 1.0 + T33
+    t31 = sqrt(t24 + t25*t25 + t26*t26 + t27 + t28 + t29 + t30*t30)
+    t32 = t31 - absolute(1.0 - (T11*T11 + T21*T21 + t23)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t33 = t32 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t27 + (T12*T12 + T22*T22)))
+    t34 = t33 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t28 + t29 + T33*T33))
+    t35 = 1.0/t7
+    t36 = t15*t35
+    t37 = t14*t35
+    t38 = t11*t35
+    t39 = t10*t35
+    t40 = damping1 + (2.0 + (t36*t36 + t38*t38))
+    t41 = (2.0 + (t36*t37 + t38*t39))/t40
+    t42 = t37 - t36*t41
+    t43 = t20*T11 - t19*T21 - (t19*T12 + t20*T22)
+    t44 = (t43 - (t12*t36 - t16*t38))/t40
+    t45 = 2.0/t40
+    t46 = t12 + t36*t44
+    t47 = t36*t45
+    t48 = t39 - t38*t41
+    t49 = t16 - t38*t44
+    t50 = t38*t45
+    t51 = 0.5*t43 - t44
+    t52 = 1.0 - t41
+    t53 = 2.0*t52
+    t54 = damping1*t41
+    t55 = damping1 + (t42*t42 + t48*t48 + t52*t53 + t41*t54)
+    t56 = (t42*t46 - t48*t49 - t51*t53 - t44*t54)/t55
+    t57 = 1.0 - t45
+    t58 = (t42*t47 + t48*t50 - t57*t53 - t45*t54)/t55
+    t59 = t47 - t42*t58
+    t60 = t50 - t48*t58
+    t61 = t57 + t52*t58
+    t62 = 2.0*t61
+    t63 = t59*(t46 - t42*t56) - t60*(t49 + t48*t56) + (t51 + t52*t56)*t62
+    t64 = t45 + t41*t58
+    t65 = damping1*t64
+    t66 = damping1*t58
+    t67 = damping1 + (t59*t59 + t60*t60 + t61*t62 + t64*t65 + t58*t66)
+    t68 = (t63 + (t44 + t41*t56)*t65 + t56*t66)/t67
+    t69 = t56 - t58*t68
     return (
-        q1 - (t26/t27 - t29*t36 - t30*t35), q2 - t36, q3 - t17*(t37/(1.0 + damping1)), q4 - t35,
-        maximum(0.0, t51), t17,
+        q1 - (t44 + (t41*t69 - t45*t68)), q2 + t69, q3 - t7*(t17/(1.0 + damping1)), q4 - t68,
+        maximum(0.0, t34), t7,
     )
 
 

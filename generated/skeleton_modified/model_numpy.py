@@ -422,7 +422,7 @@ def _inverse_kinematics(functions, k, T, near):
     t10 = 1.5 - 0.5*(t7*t7 + t8*t8)
     t11 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
     t12 = t11*t11
-    t13 = 1e-12*t12
+    t13 = 1e-24*t12
     t14 = less(t13, t9)
     t15 = sin(near1)
     t16 = select(t14, t8*t10, t15)
@@ -450,7 +450,7 @@ def _inverse_kinematics(functions, k, T, near):
     t38 = t11*maximum(absolute(t28*t28 - (1.0 - t30*t30)), t37)
     t39 = maximum(absolute(p_l1*t33 - (t4 - p_l0*t16)), maximum(absolute(p_l1*t32 + (t2 + p_l0*t18)), t38))
     t40 = less(maximum(absolute(T34), t39), 1e-07*t11)
-    t41 = 0.001*t12
+    t41 = 1e-06*t12
     t42 = maximum(1.0 - less(t41, t9), 1.0 - less(t41, t24))
     t43 = select(t40, select(t31, 3.0, 1.0) + 4.0*t42, select(t31, 8.0, 4.0*maximum(t31, t42 - t40*t42)))
     return (
@@ -496,27 +496,32 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     t21 = t16*t17
     t22 = (p_Ty - t16 - T24)/t13
     t23 = T34/t13
-    t24 = t8 - t14*t21 - t22*t18
-    t25 = damping1 + (2.0 + (t21*t21 + t18*t18))
-    t26 = 2.0 + (t21*t19 + t18*t20)
-    t27 = t26/t25
-    t28 = (t8 - t14*t19 - t22*t20 - t24*t27)/(damping1 + (2.0 + (t19*t19 + t20*t20)) - t26*t27)
-    t29 = t7 - T11
-    t30 = t7 - T22
-    t31 = t6 + T21
-    t32 = t6 - T12
-    t33 = T31*T31
-    t34 = t14*t14 + t22*t22 + t23*t23 + t29*t29 + t31*t31 + t33
-    t35 = T32*T32
-    t36 = T13*T13
-    t37 = T23*T23
-    t38 = 1.0 - T33
-    t39 = sqrt(t34 + t32*t32 + t30*t30 + t35 + t36 + t37 + t38*t38)
-    t40 = t39 - absolute(1.0 - (t33 + (T11*T11 + T21*T21))) - absolute(T11*T12 + T21*T22 + T31*T32)
-    t41 = t40 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t35 + (T12*T12 + T22*T22)))
-    t42 = t41 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t36 + t37 + T33*T33))
+    t24 = damping1 + (2.0 + (t21*t21 + t18*t18))
+    t25 = (t8 - (t14*t21 + t22*t18))/t24
+    t26 = (2.0 + (t21*t19 + t18*t20))/t24
+    t27 = t19 - t21*t26
+    t28 = t20 - t18*t26
+    t29 = 1.0 - t26
+    t30 = 2.0*t29
+    t31 = t27*(t14 + t21*t25) + t28*(t22 + t18*t25) - (0.5*t8 - t25)*t30
+    t32 = damping1*t26
+    t33 = (t31 - t25*t32)/(damping1 + (t27*t27 + t28*t28 + t29*t30 + t26*t32))
+    t34 = t7 - T11
+    t35 = t7 - T22
+    t36 = t6 + T21
+    t37 = t6 - T12
+    t38 = T31*T31
+    t39 = t14*t14 + t22*t22 + t23*t23 + t34*t34 + t36*t36 + t38
+    t40 = T32*T32
+    t41 = T13*T13
+    t42 = T23*T23
+    t43 = 1.0 - T33
+    t44 = sqrt(t39 + t37*t37 + t35*t35 + t40 + t41 + t42 + t43*t43)
+    t45 = t44 - absolute(1.0 - (t38 + (T11*T11 + T21*T21))) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t46 = t45 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t40 + (T12*T12 + T22*T22)))
+    t47 = t46 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t41 + t42 + T33*T33))
     return (
-        q1 - (t24/t25 - t27*t28), q2 - t28, maximum(0.0, t42), t13,
+        q1 - (t25 + t26*t33), q2 + t33, maximum(0.0, t47), t13,
     )
 
 

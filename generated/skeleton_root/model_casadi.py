@@ -289,7 +289,7 @@ def _inverse_kinematics(functions, k, T, given, near):
     t14 = cos(near4)
     t15 = cos(near3)
     t16 = sin(near4)
-    t17 = less(1e-12, t11)
+    t17 = less(1e-24, t11)
     t18 = select(t17, -t10*t12, t13*t14 + t15*t16)
     t19 = select(t17, t9*t12, t14*t15 - t13*t16)
     t20 = t2*t18 - t4*t19
@@ -302,7 +302,7 @@ def _inverse_kinematics(functions, k, T, given, near):
     t27 = maximum(absolute(p_l0*t21 - (t6 - p_l1*t19)), t26*maximum(0.0, t25))
     t28 = maximum(absolute(T34), maximum(absolute(p_l0*t20 + (t7 + p_l1*t18)), t27))
     t29 = less(t28, 1e-07*t26)
-    t30 = 1.0 - less(0.001, t11)
+    t30 = 1.0 - less(1e-06, t11)
     t31 = select(t17, 4.0*maximum(1.0 - t17, t30 - t29*t30), 8.0)
     return (
         T14 - t6, T24 - t7, atan2(t20, t21), given1, select(t29, select(t17, 1.0, 3.0) + 4.0*t30, t31),
@@ -326,41 +326,47 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     p_l1, k2, p_l0, k4 = k
     t3 = sqrt(k4 + (k2 + (T14*T14 + (T24*T24 + T34*T34))))
     t4 = select(less(0.0, t3), t3, 1.0)
-    c3 = cos(q3)
-    t5 = q3 + q4
-    t6 = cos(t5)
-    t7 = sin(t5)
-    t8 = p_l0*c3 + p_l1*t6
-    t9 = (q1 + t8 - T14)/t4
-    t10 = 1.0/t4
-    t11 = t8*t10
+    t5 = 1.0/t4
     s3 = sin(q3)
-    t12 = p_l0*s3 + p_l1*t7
-    t13 = t12*t10
-    t14 = (q2 - t12 - T24)/t4
-    t15 = t7*T11 + t6*T21 - (t6*T12 - t7*T22) - t9*t13 - t14*t11
-    t16 = 1.0 + damping1
-    t17 = t13/t16
-    t18 = t11/t16
-    t19 = damping1 + (2.0 + (t13*t13 + t11*t11)) - t13*t17 - t11*t18
-    t20 = (t15 + t9*t17 + t14*t18)/t19
-    t21 = T34/t4
-    t22 = t6 - T11
-    t23 = t6 - T22
-    t24 = t7 + T21
-    t25 = t7 - T12
-    t26 = T31*T31
-    t27 = t9*t9 + t14*t14 + t21*t21 + t22*t22 + t24*t24 + t26 + t25*t25
-    t28 = T32*T32
-    t29 = T13*T13
-    t30 = T23*T23
-    t31 = 1.0 - T33
-    t32 = sqrt(t27 + t23*t23 + t28 + t29 + t30 + t31*t31) - absolute(1.0 - (T11*T11 + T21*T21 + t26))
-    t33 = t32 - absolute(T11*T12 + T21*T22 + T31*T32) - absolute(T11*T13 + T21*T23 + T31*T33)
-    t34 = t33 - absolute(1.0 - (t28 + (T12*T12 + T22*T22))) - absolute(T12*T13 + T22*T23 + T32*T33)
-    t35 = maximum(0.0, t34 - absolute(1.0 - (t29 + t30 + T33*T33)))
+    t6 = q3 + q4
+    t7 = sin(t6)
+    t8 = cos(t6)
+    t9 = p_l0*s3 + p_l1*t7
+    t10 = t9*t5
+    t11 = 1.0 + damping1
+    t12 = t10/t11
+    t13 = t10 - t12
+    c3 = cos(q3)
+    t14 = p_l0*c3 + p_l1*t8
+    t15 = t14*t5
+    t16 = (q1 + t14 - T14)/t4
+    t17 = t16/t11
+    t18 = t15/t11
+    t19 = t15 - t18
+    t20 = (q2 - t9 - T24)/t4
+    t21 = t20/t11
+    t22 = t7*T11 + t8*T21 - (t8*T12 - t7*T22) - (t13*(t16 - t17) + t19*(t20 - t21))
+    t23 = damping1*t12
+    t24 = damping1*t18
+    t25 = damping1 + (2.0 + (t13*t13 + t19*t19) + t12*t23 + t18*t24)
+    t26 = (t22 - t17*t23 - t21*t24)/t25
+    t27 = T34/t4
+    t28 = t8 - T11
+    t29 = t8 - T22
+    t30 = t7 + T21
+    t31 = t7 - T12
+    t32 = T31*T31
+    t33 = t16*t16 + t20*t20 + t27*t27 + t28*t28 + t30*t30 + t32
+    t34 = T32*T32
+    t35 = T13*T13
+    t36 = T23*T23
+    t37 = 1.0 - T33
+    t38 = sqrt(t33 + t31*t31 + t29*t29 + t34 + t35 + t36 + t37*t37)
+    t39 = t38 - absolute(1.0 - (T11*T11 + T21*T21 + t32)) - absolute(T11*T12 + T21*T22 + T31*T32)
+    t40 = t39 - absolute(T11*T13 + T21*T23 + T31*T33) - absolute(1.0 - (t34 + (T12*T12 + T22*T22)))
+    t41 = t40 - absolute(T12*T13 + T22*T23 + T32*T33) - absolute(1.0 - (t35 + t36 + T33*T33))
     return (
-        q1 - t4*(t9/t16 + t17*t20), q2 - t4*(t14/t16 + t18*t20), q3 - t20, q4, t35, t4,
+        q1 - t4*(t17 + t12*t26), q2 - t4*(t21 + t18*t26), q3 - t26, q4, maximum(0.0, t41), t4,
     )
 
 

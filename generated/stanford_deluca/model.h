@@ -202,7 +202,7 @@ void stanford_deluca_analytic_jacobian_zyz_constants(const double *params, doubl
  * 6. shoulder right, q3 > 0, wrist flipped
  * 7. shoulder right, q3 < 0, wrist not flipped
  * 8. shoulder right, q3 < 0, wrist flipped
- * Closed form, all branches at once: 118 mul, 93 add, 10 div, 3 sin, 3 cos, 6 sqrt, 16 atan2, 95 cases.
+ * Closed form, all branches at once: 120 mul, 94 add, 10 div, 3 sin, 3 cos, 6 sqrt, 16 atan2, 95 cases.
  * Once per set of parameters: 3 mul, 2 add.
  */
 int stanford_deluca_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
