@@ -358,7 +358,7 @@ def _is_sum_of_squares(p: Polynomial) -> bool:
 
 def _are_turned(formula: Formula) -> bool:
     """Whether of two equations A c + B s = C the second has the coefficients of the first, turned by a right angle."""
-    if formula.kind is not Kind.TYPE_3 or len(formula.degenerate) != 1:
+    if formula.kind is not Kind.TYPE_3 or len(formula.degenerate) != 1 or formula.degenerate[0].is_constant:
         return False
     (a, b, _), (d, e, _) = (equation.linear for equation in formula.equations)
     return (d == -b and e == a) or (d == b and e == -a)

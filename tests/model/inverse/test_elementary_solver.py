@@ -100,9 +100,10 @@ def test_beside_a_folded_elbow_of_equal_lengths_the_angle_has_all_its_digits(awa
 
 @pytest.mark.parametrize(("short", "known"), [(1e-3, True), (1e-9, True), (1e-13, False)])
 def test_equations_that_are_one_turned_determine_an_angle_where_they_have_a_length(short: float, known: bool) -> None:
-    terms = [{(1, 0): 3, (0, 1): 4, (0, 0): -5}, {(1, 0): -4, (0, 1): 3, (0, 0): 0}]
-    first, second = (_equation({e: Fraction(v) * Fraction(short) for e, v in row.items()}) for row in terms)
-    solver, formula = Solver(FloatField({}), _number, np.float64(1)), Formula(Kind.TYPE_3, (first, second))
+    x = Ring(("x",)).generator("x")
+    rows = ({(1, 0): 3 * x, (0, 1): 4 * x, (0, 0): -5 * x}, {(1, 0): -4 * x, (0, 1): 3 * x})
+    solver = Solver(FloatField({}), lambda p: np.float64(sum(c * short ** e[0] for e, c in p.terms())), np.float64(1))
+    formula = Formula(Kind.TYPE_3, tuple(Equation(row, 1, SOURCE) for row in rows))
     assert bool(solver.degenerate(formula)) is not known
 
 
@@ -114,3 +115,17 @@ def test_a_length_that_may_be_negative_is_no_square_and_rounding_leaves_it_its_r
     )
     first, second = solver.solve(Formula(Kind.TYPE_2, (Equation(terms, 1, SOURCE),)))
     assert (bool(first.exists), bool(first.boundary), bool(second.exists)) == (True, True, False)
+
+
+def test_two_entries_of_a_rotation_are_nowhere_degenerate_and_nothing_is_computed_to_see_that() -> None:
+    first, second = _equation({(1, 0): 1, (0, 0): -1}), _equation({(0, 1): 1, (1, 0): 0, (0, 0): 0})
+    turned = [
+        _equation({(1, 0): Fraction(3, 5), (0, 1): Fraction(4, 5)}),
+        _equation({(1, 0): Fraction(-4, 5), (0, 1): Fraction(3, 5)}),
+    ]
+    for pair in ((first, second), turned):
+        assert not Solver(FloatField({}), _refuse, np.float64(1)).degenerate(Formula(Kind.TYPE_3, tuple(pair)))
+
+
+def _refuse(p: Polynomial) -> np.float64:
+    raise AssertionError(p)
