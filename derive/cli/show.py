@@ -109,9 +109,8 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.model.model import Model
 
     model = Model(robot, style=arguments.style, contraction=arguments.contraction)
-    _check_task(model, arguments)
     shown: list[tuple[str, Any]] = []
-    for name in dict.fromkeys(arguments.quantities or _usual(robot, arguments)):
+    for name in dict.fromkeys(_wanted(model, arguments)):
         if name in DESCRIBED:
             if with_numbers or arguments.abbreviate is not None:
                 option = "--abbreviate" if arguments.abbreviate else "--at"
@@ -165,14 +164,15 @@ def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:
     return robot if options == robot.inverse else replace(robot, inverse=options)
 
 
-def _check_task(model: Model, arguments: argparse.Namespace) -> None:
-    """Refuse a task or given joints where nothing that is asked for depends on them."""
+def _wanted(model: Model, arguments: argparse.Namespace) -> list[str]:
+    """Names of the quantities; a task or given joints are refused where none of them depends on these."""
     from derive.model.quantity_names import parse
 
     option = "--task" if arguments.task is not None else "--given" if arguments.given is not None else ""
     names = [name for name in arguments.quantities if option and name not in DESCRIBED]
     if names and len(names) == len(arguments.quantities) and all(parse(model, n)[0].name != "inverse" for n in names):
         raise QuantityError(f"{option} with {names[0]}", allowed="allowed: with inverse, workspace and aspects")
+    return arguments.quantities or _usual(model.robot, arguments)
 
 
 def _zeros(model: Model, name: str, printer: Printer) -> list[str]:
