@@ -682,7 +682,8 @@ void scara_bajd_inverse_kinematics_constants(const double *restrict params, doub
     k[3] = p_l1;
     k[4] = p_l3*p_l3 + (p_l2*p_l2 + p_l1*p_l1);
     k[5] = t2;
-    inverse_kinematics_step_constants(params, k + 6);
+    k[6] = (t1 > 0.0 ? 1.0 : 3.0) + 4.0*t2;
+    inverse_kinematics_step_constants(params, k + 7);
 }
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)
@@ -768,12 +769,10 @@ KERNEL void inverse_kinematics_step_lane(const double *restrict q, const double 
     result[4 * lanes] = t5;
 }
 
-KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles, const size_t lanes)
+KERNEL void inverse_kinematics_angles(const double *restrict near, double *restrict angles)
 {
     const double near1 = near[0];
-    const double near2 = near[lanes];
     angles[0] = near1;
-    angles[lanes] = near2;
 }
 
 KERNEL void inverse_kinematics_lane(const double *restrict T, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
@@ -791,45 +790,40 @@ KERNEL void inverse_kinematics_lane(const double *restrict T, const double *rest
     const double T33 = T[10 * lanes];
     const double T34 = T[11 * lanes];
     const double sa1 = sines[0];
-    const double sa2 = sines[lanes];
     const double ca1 = cosines[0];
-    const double ca2 = cosines[lanes];
     const double k1 = k[0];
     const double k2 = k[k_lanes];
     const double k3 = k[2 * k_lanes];
     const double k4 = k[3 * k_lanes];
     const double k5 = k[4 * k_lanes];
     const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
     const double t1 = (T24 - k1*T11)/k2;
     const double t2 = (T14 + k1*T21)/k2;
     const double t3 = 1.5 - 0.5*(t1*t1 + t2*t2);
     const double t4 = k3 > 0.0 ? -t2*t3 : sa1;
     const double t5 = k3 > 0.0 ? t1*t3 : ca1;
     const double t6 = t5*t5 + t4*t4;
-    const double t7 = (T11*t5 + T21*t4)/t6;
-    const double t8 = (T21*t5 - T11*t4)/t6;
-    const double t9 = 1.5 - 0.5*(t7*t7 + t8*t8);
-    const double t10 = fabs(t6);
-    const double t11 = 1e-24 < t10;
-    const double t12 = t11 > 0.0 ? t8*t9 : sa2;
-    const double t13 = t11 > 0.0 ? t7*t9 : ca2;
-    const double t14 = t5*t13 - t4*t12;
-    const double t15 = t5*t12 + t4*t13;
-    const double t16 = maximum(fabs(T31), maximum(fabs(T11 - t14), fabs(T21 - t15)));
-    const double t17 = maximum(fabs(t14 - T22), maximum(fabs(t15 + T12), t16));
-    const double t18 = maximum(fabs(T23), maximum(fabs(T13), maximum(fabs(T32), t17)));
-    const double t19 = maximum(fabs(1.0 - t6), maximum(fabs(1.0 - T33), t18));
-    const double t20 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)));
-    const double t21 = maximum(fabs(k1*t15 + (T14 + k2*t4)), t20*maximum(fabs(t12*t12 - (1.0 - t13*t13)), t19));
-    const double t22 = maximum(0.0, maximum(fabs(k1*t14 - (T24 - k2*t5)), t21));
-    const double t23 = t22 < 1e-07*t20;
-    const double t24 = maximum(k6, 1.0 - (1e-06 < t10));
-    const double t25 = maximum(k6, 1.0 - t11);
-    const double t26 = t23 > 0.0 ? (t25 > 0.0 ? 3.0 : 1.0) + 4.0*t24 : (t25 > 0.0 ? 8.0 : 4.0*maximum(t25, t24 - t23*t24));
+    const double t7 = (T21*t5 - T11*t4)/t6;
+    const double t8 = (T11*t5 + T21*t4)/t6;
+    const double t9 = 1.5 - 0.5*(t8*t8 + t7*t7);
+    const double t10 = t7*t9;
+    const double t11 = t8*t9;
+    const double t12 = T11*t9;
+    const double t13 = T21*t9;
+    const double t14 = maximum(fabs(T31), maximum(fabs(T11 - t12), fabs(T21 - t13)));
+    const double t15 = maximum(fabs(t12 - T22), maximum(fabs(t13 + T12), t14));
+    const double t16 = maximum(fabs(T23), maximum(fabs(T13), maximum(fabs(T32), t15)));
+    const double t17 = maximum(fabs(1.0 - t6), maximum(fabs(1.0 - T33), t16));
+    const double t18 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)));
+    const double t19 = maximum(fabs(k1*t13 + (T14 + k2*t4)), t18*maximum(fabs(t10*t10 - (1.0 - t11*t11)), t17));
+    const double t20 = maximum(0.0, maximum(fabs(k1*t12 - (T24 - k2*t5)), t19));
+    const double t21 = t20 < 1e-07*t18;
+    const double t22 = t21 > 0.0 ? k7 : (k3 > 0.0 ? 4.0*maximum(k6, k6 - k6*t21) : 8.0);
     result[0] = arctangent(t4, t5);
-    result[lanes] = arctangent(t12, t13);
+    result[lanes] = arctangent(t7, t8);
     result[2 * lanes] = k4 - T34;
-    result[3 * lanes] = t26;
+    result[3 * lanes] = t22;
 }
 
 /* From the values of one pose, `lanes` apart, to its solutions; returns how many there are, -1 if some are in doubt. */
@@ -877,12 +871,12 @@ static double inverse_kinematics_refined(const double *restrict T, const double 
 {
     enum { error = 3 };
     double ahead[3 + 2], found[3 + 2], damping = 1e-12, fall = 0.1;
-    inverse_kinematics_step(q, T, &damping, k + 6, ahead);
+    inverse_kinematics_step(q, T, &damping, k + 7, ahead);
     double least = ahead[error], before = least;
     int refused = 0;
     for (int count = 1; count < 64 && least > 1e-13 && refused < 8; ++count) {
         damping *= fall;
-        inverse_kinematics_step(ahead, T, &damping, k + 6, found);
+        inverse_kinematics_step(ahead, T, &damping, k + 7, found);
         if (found[error] < least) {
             fall = found[error] < 0.1 * least ? 0.02 : 0.5;
             memcpy(q, ahead, 3 * sizeof *q);
@@ -893,7 +887,7 @@ static double inverse_kinematics_refined(const double *restrict T, const double 
             ++refused;
             damping = fmax(4.0 * damping / fall, 1e-4);
             fall = 0.5;
-            inverse_kinematics_step(q, T, &damping, k + 6, ahead);
+            inverse_kinematics_step(q, T, &damping, k + 7, ahead);
         }
         if (count % 8 == 0) {
             if (least > 0.9 * before)
@@ -949,11 +943,11 @@ static void inverse_kinematics_checked(const double *restrict T, const double *r
 
 static void inverse_kinematics_values(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
 {
-    double angles[2], sines[2], cosines[2];
-    inverse_kinematics_angles(near, angles, 1);
-    for (size_t i = 0; i < 2; ++i)
+    double angles[1], sines[1], cosines[1];
+    inverse_kinematics_angles(near, angles);
+    for (size_t i = 0; i < 1; ++i)
         sines[i] = sin(angles[i]);
-    for (size_t i = 0; i < 2; ++i)
+    for (size_t i = 0; i < 1; ++i)
         cosines[i] = cos(angles[i]);
     inverse_kinematics_lane(T, sines, cosines, k, result, 1, 1);
 }
@@ -1031,7 +1025,7 @@ static void inverse_kinematics_alone(const double *restrict T, const double *res
     double start[3], step[3 + 2], values[4], moved[16] = {0.0};
     for (size_t j = 0; j < 3; ++j)
         start[j] = isfinite(q[j]) ? q[j] : 0.0;
-    inverse_kinematics_step(start, T, &damping, k + 6, step);
+    inverse_kinematics_step(start, T, &damping, k + 7, step);
     const double unit = step[3 + 1];
     for (size_t i = 0; i < sizeof beside / sizeof *beside; ++i) {
         for (size_t row = 0; row < 3; ++row)
@@ -1114,10 +1108,10 @@ enum { inverse_kinematics_lanes = 32 };
 
 static void inverse_kinematics_block(const double *restrict T, const double *restrict near, const double *restrict k, double *restrict result)
 {
-    double angles[2 * inverse_kinematics_lanes], sines[2 * inverse_kinematics_lanes], cosines[2 * inverse_kinematics_lanes];
+    double angles[1 * inverse_kinematics_lanes], sines[1 * inverse_kinematics_lanes], cosines[1 * inverse_kinematics_lanes];
     for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
-        inverse_kinematics_angles(near + i, angles + i, inverse_kinematics_lanes);
-    sines_cosines(2 * inverse_kinematics_lanes, angles, sines, cosines);
+        inverse_kinematics_angles(near + i, angles + i);
+    sines_cosines(1 * inverse_kinematics_lanes, angles, sines, cosines);
     for (size_t i = 0; i < inverse_kinematics_lanes; ++i)
         inverse_kinematics_lane(T + i, sines + i, cosines + i, k, result + i, inverse_kinematics_lanes, 1);
 }

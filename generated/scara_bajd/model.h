@@ -47,7 +47,7 @@ enum {
     scara_bajd_jacobian_end_constant_count = 2,
     scara_bajd_jacobian_dot_constant_count = 2,
     scara_bajd_analytic_jacobian_rpy_constant_count = 2,
-    scara_bajd_inverse_kinematics_constant_count = 12,
+    scara_bajd_inverse_kinematics_constant_count = 13,
     scara_bajd_branches = 1, /**< Branches of inverse kinematics. */
     scara_bajd_none = 0, /**< The branch does not exist. */
     scara_bajd_exact = 1, /**< A solution. */
@@ -167,13 +167,13 @@ void scara_bajd_analytic_jacobian_rpy_constants(const double *params, double *k)
  * @param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.
  * @param[in]  near    where joints are that are free at a pose, a configuration; NULL for zeros. If the others
  *                     have no solution with them there, they are elsewhere.
- * @param[in]  k       12 constants from inverse_kinematics_constants().
+ * @param[in]  k       13 constants from inverse_kinematics_constants().
  * @param[out] q       joint variables, 1 x 3: a row for each branch [rad, m], not a number where a branch does not exist.
  * @param[out] status  what each branch is, 1; may be NULL.
  * @return the number of solutions.
  *
- * Closed form, all branches at once: 36 mul, 31 add, 4 div, 2 sin, 2 cos, 1 sqrt, 2 atan2, 26 cases.
- * Once per set of parameters: 3 mul, 3 add, 1 cases.
+ * Closed form, all branches at once: 33 mul, 26 add, 4 div, 1 sin, 1 cos, 1 sqrt, 2 atan2, 19 cases.
+ * Once per set of parameters: 4 mul, 4 add, 2 cases.
  */
 int scara_bajd_inverse_kinematics(const double *T, const double *near, const double *k, double *q, int *status);
 
@@ -190,7 +190,7 @@ void scara_bajd_inverse_kinematics_batch(size_t count, const double *T, const do
  */
 int scara_bajd_inverse_kinematics_nearest(const double *T, const double *near, const double *k, double *q);
 
-/** The constants of scara_bajd_inverse_kinematics, 12, from the parameters, 3. */
+/** The constants of scara_bajd_inverse_kinematics, 13, from the parameters, 3. */
 void scara_bajd_inverse_kinematics_constants(const double *params, double *k);
 
 #ifdef __cplusplus

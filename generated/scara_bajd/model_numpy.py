@@ -38,7 +38,7 @@ OPERATIONS = {
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "inverse_kinematics": {"mul": 36, "add": 31, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 26},
+    "inverse_kinematics": {"mul": 33, "add": 26, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 19},
 }
 GIVEN = ()
 """Joints whose variables inverse kinematics is given."""
@@ -195,8 +195,8 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Raises:
         ValueError: T is no pose, or of another shape.
 
-    Closed form, all branches at once: 36 mul, 31 add, 4 div, 2 sin, 2 cos, 1 sqrt, 2 atan2, 26 cases.
-    Once per set of parameters: 3 mul, 3 add, 1 cases.
+    Closed form, all branches at once: 33 mul, 26 add, 4 div, 1 sin, 1 cos, 1 sqrt, 2 atan2, 19 cases.
+    Once per set of parameters: 4 mul, 4 add, 2 cases.
     """
     return _INVERSE(T, params, given, out, status, near)
 
@@ -413,8 +413,9 @@ def _inverse_kinematics_constants(functions, p):
     t1 = less(0.0, absolute(p_l2))
     t2 = p_l3*p_l3 + (p_l2*p_l2 + p_l1*p_l1)
     t3 = 1.0 - t1
+    t4 = select(t1, 1.0, 3.0) + 4.0*t3
     return (
-        p_l3, p_l2, t1, p_l1, t2, t3,
+        p_l3, p_l2, t1, p_l1, t2, t3, t4,
     )
 
 
@@ -422,39 +423,33 @@ def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
     near1, near2, near3 = near
-    p_l3, p_l2, k3, p_l1, k5, k6 = k
-    t4 = (T24 - p_l3*T11)/p_l2
-    t5 = (T14 + p_l3*T21)/p_l2
-    t6 = 1.5 - 0.5*(t4*t4 + t5*t5)
-    t7 = sin(near1)
-    t8 = select(k3, -t5*t6, t7)
-    t9 = cos(near1)
-    t10 = select(k3, t4*t6, t9)
-    t11 = t10*t10 + t8*t8
-    t12 = (T11*t10 + T21*t8)/t11
-    t13 = (T21*t10 - T11*t8)/t11
-    t14 = 1.5 - 0.5*(t12*t12 + t13*t13)
-    t15 = absolute(t11)
-    t16 = less(1e-24, t15)
-    t17 = sin(near2)
-    t18 = select(t16, t13*t14, t17)
-    t19 = cos(near2)
-    t20 = select(t16, t12*t14, t19)
-    t21 = t10*t20 - t8*t18
-    t22 = t10*t18 + t8*t20
-    t23 = maximum(absolute(T31), maximum(absolute(T11 - t21), absolute(T21 - t22)))
-    t24 = maximum(absolute(t21 - T22), maximum(absolute(t22 + T12), t23))
-    t25 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t24)))
-    t26 = maximum(absolute(1.0 - t11), maximum(absolute(1.0 - T33), t25))
-    t27 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
-    t28 = t27*maximum(absolute(t18*t18 - (1.0 - t20*t20)), t26)
-    t29 = maximum(absolute(p_l3*t21 - (T24 - p_l2*t10)), maximum(absolute(p_l3*t22 + (T14 + p_l2*t8)), t28))
-    t30 = less(maximum(0.0, t29), 1e-07*t27)
-    t31 = maximum(k6, 1.0 - less(1e-06, t15))
-    t32 = maximum(k6, 1.0 - t16)
-    t33 = select(t30, select(t32, 3.0, 1.0) + 4.0*t31, select(t32, 8.0, 4.0*maximum(t32, t31 - t30*t31)))
+    p_l3, p_l2, k3, p_l1, k5, k6, k7 = k
+    t5 = (T24 - p_l3*T11)/p_l2
+    t6 = (T14 + p_l3*T21)/p_l2
+    t7 = 1.5 - 0.5*(t5*t5 + t6*t6)
+    t8 = sin(near1)
+    t9 = select(k3, -t6*t7, t8)
+    t10 = cos(near1)
+    t11 = select(k3, t5*t7, t10)
+    t12 = t11*t11 + t9*t9
+    t13 = (T21*t11 - T11*t9)/t12
+    t14 = (T11*t11 + T21*t9)/t12
+    t15 = 1.5 - 0.5*(t14*t14 + t13*t13)
+    t16 = t13*t15
+    t17 = t14*t15
+    t18 = T11*t15
+    t19 = T21*t15
+    t20 = maximum(absolute(T31), maximum(absolute(T11 - t18), absolute(T21 - t19)))
+    t21 = maximum(absolute(t18 - T22), maximum(absolute(t19 + T12), t20))
+    t22 = maximum(absolute(T23), maximum(absolute(T13), maximum(absolute(T32), t21)))
+    t23 = maximum(absolute(1.0 - t12), maximum(absolute(1.0 - T33), t22))
+    t24 = sqrt(T34*T34 + (T24*T24 + (k5 + T14*T14)))
+    t25 = t24*maximum(absolute(t16*t16 - (1.0 - t17*t17)), t23)
+    t26 = maximum(absolute(p_l3*t18 - (T24 - p_l2*t11)), maximum(absolute(p_l3*t19 + (T14 + p_l2*t9)), t25))
+    t27 = less(maximum(0.0, t26), 1e-07*t24)
+    t28 = select(t27, k7, select(k3, 4.0*maximum(k6, k6 - k6*t27), 8.0))
     return (
-        atan2(t8, t10), atan2(t18, t20), p_l1 - T34, t33,
+        atan2(t9, t11), atan2(t13, t14), p_l1 - T34, t28,
     )
 
 
