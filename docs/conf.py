@@ -75,6 +75,7 @@ def _at_home(app: Sphinx, page: str, source: list[str]) -> None:
     source[0] = (
         source[0]
         .replace("](../bench/results/", "](bench/results/")
+        .replace("](../../bench/results/", "](../bench/results/")  # from a decision
         .replace("](../CONTRIBUTING.md", "](contributing.md")
     )
 
