@@ -24,7 +24,6 @@ from derive.model.inverse.branch_names import Shape, Vector, branch_names, place
 from derive.model.inverse.fields import FloatField
 from derive.model.inverse.graph import SolutionGraph
 from derive.model.inverse.in_numbers import ArrayDomain, Numbers, parameter_numbers
-from derive.model.inverse.nodes import Kind
 from derive.model.inverse.walk import Run
 from derive.model.point import value_of
 from derive.robot.names import robot_symbols
@@ -107,15 +106,6 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
             real = np.broadcast_to(leaf.exists, LOOKED_AT) & np.isfinite(own).all(axis=0)
             branches.append(np.where(real, own, np.nan))
     return Postures(_names(robot, known, q, branches), known, q, tuple(branches))
-
-
-def has_postures(graph: SolutionGraph) -> bool:
-    """Whether the branches of a graph are leaves in a fixed order.
-
-    Args:
-        graph: The graph.
-    """
-    return graph.is_closed and all(node.kind is not Kind.GENERAL for node in graph.nodes)
 
 
 def _names(robot: Robot, known: Numbers, q: Vector, branches: Sequence[Vector]) -> tuple[str, ...]:
