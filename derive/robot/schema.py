@@ -6,7 +6,7 @@ the JSON Schema, which editors use, says that numbers may be written as numbers.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, WithJsonSchema
 
@@ -283,37 +283,22 @@ _MISSING = {
 }
 """What to write for a key that is missing."""
 
-_NESTED: dict[str, type[BaseModel]] = {
-    "joints": JointRow,
-    "links": LinkRow,
-    "units": Units,
-    "motor": MotorRow,
-    "friction": FrictionRow,
-    "inertia": InertiaRow,
-    "style": StyleRow,
-    "handout": HandoutRow,
-    "notation": NotationRow,
-    "figure": FigureRow,
-    "inverse": InverseRow,
-}
-"""The model of the mapping under a key."""
-
-
-def check_structure(document: Document) -> None:
+def check_structure(document: Document, model: type[Strict] = RobotFile) -> None:
     """Refuse unknown keys, missing keys and wrong shapes.
 
     Args:
         document: The file.
+        model: What stands in it.
 
     Raises:
         RobotFileError: The first violation in the file, unknown keys before anything else.
     """
     try:
-        RobotFile.model_validate(_plain(document.root))
+        model.model_validate(_plain(document.root))
     except ValidationError as error:
         refusals = []
         for violation in error.errors(include_url=False, include_input=False):
-            refusal = _refusal(document, violation)
+            refusal = _refusal(document, model, violation)
             place = refusal.location or Location("")
             refusals.append(((violation["type"] != "extra_forbidden", place.line, place.column), refusal))
         raise min(refusals, key=lambda pair: pair[0])[1] from None
@@ -330,14 +315,14 @@ def _plain(node: Node) -> Any:
             return {key: _plain(value) for key, (_, value) in node.entries.items()}
 
 
-def _refusal(document: Document, violation: Any) -> RobotFileError:
+def _refusal(document: Document, model: type[Strict], violation: Any) -> RobotFileError:
     """The message for one violation that pydantic found."""
     path: KeyPath = tuple(part for part in violation["loc"] if part not in (_NAME, _BLOCK))
     key, kind = str(path[-1]) if path else "", violation["type"]
     node = document.find(path)
     match kind:
         case "extra_forbidden":
-            allowed = _fields(path[:-1])
+            allowed = _fields(model, path[:-1])
             return RobotFileError(
                 f"{path_text(path[:-1])}: unknown key {quoted(key)}",
                 allowed=f"allowed: {listed(allowed)}",
@@ -365,7 +350,7 @@ def _refusal(document: Document, violation: Any) -> RobotFileError:
     if isinstance(node, YamlMapping):
         remedy = "check the indentation; texts with ': ' or '{' need quotation marks"
     hint = "" if node is None else shape_hint("row" if isinstance(path[-1], int) else key, _plain(node))
-    return document.error(path, _found(node), _expected(path, kind), hint or remedy)
+    return document.error(path, _found(node), _expected(model, path, kind), hint or remedy)
 
 
 def _found(node: Node | None) -> str:
@@ -380,7 +365,7 @@ def _found(node: Node | None) -> str:
             return "found a mapping"
 
 
-def _expected(path: KeyPath, kind: str) -> str:
+def _expected(model: type[Strict], path: KeyPath, kind: str) -> str:
     """What is allowed where something of another kind was found."""
     if path[-1:] in (("name",), ("title",), ("language",)) or (path[:1], path[-1:]) == (("joints",), ("q",)):
         return "allowed: a text"
@@ -392,12 +377,22 @@ def _expected(path: KeyPath, kind: str) -> str:
         return "allowed: one number, name or expression"
     if kind in ("list_type", "tuple_type"):
         return "allowed: a list"
-    return f"allowed: a mapping with the keys {listed(_fields(path))}" if _fields(path) else "allowed: a mapping"
+    return f"allowed: a mapping with the keys {listed(_fields(model, path))}" if _fields(model, path) else "allowed: a mapping"
 
 
-def _fields(path: KeyPath) -> tuple[str, ...]:
-    """Allowed keys of the mapping at a path."""
-    if "parameters" in path or "values" in path:
-        return ()
-    inner = [_NESTED[str(part)] for part in path if str(part) in _NESTED]
-    return tuple((inner[-1] if inner else RobotFile).model_fields)
+def _fields(model: type[Strict], path: KeyPath) -> tuple[str, ...]:
+    """Allowed keys of the mapping at a path; none where any key is allowed."""
+    found: Any = model
+    for part in path:
+        inner = _model_in(found)
+        if isinstance(part, str):
+            found = inner.model_fields[part].annotation if inner and part in inner.model_fields else None
+    inner = _model_in(found)
+    return tuple(inner.model_fields) if inner else ()
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The model that a mapping of this type is checked by, also in a list of them or beside a name."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(filter(None, map(_model_in, get_args(annotation))), None)

@@ -1,0 +1,1 @@
+"""Motions of an arm: profiles between points, paths, their torques, simulation and playback."""

@@ -1,0 +1,93 @@
+"""Largest speeds and accelerations of a motion, exact where the places of the extremes are square roots at most."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from sympy import QQ, Expr, Float, Poly, Rational, Symbol, pi, radsimp, roots, simplify
+
+from derive.motion.profile import AnyPiece, Cosine
+
+_U = Symbol("u", real=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """The largest magnitude of a derivative of one joint.
+
+    Attributes:
+        value: With its sign [rad/s, m/s, rad/s^2 or m/s^2].
+        time: When [s]; the earliest of equal ones.
+        is_exact: Whether both are exact; a `Float` otherwise.
+    """
+
+    value: Expr
+    time: Expr
+    is_exact: bool
+
+
+def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
+    """Where a derivative of a joint is largest in magnitude.
+
+    Args:
+        pieces: Of one joint.
+        order: 1 for the velocity, 2 for the acceleration.
+
+    Returns:
+        The peak; zero at the start where nothing moves.
+    """
+    found: Peak | None = None
+    for piece in pieces:
+        for candidate in _candidates(piece, order):
+            if found is None or abs(float(candidate.value)) > abs(float(found.value)) * (1 + 1e-12):
+                found = candidate
+    assert found is not None, "a motion has pieces"
+    return Peak(_neat(found.value), _neat(found.time), found.is_exact) if found.is_exact else found
+
+
+def _neat(value: Expr) -> Expr:
+    return radsimp(simplify(value))
+
+
+def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
+    """Ends and stationary points of a derivative on a piece."""
+    if isinstance(piece, Cosine):
+        way = (piece.values[1][0] - piece.values[0][0]) / 2
+        half = Rational(1, 2)
+        value = way * (pi / piece.duration) ** order
+        yield Peak(value, piece.start + (half if order == 1 else 0) * piece.duration, True)
+        return
+    derivative = piece.in_unit_time()
+    for _ in range(order):
+        derivative = derivative.diff(_U)
+    scale = piece.duration**order
+    for place, exact in [(Rational(0), True), (Rational(1), True), *_stationary(derivative.diff(_U))]:
+        value = derivative.eval(place) / scale
+        time = piece.start + place * piece.duration
+        yield Peak(value, time, True) if exact else Peak(Float(value), Float(time), False)
+
+
+def _stationary(polynomial: Poly) -> Iterator[tuple[Expr, bool]]:
+    """Zeros of a polynomial between 0 and 1, and whether each is exact."""
+    coefficients = polynomial.all_coeffs()
+    leading = next((c for c in coefficients if c != 0), None)
+    if leading is None or polynomial.degree() < 1:
+        return
+    ratios = [simplify(c / leading) for c in coefficients]
+    if polynomial.degree() > 2 and not all(ratio.is_Rational for ratio in ratios):
+        yield from ((Float(place), False) for place in _real_zeros([float(ratio) for ratio in ratios]))
+        return
+    domain = QQ if all(ratio.is_Rational for ratio in ratios) else "EX"
+    for factor, _ in Poly(ratios, _U, domain=domain).factor_list()[1] if domain is QQ else [(Poly(ratios, _U), 1)]:
+        if factor.degree() <= 2:
+            found = [(place, True) for place in roots(factor, _U)]
+        else:
+            found = [(Float(place), False) for place in _real_zeros([float(c) for c in factor.all_coeffs()])]
+        yield from ((place, exact) for place, exact in found if place.is_real and 0 < float(place) < 1)
+
+
+def _real_zeros(coefficients: list[float]) -> list[float]:
+    zeros = np.roots(coefficients)
+    return [float(zero.real) for zero in zeros if abs(zero.imag) < 1e-9 and 0 < zero.real < 1]
