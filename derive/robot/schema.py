@@ -145,7 +145,8 @@ class HandoutRow(Strict):
 
 
 _NAME, _BLOCK = "<name>", "<block>"
-"""The two forms of a style; they stand in the paths of violations, where no key can be called so."""
+FORMS = (_NAME, "<list>", _BLOCK)
+"""The forms that a value may have; they stand in the paths of violations, where no key can be called so."""
 
 
 def _form_of_style(value: Any) -> str:
@@ -317,7 +318,7 @@ def _plain(node: Node) -> Any:
 
 def _refusal(document: Document, model: type[Strict], violation: Any) -> RobotFileError:
     """The message for one violation that pydantic found."""
-    path: KeyPath = tuple(part for part in violation["loc"] if part not in (_NAME, _BLOCK))
+    path: KeyPath = tuple(part for part in violation["loc"] if part not in FORMS)
     key, kind = str(path[-1]) if path else "", violation["type"]
     node = document.find(path)
     match kind:

@@ -1,0 +1,364 @@
+"""Reads a motion plan: the robot, its points, the way between them and what moves it, exact, in SI units and radians."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
+from derive.motion.plan_schema import PlanFile
+from derive.motion.profile import Profile
+from derive.robot.cells import Cells
+from derive.robot.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import ONE, ZERO, Expression, names, number
+from derive.robot.load import file_bytes
+from derive.robot.robot import Robot
+from derive.robot.schema import check_structure
+
+TIME = "t"
+"""The letter of time in curves."""
+
+Vector = tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where the end effector shall be.
+
+    Attributes:
+        position: In the world frame [m].
+        angles: Roll, pitch, yaw, or Euler angles ZYZ [rad]; None for a position alone.
+        is_zyz: Which of the two.
+    """
+
+    position: Vector
+    angles: Vector | None
+    is_zyz: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A named configuration.
+
+    Attributes:
+        name: Its name.
+        q: Joint variables [rad or m]; None where it is a pose.
+        pose: The pose, None where it is given by joint variables.
+        branch: Name of the solution, empty for the nearest.
+        location: Where it stands in the plan.
+    """
+
+    name: str
+    q: Vector | None
+    pose: Pose | None
+    branch: str
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Payload:
+    """A body that the tool carries, in the frame of the end effector.
+
+    Attributes:
+        mass: [kg].
+        com: Centre of mass [m].
+        inertia: Principal moments about it [kg m^2].
+    """
+
+    mass: Expression = ZERO
+    com: Vector = (ZERO, ZERO, ZERO)
+    inertia: Vector = (ZERO, ZERO, ZERO)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One segment of the path.
+
+    Attributes:
+        to: Name of the point at its end.
+        time: Its length [s]; None where limits decide.
+        profile: How the arm goes.
+        stops: Whether it stands at the end.
+        cruise: Trapezoid: top speed as a multiple of distance by time; None for the usual one.
+        straight: Whether the end effector moves on a line.
+        through: Point of an arc in space; empty for none.
+        payload: What the tool carries.
+        location: Where it stands in the plan.
+    """
+
+    to: str
+    time: Expression | None
+    profile: Profile
+    stops: bool
+    cruise: Expression | None
+    straight: bool
+    through: str
+    payload: Payload | None
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A motion as its file describes it.
+
+    Attributes:
+        robot: The robot.
+        title: Free text for people.
+        sample: Time between two rows of a table [s].
+        points: By name, in the order of the file.
+        start: Name of the first point of the path; empty where curves are given.
+        steps: The segments.
+        curves: Each joint variable as an expression in `TIME`; empty where a path is given.
+        duration: How long curves last [s].
+        speed: Largest speed of each joint, or None.
+        acceleration: Largest acceleration of each joint, or None.
+        values: Numbers of symbols of the robot.
+        source: Name of the file, for messages.
+        digest: SHA-256 of its bytes.
+    """
+
+    robot: Robot
+    title: str
+    sample: Expression
+    points: Mapping[str, Point]
+    start: str
+    steps: tuple[Step, ...]
+    curves: Mapping[str, Expression]
+    duration: Expression
+    speed: Vector | None
+    acceleration: Vector | None
+    values: Mapping[str, Expression]
+    source: str
+    digest: str
+
+
+def load_plan(path: str | Path) -> Plan:
+    """Read a plan.
+
+    Args:
+        path: Of a YAML file.
+
+    Returns:
+        The plan.
+
+    Raises:
+        RobotFileError: The file cannot be read or is no plan.
+    """
+    return plan_from_bytes(file_bytes(Path(path)), str(path))
+
+
+def plan_from_bytes(data: bytes, source: str) -> Plan:
+    """Read a plan from the bytes of a file.
+
+    Args:
+        data: YAML in UTF-8.
+        source: Name for messages; the path of a robot is relative to its folder.
+
+    Returns:
+        The plan.
+
+    Raises:
+        RobotFileError: The bytes are no plan.
+        ExpressionError: A cell is outside the grammar.
+        UnknownRobotError: The robot is neither a file nor a catalogue name.
+    """
+    root = read_tree(data, source)
+    if not isinstance(root, YamlMapping):
+        allowed = "allowed: keys such as robot, points, path"
+        raise RobotFileError("this is no motion plan", allowed=allowed, location=Location(source))
+    document = Document(root, source, hashlib.sha256(data).hexdigest())
+    check_structure(document, PlanFile)
+    return _Reader(document, _robot(document, data)).read()
+
+
+def _robot(document: Document, data: bytes) -> Robot:
+    """The robot: the block, a name, or a file beside the plan."""
+    scalar = document.scalar(("robot",))
+    if scalar is None:
+        return Robot.from_bytes(data, document.source)
+    beside = Path(document.source).parent / scalar.text
+    try:
+        return Robot.load(beside if beside.is_file() else scalar.text)
+    except DeriveError as error:
+        raise error.at(scalar.location) from None
+
+
+class _Reader:
+    """Reads the blocks of a plan in the units of its robot."""
+
+    def __init__(self, document: Document, robot: Robot) -> None:
+        self._document = document
+        self._robot = robot
+        self._cells = Cells(document, robot.units)
+        self._values = {
+            name: self._cells.plain(("values", name)) for name in self._keys(("values",))
+        }
+
+    def read(self) -> Plan:
+        """The whole plan."""
+        document = self._document
+        points = {name: self._point(name) for name in self._keys(("points",))}
+        count = document.length(("path",))
+        steps = tuple(self._step(index, points) for index in range(1, count))
+        start = self._target(("path", 0), points) if count else ""
+        curves = self._curves()
+        if bool(curves) == bool(count):
+            found = "neither path nor curves" if not count else "both path and curves"
+            raise document.error((), found, "allowed: one of the two", "write path: [rest, {to: A, time: 3}]")
+        return Plan(
+            robot=self._robot,
+            title=document.text("title"),
+            sample=self._positive(("sample",), number(Fraction(1, 100))),
+            points=points,
+            start=start,
+            steps=steps,
+            curves=curves,
+            duration=self._positive(("time",), ZERO) if curves else ZERO,
+            speed=self._joint_list("speed"),
+            acceleration=self._joint_list("acceleration"),
+            values=self._values,
+            source=document.source,
+            digest=document.digest,
+        )
+
+    def _keys(self, path: KeyPath) -> tuple[str, ...]:
+        node = self._document.find(path)
+        return tuple(node.entries) if isinstance(node, YamlMapping) else ()
+
+    def _number(self, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:
+        """A cell whose symbols all have numbers, and whose value exists."""
+        value, numbers = read(path), parameter_values(self._robot)
+        numbers |= {name: evaluate(expression, numbers) for name, expression in self._values.items()}
+        for name in names(value):
+            if name not in numbers:
+                remedy = near_miss(name, numbers) or f"write values: {{{name}: ...}}"
+                raise self._document.error(path, f"the symbol '{name}' has no number", remedy=remedy)
+        try:
+            evaluate(value, numbers)
+        except ArithmeticError as error:
+            raise self._document.error(path, str(error), "allowed: a finite real value") from None
+        return value
+
+    def _positive(self, path: KeyPath, default: Expression) -> Expression:
+        """A time."""
+        if self._document.scalar(path) is None:
+            return default
+        value = self._number(path, self._cells.plain)
+        if evaluate(value, parameter_values(self._robot)) <= 0:
+            found = f"found {quoted(self._document.text(*path))}"
+            raise self._document.error(path, found, "allowed: a time above zero [s]")
+        return value
+
+    def _joint_cells(self, path: KeyPath) -> Vector:
+        """One cell a joint, in the units of the robot."""
+        robot, count = self._robot, self._document.length(path)
+        if count != robot.n:
+            variables = listed(tuple(joint.variable for joint in robot.joints))
+            found = f"{count} value{'' if count == 1 else 's'} for {robot.n} joints"
+            raise self._document.error(path, found, f"allowed: one for each of {variables}")
+        reads = (self._cells.angle if joint.is_revolute else self._cells.length for joint in robot.joints)
+        return tuple(self._number((*path, k), read) for k, read in enumerate(reads))
+
+    def _joint_list(self, key: str) -> Vector | None:
+        if self._document.find((key,)) is None:
+            return None
+        found = self._joint_cells((key,))
+        for k, value in enumerate(found):
+            if evaluate(value, parameter_values(self._robot)) <= 0:
+                raise self._document.error((key, k), "not above zero", "allowed: a positive number")
+        return found
+
+    def _point(self, name: str) -> Point:
+        path: KeyPath = ("points", name)
+        location = self._document.key_location(path)
+        if isinstance(self._document.find(path), YamlMapping):
+            return Point(name, None, self._pose((*path, "pose")), self._document.text(*path, "branch"), location)
+        q = self._joint_cells(path)
+        self._check_limits(path, q)
+        return Point(name, q, None, "", location)
+
+    def _check_limits(self, path: KeyPath, q: Vector) -> None:
+        numbers = parameter_values(self._robot)
+        for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
+            if joint.limits is None or any(name not in numbers for limit in joint.limits for name in names(limit)):
+                continue
+            low, high = (evaluate(limit, numbers) for limit in joint.limits)
+            at = evaluate(value, numbers)
+            if not low - 1e-12 <= at <= high + 1e-12:
+                unit = "rad" if joint.is_revolute else "m"
+                found = f"{joint.variable} = {at:.6g} {unit} is outside its limits"
+                raise self._document.error((*path, k), found, f"allowed: {low:.6g} to {high:.6g} {unit}")
+
+    def _pose(self, path: KeyPath) -> Pose:
+        def _three(key: str, read: Callable[[KeyPath], Expression]) -> Vector:
+            return tuple(self._number((*path, key, k), read) for k in range(3))
+
+        given = [key for key in ("rpy", "zyz") if self._document.find((*path, key)) is not None]
+        if len(given) > 1:
+            raise self._document.error(path, "both rpy and zyz", "allowed: one of the two", "remove one")
+        angles = _three(given[0], self._cells.angle) if given else None
+        return Pose(_three("p", self._cells.length), angles, given == ["zyz"])
+
+    def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
+        """The point at which a segment ends."""
+        path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
+        name = self._document.text(*path)
+        if name not in points:
+            allowed = f"allowed: {listed(tuple(points))}" if points else "write points: {rest: [0, 0], ...}"
+            raise self._document.error(path, f"unknown point {quoted(name)}", allowed, near_miss(name, points))
+        return name
+
+    def _step(self, index: int, points: Mapping[str, Point]) -> Step:
+        path: KeyPath = ("path", index)
+        document = self._document
+        time = (*path, "time")
+        through = document.text(*path, "through")
+        if through and through not in points:
+            raise document.error((*path, "through"), f"unknown point {quoted(through)}", remedy=near_miss(through, points))
+        cruise = (*path, "cruise")
+        profile = Profile(document.text(*path, "profile") or document.text("profile") or Profile.QUINTIC)
+        passes = "pass" if profile is Profile.SPLINE else document.text("via")
+        return Step(
+            to=self._target(path, points),
+            time=self._positive(time, ONE) if document.scalar(time) else None,
+            profile=profile,
+            stops=(document.text(*path, "via") or passes or "stop") == "stop",
+            cruise=self._number(cruise, self._cells.plain) if document.scalar(cruise) else None,
+            straight=bool(document.text(*path, "line")),
+            through=through,
+            payload=self._payload((*path, "payload")),
+            location=document.location(path),
+        )
+
+    def _payload(self, path: KeyPath) -> Payload | None:
+        node = self._document.find(path)
+        if node is None:
+            return None
+        cells = self._cells
+        mass = self._number(path if isinstance(node, YamlScalar) else (*path, "mass"), cells.plain)
+        if evaluate(mass, parameter_values(self._robot)) < 0:
+            raise self._document.error(path, "negative mass", "allowed: zero or more [kg]")
+        com = tuple(cells.length((*path, "com", k)) for k in range(3))
+        return Payload(mass, com, tuple(cells.plain((*path, "inertia", k)) for k in range(3)))
+
+    def _curves(self) -> dict[str, Expression]:
+        """Formulas of time, one for each joint variable; a joint that is left out stands still at zero."""
+        variables = {joint.variable: joint for joint in self._robot.joints}
+        found = {}
+        for name in self._keys(("curves",)):
+            if name not in variables:
+                allowed = f"allowed: {listed(tuple(variables))}"
+                raise self._document.error(("curves", name), f"no joint {quoted(name)}", allowed)
+            read = self._cells.angle if variables[name].is_revolute else self._cells.length
+            value = read(("curves", name))
+            known = {*parameter_values(self._robot), *self._values, TIME}
+            if unknown := [symbol for symbol in names(value) if symbol not in known]:
+                raise self._document.error(("curves", name), f"the symbol '{unknown[0]}' has no number")
+            found[name] = value
+        if found and self._document.scalar(("time",)) is None:
+            raise self._document.error((), "curves without a time", remedy="write time: 10 beside curves [s]")
+        return {name: found.get(name, ZERO) for name in variables} if found else {}
