@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 from derive.cli.terminal import BROKEN_PIPE, WRONG_INPUT, explain, one_line, print_error, remarks_told
 from derive.version import __version__
 
-COMMANDS = ("list", "show", "plot", "build", "handout", "check", "style", "verify", "new", "schema")
+COMMANDS = ("list", "show", "plot", "build", "handout", "check", "style", "verify", "move", "new", "schema")
 
 OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "verify", "new")
 """Commands that read robot files."""

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from sympy import QQ, Expr, Float, Poly, Rational, Symbol, pi, radsimp, roots, simplify
 
-from derive.motion.profile import AnyPiece, Cosine
+from derive.motion.profile import AnyPiece, Cosine, Curve
 
 _U = Symbol("u", real=True)
+
+_SAMPLES = 2001
+"""Times at which formulas are looked at."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +62,12 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
         value = way * (pi / piece.duration) ** order
         yield Peak(value, piece.start + (half if order == 1 else 0) * piece.duration, True)
         return
+    if isinstance(piece, Curve):
+        times = np.linspace(float(piece.start), float(piece.end), _SAMPLES)
+        values = piece.sampled(times, order)
+        at = int(np.abs(values).argmax())
+        yield Peak(Float(values[at]), Float(times[at]), False)
+        return
     derivative = piece.in_unit_time()
     for _ in range(order):
         derivative = derivative.diff(_U)
@@ -66,7 +75,7 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
     for place, exact in [(Rational(0), True), (Rational(1), True), *_stationary(derivative.diff(_U))]:
         value = derivative.eval(place) / scale
         time = piece.start + place * piece.duration
-        yield Peak(value, time, True) if exact else Peak(Float(value), Float(time), False)
+        yield Peak(value, time, True) if exact else Peak(Float(value.evalf()), Float(time.evalf()), False)
 
 
 def _stationary(polynomial: Poly) -> Iterator[tuple[Expr, bool]]:

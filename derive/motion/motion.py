@@ -1,217 +1,247 @@
-"""A motion of all joints: from a plan to position, velocity and acceleration at any time."""
+"""`Motion`: a plan that can be asked for positions, torques, peaks and work."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
-from sympy import Expr, Integer, sqrt
+from sympy import Expr, Symbol
 
-from derive.errors import RobotFileError
+from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.motion.extremes import Peak, peak
-from derive.motion.hermite import Array, Piece, joined, sampled
-from derive.motion.plan import Plan, Step
-from derive.motion.profile import (
-    CRUISE,
-    UNIT_PEAKS,
-    VALUES,
-    ZERO,
-    AnyPiece,
-    Cosine,
-    Profile,
-    rest_to_rest,
-    spline,
-    trapezoid,
-    via_velocities,
-)
+from derive.motion.extremes import Peak
+from derive.motion.functions import Functions
+from derive.motion.hermite import TIME, Array
+from derive.motion.plan import TIME as TIME_NAME
+from derive.motion.plan import Payload, Plan, load_plan, plan_from_bytes
+from derive.motion.trajectory import Segment, Trajectory, curves_of, trajectory_of
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import Expression
+from derive.robot.names import free_symbols
+
+SIMPSON = 2
+"""Torques are looked at between two samples, too: work is integrated by Simpson's rule."""
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
-    """The way from one point to the next.
+class Load:
+    """What a joint does in a segment.
 
     Attributes:
-        name: ``rest -> A``.
-        start: When it begins [s].
-        duration: How long it takes [s].
-        joints: The pieces of each joint.
+        peak: The torque that is largest in magnitude [N m or N].
+        time: When [s]; the earliest sample.
+        rms: Root of the mean of its square.
+        power: The largest mechanical power in magnitude [W].
+        work: Integral of torque by velocity [J].
     """
 
-    name: str
-    start: Expr
-    duration: Expr
-    joints: tuple[tuple[AnyPiece, ...], ...]
+    peak: float
+    time: float
+    rms: float
+    power: float
+    work: float
 
-    def peaks(self, order: int) -> tuple[Peak, ...]:
-        """The largest velocity or acceleration of each joint.
 
-        Args:
-            order: 1 for the velocity, 2 for the acceleration.
-        """
-        return tuple(peak(pieces, order) for pieces in self.joints)
+@dataclass(frozen=True, slots=True)
+class SegmentPeaks:
+    """The largest values of every joint in a segment.
+
+    Attributes:
+        segment: Its name and times.
+        speeds: Largest velocities, exact where the profile allows.
+        accelerations: Largest accelerations.
+        loads: Torques, at samples; empty where the robot has no dynamics.
+    """
+
+    segment: Segment
+    speeds: tuple[Peak, ...]
+    accelerations: tuple[Peak, ...]
+    loads: tuple[Load, ...]
+
+    @property
+    def work(self) -> float:
+        """Of all joints [J]."""
+        return float(sum(load.work for load in self.loads))
 
 
 @dataclass(frozen=True)
-class Trajectory:
-    """Joint variables as functions of time.
+class Motion:
+    """A motion of a robot.
 
     Attributes:
-        segments: One after the other.
+        plan: What its file says.
     """
 
-    segments: tuple[Segment, ...]
+    plan: Plan
 
-    @property
-    def duration(self) -> Expr:
-        """How long it lasts [s]."""
-        return self.segments[-1].start + self.segments[-1].duration
-
-    def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration; before the start and after the end the arm stands.
+    @classmethod
+    def load(cls, path: str | Path) -> Motion:
+        """Read a plan.
 
         Args:
-            t: Times [s], of any shape (...).
+            path: Of a YAML file.
+
+        Returns:
+            The motion.
+
+        Raises:
+            RobotFileError: The file cannot be read or is no plan.
+        """
+        return cls(load_plan(path))
+
+    @classmethod
+    def from_text(cls, text: str, source: str = "<text>") -> Motion:
+        """Read a plan from YAML text.
+
+        Args:
+            text: Contents of a plan.
+            source: Name for messages.
+
+        Returns:
+            The motion.
+
+        Raises:
+            RobotFileError: The text is no plan.
+        """
+        return cls(plan_from_bytes(text.encode("utf-8", "surrogatepass"), source))
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Joint variables as functions of time, exact."""
+        if self.plan.curves:
+            plain = Symbol(TIME_NAME)
+            formulas = [formula.subs(plain, TIME) for formula in self._exact(tuple(self.plan.curves.values()))]
+            return curves_of(formulas, *self._exact((self.plan.duration,)))
+        return trajectory_of(self.plan, {name: self._exact(point.q or ()) for name, point in self.plan.points.items()})
+
+    @property
+    def duration(self) -> float:
+        """How long it lasts [s]."""
+        return float(self.trajectory.duration)
+
+    def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration.
+
+        Args:
+            t: Times [s], (...).
 
         Returns:
             q, qd, qdd, (..., n) each [rad or m, per s, per s^2].
         """
+        return self.trajectory(t)
+
+    @property
+    def times(self) -> Array:
+        """Times of the samples [s], the end included."""
+        sample = float(self._exact((self.plan.sample,))[0])
+        count = round(self.duration / sample)
+        times = np.arange(count + 1) * sample
+        return times if abs(times[-1] - self.duration) < 1e-9 * self.duration else np.append(times, self.duration)
+
+    def torques(self, t: float | Array) -> Array:
+        """Torques of the joints by inverse dynamics, payload and friction included.
+
+        Args:
+            t: Times [s], (...).
+
+        Returns:
+            tau, (..., n) [N m or N].
+
+        Raises:
+            QuantityError: The robot has no dynamics, or a symbol without a number.
+        """
         times = np.asarray(t, dtype=float)
-        flat = times.reshape(-1)
-        found = np.stack([track(flat) for track in self._tracks], axis=-1)
-        q, qd, qdd = found.reshape(3, *times.shape, len(self._tracks))
-        return q, qd, qdd
+        q, qd, qdd = self.trajectory(times)
+        tau = self._functions("inverse_dynamics", q, qd, qdd)
+        starts = np.array([float(segment.start) for segment in self.trajectory.segments])
+        index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
+        for i, step in enumerate(self.plan.steps):
+            here = index == i
+            if step.payload is not None and here.any():
+                body = self._payload_parameters(step.payload)
+                columns = [k for k, name in enumerate(self._functions.standard_parameters) if name in body]
+                regressor = self._functions("regressor", q[here], qd[here], qdd[here])[..., columns]
+                tau[here] += regressor @ np.array([body[self._functions.standard_parameters[k]] for k in columns])
+        return tau
 
     @cached_property
-    def _tracks(self) -> tuple[_Track, ...]:
-        joints = len(self.segments[0].joints)
-        return tuple(_Track([piece for s in self.segments for piece in s.joints[j]]) for j in range(joints))
+    def peaks(self) -> tuple[SegmentPeaks, ...]:
+        """Largest speeds, accelerations and torques, segment by segment."""
+        return tuple(
+            SegmentPeaks(segment, segment.peaks(1), segment.peaks(2), self._loads(segment))
+            for segment in self.trajectory.segments
+        )
 
+    def _loads(self, segment: Segment) -> tuple[Load, ...]:
+        if not self.plan.robot.has_dynamics:
+            return ()
+        start, duration = float(segment.start), float(segment.duration)
+        sample = float(self._exact((self.plan.sample,))[0])
+        count = max(2, SIMPSON * int(np.ceil(duration / sample - 1e-9)))
+        times = start + duration * np.arange(count + 1) / count
+        inside = times.copy()
+        inside[-1] = np.nextafter(times[-1], start)  # the payload of this segment, not of the next
+        tau = self.torques(inside)
+        power = tau * self.trajectory(inside)[1]
+        weights = np.full(count + 1, 2.0)
+        weights[1::2], weights[[0, -1]] = 4.0, 1.0
+        work = weights @ power * duration / (3 * count)
+        rms = np.sqrt(weights @ tau**2 / (3 * count))
+        at = np.abs(tau[::SIMPSON]).argmax(axis=0)
+        return tuple(
+            Load(
+                float(tau[SIMPSON * at[j], j]),
+                float(times[SIMPSON * at[j]]),
+                float(rms[j]),
+                float(power[np.abs(power[:, j]).argmax(), j]),
+                float(work[j]),
+            )
+            for j in range(tau.shape[1])
+        )
 
-class _Track:
-    """The pieces of one joint in floats."""
+    def _exact(self, values: tuple[Expression, ...]) -> tuple[Expr, ...]:
+        """Cells with the numbers of their symbols."""
+        robot = self.plan.robot
+        numbers = {**dict(robot.parameters), **self.plan.values}
+        known = {name: expression_to_sympy(value) for name, value in numbers.items()}
+        return tuple(expression_to_sympy(value).subs(known) for value in values)
 
-    def __init__(self, pieces: Sequence[AnyPiece]) -> None:
-        self.starts = np.array([float(piece.start) for piece in pieces])
-        self.end = float(pieces[-1].end)
-        self.durations = np.array([float(piece.duration) for piece in pieces])
-        self.kinds = np.array([piece.k if isinstance(piece, Piece) else 0 for piece in pieces])
-        self.numbers = [np.array([float(value) for end in piece.values for value in end]) for piece in pieces]
+    @cached_property
+    def _values(self) -> Mapping[str, float]:
+        """Numbers of all symbols."""
+        numbers = parameter_values(self.plan.robot)
+        numbers |= {name: evaluate(value, numbers) for name, value in self.plan.values.items()}
+        return {name: float(value) for name, value in numbers.items()}
 
-    def __call__(self, t: Array) -> Array:
-        """Position, velocity, acceleration, (3, points)."""
-        inside = np.clip(t, self.starts[0], self.end)
-        index = np.clip(np.searchsorted(self.starts, inside, side="right") - 1, 0, len(self.starts) - 1)
-        following = np.append(self.starts[1:], self.end)
-        length = self.durations[index]
-        u = np.where(inside >= following[index], 1.0, (inside - self.starts[index]) / length)
-        found = np.zeros((3, t.size))
-        for kind in np.unique(self.kinds[index]):
-            here = self.kinds[index] == kind
-            numbers = np.array([self.numbers[i] for i in index[here]])
-            for order in range(3):
-                if kind:
-                    found[order, here] = sampled(numbers, int(kind), u[here], length[here], order)
-                else:
-                    found[order, here] = _cosine(numbers, u[here], length[here], order)
-        found[1:, (t < self.starts[0]) | (t > self.end)] = 0
-        return found
+    @cached_property
+    def _functions(self) -> Functions:
+        robot = self.plan.robot
+        if not robot.has_dynamics:
+            raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
+        if missing := [name for name in free_symbols(robot) if name not in self._values]:
+            remedy = f"write values: {{{missing[0]}: ...}} in the plan"
+            raise QuantityError(f"the symbol '{missing[0]}' of {robot.name} has no number", remedy=remedy)
+        payload = any(step.payload for step in self.plan.steps)
+        wanted = {"inverse_dynamics", *(["regressor"] if payload else [])}
+        return Functions(robot, frozenset(wanted), self._values)
 
+    def _payload_parameters(self, payload: Payload) -> dict[str, float]:
+        """The ten parameters of a payload as one body with the last link, by the names of the regressor's columns.
 
-def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
-    """A harmonic piece; symmetric about its middle, so that nothing is rounded at its ends."""
-    q0, way, near = numbers[:, 0], numbers[:, 1] - numbers[:, 0], np.minimum(u, 1 - u)
-    if order == 1:
-        return way / 2 * np.pi / length * np.sin(np.pi * near)
-    wave = np.where(u <= 0.5, np.cos(np.pi * near), -np.cos(np.pi * near))
-    if order == 2:
-        return way / 2 * (np.pi / length) ** 2 * wave
-    return np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2)
-
-
-def trajectory_of(plan: Plan, configurations: Mapping[str, Sequence[Expr]]) -> Trajectory:
-    """The segments of a plan with a path.
-
-    Args:
-        plan: The plan.
-        configurations: Joint variables at each point, by name.
-
-    Returns:
-        The trajectory, exact where the points and times are.
-
-    Raises:
-        RobotFileError: A segment without a time where nothing else gives one, or a trapezoid that no speed allows.
-    """
-    segments: list[Segment] = []
-    here, start = plan.start, ZERO
-    for run in _runs(plan.steps):
-        names = [here, *(step.to for step in run)]
-        corners = [tuple(configurations[name]) for name in names]
-        lengths = [_duration(plan, step, *ends) for step, ends in zip(run, pairwise(corners), strict=True)]
-        segments += _run(run, names, corners, start, lengths)
-        here, start = names[-1], start + sum(lengths, ZERO)
-    return Trajectory(tuple(segments))
-
-
-def _runs(steps: Sequence[Step]) -> list[list[Step]]:
-    """Steps up to the next stop, or to the next profile."""
-    runs: list[list[Step]] = []
-    for step in steps:
-        if runs and not runs[-1][-1].stops and runs[-1][-1].profile is step.profile:
-            runs[-1].append(step)
-        else:
-            runs.append([step])
-    return runs
-
-
-def _run(
-    run: Sequence[Step], names: Sequence[str], corners: Sequence[tuple[Expr, ...]], start: Expr, lengths: Sequence[Expr]
-) -> list[Segment]:
-    """The segments of steps between two stops."""
-    times = [start]
-    for length in lengths:
-        times.append(times[-1] + length)
-    joints = []
-    for positions in zip(*corners, strict=True):
-        profile = run[0].profile
-        if profile is Profile.SPLINE:
-            joints.append([(piece,) for piece in spline(times, positions)])
-        elif len(run) > 1:
-            rest = (ZERO,) * (VALUES[profile] - 2)
-            ends = [(q, v, *rest) for q, v in zip(positions, via_velocities(times, positions), strict=True)]
-            joints.append([(piece,) for piece in joined(ends, times)])
-        else:
-            joints.append([_single(run[0], start, lengths[0], *positions)])
-    return [
-        Segment(f"{names[i]} -> {names[i + 1]}", times[i], lengths[i], tuple(pieces[i] for pieces in joints))
-        for i in range(len(run))
-    ]
-
-
-def _single(step: Step, start: Expr, duration: Expr, q0: Expr, q1: Expr) -> tuple[AnyPiece, ...]:
-    if step.profile is not Profile.TRAPEZOIDAL:
-        return rest_to_rest(step.profile, start, duration, q0, q1)
-    cruise = CRUISE if step.cruise is None else expression_to_sympy(step.cruise)
-    return trapezoid(start, duration, q0, q1, cruise * abs(q1 - q0) / duration)
-
-
-def _duration(plan: Plan, step: Step, q0: Sequence[Expr], q1: Sequence[Expr]) -> Expr:
-    """The time of a segment: as the plan says, or what the slowest joint needs within the limits."""
-    if step.time is not None:
-        return expression_to_sympy(step.time)
-    if (plan.speed is None and plan.acceleration is None) or step.profile is Profile.SPLINE or not step.stops:
-        remedy = "write {to: ..., time: 3}, or speed: and acceleration: of each joint"
-        raise RobotFileError(f"no time from here to {step.to}", remedy=remedy, location=step.location)
-    speed, acceleration = UNIT_PEAKS.get(step.profile, (CRUISE, CRUISE**2 / (CRUISE - 1)))
-    needed: list[Expr] = [ZERO]
-    for j, (a, b) in enumerate(zip(q0, q1, strict=True)):
-        way = abs(b - a)
-        if plan.speed is not None:
-            needed.append(speed * way / expression_to_sympy(plan.speed[j]))
-        if plan.acceleration is not None:
-            needed.append(sqrt(acceleration * way / expression_to_sympy(plan.acceleration[j])))
-    longest = max(needed, key=float)
-    return longest if longest != 0 else Integer(1)
+        In the frame of the last link; the inertia is about its origin.
+        """
+        robot, n = self.plan.robot, self.plan.robot.n
+        tool = np.array([[evaluate(cell, self._values) for cell in row] for row in robot.tool])
+        mass = evaluate(payload.mass, self._values)
+        com = tool[:3, :3] @ [evaluate(cell, self._values) for cell in payload.com] + tool[:3, 3]
+        own = np.diag([evaluate(cell, self._values) for cell in payload.inertia])
+        inertia = tool[:3, :3] @ own @ tool[:3, :3].T + mass * (com @ com * np.eye(3) - np.outer(com, com))
+        parts = {"m": mass, "mx": mass * com[0], "my": mass * com[1], "mz": mass * com[2]}
+        for i, a in enumerate("xyz"):
+            for j, b in enumerate("xyz"):
+                if i <= j:
+                    parts[f"I{a}{b}"] = inertia[i, j]
+        return {f"{part}{n}": float(value) for part, value in parts.items()}

@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from sympy import Expr, Integer, Matrix, Rational, pi, sign, sqrt, together
+import numpy as np
+from sympy import Abs, Add, Expr, Integer, Matrix, Mul, Pow, Rational, atan2, cos, pi, sign, sin, sqrt, tan, together
 
-from derive.motion.hermite import Piece, joined
+from derive.motion.hermite import TIME, Array, Piece, joined
 
 ZERO = Integer(0)
 
@@ -64,7 +65,58 @@ class Cosine:
         return self.start + self.duration
 
 
-AnyPiece = Piece | Cosine
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A formula of the time since the motion began.
+
+    Attributes:
+        start: Time of its first end [s].
+        duration: Its length [s], positive.
+        formulas: Position, velocity and acceleration, in the symbol `derive.motion.hermite.TIME`.
+    """
+
+    start: Expr
+    duration: Expr
+    formulas: tuple[Expr, Expr, Expr]
+
+    @property
+    def end(self) -> Expr:
+        """Time of its second end [s]."""
+        return self.start + self.duration
+
+    def sampled(self, t: Array, order: int) -> Array:
+        """A derivative at some times.
+
+        Args:
+            t: Times [s], (points,).
+            order: 0 for the position, 1 for the velocity, 2 for the acceleration.
+
+        Returns:
+            The values, (points,).
+        """
+        return np.broadcast_to(_on_array(self.formulas[order], t), t.shape)
+
+
+AnyPiece = Piece | Cosine | Curve
+
+_FUNCTIONS = {sin: np.sin, cos: np.cos, tan: np.tan, sign: np.sign, Abs: np.abs, atan2: np.arctan2}
+
+
+def _on_array(formula: Expr, t: Array) -> Array:
+    """The number of a formula at many times; nothing but what the grammar of cells and its derivatives know."""
+    if formula == TIME:
+        return t
+    if not formula.has(TIME):
+        return np.float64(formula)
+    values = [_on_array(argument, t) for argument in formula.args]
+    match formula:
+        case Add():
+            return np.sum(np.broadcast_arrays(*values), axis=0)
+        case Mul():
+            return np.prod(np.broadcast_arrays(*values), axis=0)
+        case Pow():
+            return np.power(*values) if formula.exp.has(TIME) or not formula.exp.is_Integer else values[0] ** int(formula.exp)
+    return _FUNCTIONS[formula.func](*values)
 
 
 def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Expr) -> tuple[AnyPiece, ...]:

@@ -194,12 +194,11 @@ def python_context(source: Source) -> dict[str, object]:
     robot, program = source.robot, source.program
     tables: dict[str, Sequence[str]] = {}
     if "regressor" in program:
-        standard, base = program["regressor"].columns, program["base_parameters"].columns
-        tables = {
-            "STANDARD_PARAMETERS": [python_string(column.name) for column in standard],
-            "BASE_PARAMETERS": [python_string(column.name) for column in base],
-            "BASE_FORMULAS": [python_string(column.formula) for column in base],
-        }
+        tables["STANDARD_PARAMETERS"] = [python_string(column.name) for column in program["regressor"].columns]
+    if "base_parameters" in program:
+        base = program["base_parameters"].columns
+        tables["BASE_PARAMETERS"] = [python_string(column.name) for column in base]
+        tables["BASE_FORMULAS"] = [python_string(column.formula) for column in base]
     constants: dict[str, Sequence[str]] = {
         "JOINT_NAMES": [python_string(joint.variable) for joint in robot.joints],
         "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],

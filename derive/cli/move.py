@@ -1,0 +1,47 @@
+"""``derive move``: a motion from a plan."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from derive.cli.terminal import print_columns
+
+SUMMARY = "a motion from via points: speeds, torques, work, samples"
+DESCRIPTION = """\
+Read a plan (the robot, points, the way between them) and print what each segment asks of the joints.
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The plan and what is written.
+
+    Args:
+        parser: Where the arguments are added.
+    """
+    add = parser.add_argument
+    add("plan", metavar="PLAN", help="motion plan")
+    add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the table and write what was asked for.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        The exit status.
+    """
+    from derive.motion.motion import Motion
+    from derive.motion.table import HEADER, samples, table
+
+    motion = Motion.load(arguments.plan)
+    rows = table(motion)
+    print_columns(rows, HEADER[: len(rows[0])])
+    if arguments.csv:
+        names, values = samples(motion)
+        lines = [",".join(names), *(",".join(map(repr, map(float, row))) for row in values)]
+        arguments.csv.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        print(f"{arguments.csv}: {len(values)} rows")
+    return 0

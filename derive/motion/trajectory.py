@@ -1,0 +1,249 @@
+"""A motion of all joints: from a plan to position, velocity and acceleration at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from sympy import Expr, Integer, sqrt
+
+from derive.errors import RobotFileError
+from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.motion.extremes import Peak, peak
+from derive.motion.hermite import TIME, Array, Piece, joined, sampled
+from derive.motion.plan import Plan, Step
+from derive.motion.profile import (
+    CRUISE,
+    UNIT_PEAKS,
+    VALUES,
+    ZERO,
+    AnyPiece,
+    Cosine,
+    Curve,
+    Profile,
+    rest_to_rest,
+    spline,
+    trapezoid,
+    via_velocities,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """The way from one point to the next.
+
+    Attributes:
+        name: ``rest -> A``.
+        start: When it begins [s].
+        duration: How long it takes [s].
+        joints: The pieces of each joint.
+    """
+
+    name: str
+    start: Expr
+    duration: Expr
+    joints: tuple[tuple[AnyPiece, ...], ...]
+
+    def peaks(self, order: int) -> tuple[Peak, ...]:
+        """The largest velocity or acceleration of each joint.
+
+        Args:
+            order: 1 for the velocity, 2 for the acceleration.
+        """
+        return tuple(peak(pieces, order) for pieces in self.joints)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Joint variables as functions of time.
+
+    Attributes:
+        segments: One after the other.
+    """
+
+    segments: tuple[Segment, ...]
+
+    @property
+    def duration(self) -> Expr:
+        """How long it lasts [s]."""
+        return self.segments[-1].start + self.segments[-1].duration
+
+    def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration; before the start and after the end the arm stands.
+
+        Args:
+            t: Times [s], of any shape (...).
+
+        Returns:
+            q, qd, qdd, (..., n) each [rad or m, per s, per s^2].
+        """
+        times = np.asarray(t, dtype=float)
+        flat = times.reshape(-1)
+        found = np.stack([track(flat) for track in self._tracks], axis=-1)
+        q, qd, qdd = found.reshape(3, *times.shape, len(self._tracks))
+        return q, qd, qdd
+
+    @cached_property
+    def _tracks(self) -> tuple[_Track, ...]:
+        joints = len(self.segments[0].joints)
+        return tuple(_Track([piece for s in self.segments for piece in s.joints[j]]) for j in range(joints))
+
+
+_COSINE, _CURVE = 0, -1
+
+
+def _kind(piece: AnyPiece) -> int:
+    """How a piece is computed: a polynomial by its number of values at each end; a formula is alone in its motion."""
+    return piece.k if isinstance(piece, Piece) else _COSINE if isinstance(piece, Cosine) else _CURVE
+
+
+class _Track:
+    """The pieces of one joint in floats."""
+
+    def __init__(self, pieces: Sequence[AnyPiece]) -> None:
+        self.starts = np.array([float(piece.start) for piece in pieces])
+        self.end = float(pieces[-1].end)
+        self.durations = np.array([float(piece.duration) for piece in pieces])
+        self.pieces = pieces
+        self.kinds = np.array([_kind(piece) for piece in pieces])
+        self.numbers = [
+            np.array([] if isinstance(piece, Curve) else [float(value) for end in piece.values for value in end])
+            for piece in pieces
+        ]
+
+    def __call__(self, t: Array) -> Array:
+        """Position, velocity, acceleration, (3, points)."""
+        inside = np.clip(t, self.starts[0], self.end)
+        index = np.clip(np.searchsorted(self.starts, inside, side="right") - 1, 0, len(self.starts) - 1)
+        following = np.append(self.starts[1:], self.end)
+        length = self.durations[index]
+        u = np.where(inside >= following[index], 1.0, (inside - self.starts[index]) / length)
+        found = np.zeros((3, t.size))
+        for kind in np.unique(self.kinds[index]):
+            here = self.kinds[index] == kind
+            numbers = np.array([self.numbers[i] for i in index[here]])
+            for order in range(3):
+                if kind > 0:
+                    found[order, here] = sampled(numbers, int(kind), u[here], length[here], order)
+                elif kind == _COSINE:
+                    found[order, here] = _cosine(numbers, u[here], length[here], order)
+                else:
+                    found[order, here] = self.pieces[index[here][0]].sampled(inside[here], order)
+        found[1:, (t < self.starts[0]) | (t > self.end)] = 0
+        return found
+
+
+def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
+    """A harmonic piece; symmetric about its middle, so that nothing is rounded at its ends."""
+    q0, way, near = numbers[:, 0], numbers[:, 1] - numbers[:, 0], np.minimum(u, 1 - u)
+    if order == 1:
+        return way / 2 * np.pi / length * np.sin(np.pi * near)
+    wave = np.where(u <= 0.5, np.cos(np.pi * near), -np.cos(np.pi * near))
+    if order == 2:
+        return way / 2 * (np.pi / length) ** 2 * wave
+    return np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2)
+
+
+def trajectory_of(plan: Plan, configurations: Mapping[str, Sequence[Expr]]) -> Trajectory:
+    """The segments of a plan with a path.
+
+    Args:
+        plan: The plan.
+        configurations: Joint variables at each point, by name.
+
+    Returns:
+        The trajectory, exact where the points and times are.
+
+    Raises:
+        RobotFileError: A segment without a time where nothing else gives one, or a trapezoid that no speed allows.
+    """
+    segments: list[Segment] = []
+    here, start = plan.start, ZERO
+    for run in _runs(plan.steps):
+        names = [here, *(step.to for step in run)]
+        corners = [tuple(configurations[name]) for name in names]
+        lengths = [_duration(plan, step, *ends) for step, ends in zip(run, pairwise(corners), strict=True)]
+        segments += _run(run, names, corners, start, lengths)
+        here, start = names[-1], start + sum(lengths, ZERO)
+    return Trajectory(tuple(segments))
+
+
+def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
+    """Joint variables by formulas of time.
+
+    Args:
+        formulas: One a joint, in the symbol `TIME`.
+        duration: How long they last [s].
+
+    Returns:
+        The trajectory, of one segment.
+    """
+    pieces = []
+    for formula in formulas:
+        velocity = formula.diff(TIME)
+        pieces.append((Curve(ZERO, duration, (formula, velocity, velocity.diff(TIME))),))
+    return Trajectory((Segment("curves", ZERO, duration, tuple(pieces)),))
+
+
+def _runs(steps: Sequence[Step]) -> list[list[Step]]:
+    """Steps up to the next stop, or to the next profile."""
+    runs: list[list[Step]] = []
+    for step in steps:
+        if runs and not runs[-1][-1].stops and runs[-1][-1].profile is step.profile:
+            runs[-1].append(step)
+        else:
+            runs.append([step])
+    return runs
+
+
+def _run(
+    run: Sequence[Step], names: Sequence[str], corners: Sequence[tuple[Expr, ...]], start: Expr, lengths: Sequence[Expr]
+) -> list[Segment]:
+    """The segments of steps between two stops."""
+    times = [start]
+    for length in lengths:
+        times.append(times[-1] + length)
+    joints = []
+    for positions in zip(*corners, strict=True):
+        profile = run[0].profile
+        if profile is Profile.SPLINE:
+            joints.append([(piece,) for piece in spline(times, positions)])
+        elif len(run) > 1:
+            rest = (ZERO,) * (VALUES[profile] - 2)
+            ends = [(q, v, *rest) for q, v in zip(positions, via_velocities(times, positions), strict=True)]
+            joints.append([(piece,) for piece in joined(ends, times)])
+        else:
+            joints.append([_single(run[0], start, lengths[0], *positions)])
+    return [
+        Segment(f"{names[i]} -> {names[i + 1]}", times[i], lengths[i], tuple(pieces[i] for pieces in joints))
+        for i in range(len(run))
+    ]
+
+
+def _single(step: Step, start: Expr, duration: Expr, q0: Expr, q1: Expr) -> tuple[AnyPiece, ...]:
+    if step.profile is not Profile.TRAPEZOIDAL:
+        return rest_to_rest(step.profile, start, duration, q0, q1)
+    cruise = CRUISE if step.cruise is None else expression_to_sympy(step.cruise)
+    return trapezoid(start, duration, q0, q1, cruise * abs(q1 - q0) / duration)
+
+
+def _duration(plan: Plan, step: Step, q0: Sequence[Expr], q1: Sequence[Expr]) -> Expr:
+    """The time of a segment: as the plan says, or what the slowest joint needs within the limits."""
+    if step.time is not None:
+        return expression_to_sympy(step.time)
+    if (plan.speed is None and plan.acceleration is None) or step.profile is Profile.SPLINE or not step.stops:
+        remedy = "write {to: ..., time: 3}, or speed: and acceleration: of each joint"
+        raise RobotFileError(f"no time from here to {step.to}", remedy=remedy, location=step.location)
+    speed, acceleration = UNIT_PEAKS.get(step.profile, (CRUISE, CRUISE**2 / (CRUISE - 1)))
+    needed: list[Expr] = [ZERO]
+    for j, (a, b) in enumerate(zip(q0, q1, strict=True)):
+        way = abs(b - a)
+        if plan.speed is not None:
+            needed.append(speed * way / expression_to_sympy(plan.speed[j]))
+        if plan.acceleration is not None:
+            needed.append(sqrt(acceleration * way / expression_to_sympy(plan.acceleration[j])))
+    longest = max(needed, key=float)
+    return longest if longest != 0 else Integer(1)
