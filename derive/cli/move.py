@@ -21,6 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """
     add = parser.add_argument
     add("plan", metavar="PLAN", help="motion plan")
+    add("--simulate", action="store_true", help="run the arm under the plan's control law")
     add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample")
 
 
@@ -39,6 +40,12 @@ def run(arguments: argparse.Namespace) -> int:
     motion = Motion.load(arguments.plan)
     rows = table(motion)
     print_columns(rows, HEADER[: len(rows[0])])
+    if arguments.simulate:
+        run = motion.simulate()
+        error = motion(run.t)[0] - run.q
+        print(
+            f"simulated {run.t[-1]:.6g} s: largest position error {abs(error).max():.3g}, ledger {run.energy_error:.2g} J"
+        )
     if arguments.csv:
         names, values = samples(motion)
         lines = [",".join(names), *(",".join(map(repr, map(float, row))) for row in values)]

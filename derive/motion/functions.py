@@ -1,43 +1,58 @@
-"""The generated functions of a robot in memory, as a plan needs them."""
+"""The generated functions of a robot as a motion needs them: compiled where there is a compiler, else in NumPy."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import ModuleType
+from copy import copy
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
+from derive.errors import TargetError
 from derive.motion.hermite import Array
 from derive.programs.build import build_program
 from derive.programs.search_policy import Effort
+from derive.publish.render import compile_libraries
 from derive.robot.robot import Robot
-from derive.targets.numpy import FILE, render_numpy
+from derive.targets import c, native, numpy
+from derive.targets.compiler import find_compiler
 from derive.targets.target import Source
 from derive.version import __version__
 
 
 class Functions:
-    """Functions of ``model_numpy.py`` with the numbers of a plan.
+    """Functions of ``model_numpy.py`` or ``model_native.py`` with the numbers of a plan.
 
     Args:
         robot: The robot.
         names: Which functions.
         values: Numbers of symbols that are arguments.
+        compiled: Whether it is worth a compiler's second.
     """
 
-    def __init__(self, robot: Robot, names: frozenset[str], values: Mapping[str, float]) -> None:
+    def __init__(
+        self, robot: Robot, names: frozenset[str], values: Mapping[str, float], *, compiled: bool = False
+    ) -> None:
         program = build_program(robot, Effort.QUICK, names=names)
-        text = render_numpy(Source(robot, program, __version__))[FILE]
-        self._module: Any = ModuleType(FILE)
-        exec(compile(text, FILE, "exec"), vars(self._module))  # our own text, as it is written by a build
-        self._params = {"params": {name: values[name] for name in program.parameters}} if program.parameters else {}
-        self.parameters = program.parameters
+        self._folder = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
+        self._module = _imported(Source(robot, program, __version__), Path(self._folder.name), compiled=compiled)
+        self._parameters = program.parameters
+        self._options = self._numbers(values)
 
-    @property
-    def names(self) -> frozenset[str]:
-        """What can be called."""
-        return frozenset(vars(self._module))
+    def _numbers(self, values: Mapping[str, float]) -> dict[str, Any]:
+        numbers = {name: values[name] for name in self._parameters}
+        return {"params": self._module.precompute(numbers)} if numbers else {}
+
+    def given(self, values: Mapping[str, float]) -> Functions:
+        """The same functions with other numbers.
+
+        Args:
+            values: Numbers of symbols that are arguments.
+        """
+        other = copy(self)
+        other._options = self._numbers(values)
+        return other
 
     @property
     def standard_parameters(self) -> tuple[str, ...]:
@@ -54,5 +69,24 @@ class Functions:
         Returns:
             (..., *shape).
         """
-        value: Array = getattr(self._module, name)(*map(np.ascontiguousarray, arguments), **self._params)
+        value: Array = getattr(self._module, name)(*arguments, **self._options)
         return value
+
+
+def _imported(source: Source, folder: Path, *, compiled: bool) -> Any:
+    """The module of a target, written and imported."""
+    compiler = find_compiler() if compiled else None
+    targets = [c.TARGET, native.TARGET] if compiler else [numpy.TARGET]
+    for target in targets:
+        for name, text in target.render(source).items():
+            (folder / name).write_text(text, encoding="utf-8")
+    if compiler:
+        try:
+            compile_libraries(folder, targets, compiler)
+        except TargetError:  # a compiler that does not serve is none
+            return _imported(source, folder, compiled=False)
+    spec = spec_from_file_location(f"derive_motion_{id(folder)}", folder / targets[-1].files[0])
+    assert spec and spec.loader, "a path of a Python file has a loader"
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -131,6 +131,4 @@ def joined(ends: Sequence[tuple[Expr, ...]], times: Sequence[Expr]) -> tuple[Pie
     Returns:
         One piece fewer than points.
     """
-    return tuple(
-        Piece(times[j], times[j + 1] - times[j], (ends[j], ends[j + 1])) for j in range(len(times) - 1)
-    )
+    return tuple(Piece(times[j], times[j + 1] - times[j], (ends[j], ends[j + 1])) for j in range(len(times) - 1))

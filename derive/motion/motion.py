@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -12,14 +12,16 @@ from sympy import Expr, Symbol
 
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.motion.control import NEEDS, Controller
 from derive.motion.extremes import Peak
 from derive.motion.functions import Functions
 from derive.motion.hermite import TIME, Array
 from derive.motion.plan import TIME as TIME_NAME
 from derive.motion.plan import Payload, Plan, load_plan, plan_from_bytes
+from derive.motion.simulation import PLANT, Plant, Run, simulate_exact, simulate_smooth
 from derive.motion.trajectory import Segment, Trajectory, curves_of, trajectory_of
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import Expression
+from derive.robot.expression import ZERO, Expression
 from derive.robot.names import free_symbols
 
 SIMPSON = 2
@@ -175,6 +177,34 @@ class Motion:
             for segment in self.trajectory.segments
         )
 
+    def simulate(self) -> Run:
+        """The arm under the plan's control law, from the start of the motion, at the times of the samples.
+
+        Returns:
+            Times, positions, velocities, torques and energies.
+
+        Raises:
+            QuantityError: The robot has no dynamics, or a symbol without a number.
+        """
+        plan, control, robot = self.plan, self.plan.control, self.plan.robot
+        self._check_dynamics()
+        links = tuple(replace(link, coulomb=ZERO) for link in robot.links)
+        numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
+        bare = replace(robot, links=links, parameters=numbers)
+        functions = Functions(bare, PLANT | NEEDS[control.law], self._values, compiled=True)
+        values = {**self._values, **{name: evaluate(value, self._values) for name, value in plan.plant.items()}}
+        viscous, coulomb = (
+            np.array([evaluate(getattr(link, kind), values) for link in robot.links]) for kind in ("viscous", "coulomb")
+        )
+        plant = Plant(functions.given(values), viscous, coulomb)
+        kp, kd = (np.array([evaluate(gain, self._values) for gain in row]) for row in (control.kp, control.kd))
+        law = Controller(control.law, kp, kd, self.trajectory, functions if NEEDS[control.law] else None)
+        start = self.trajectory(0.0)[:2]
+        period = None if control.period is None else evaluate(control.period, self._values)
+        if plan.friction == "exact":
+            return simulate_exact(plant, law, start, self.times, period)
+        return simulate_smooth(plant, law, start, self.times, period, friction=plan.friction == "smooth")
+
     def _loads(self, segment: Segment) -> tuple[Load, ...]:
         if not self.plan.robot.has_dynamics:
             return ()
@@ -218,15 +248,18 @@ class Motion:
 
     @cached_property
     def _functions(self) -> Functions:
+        self._check_dynamics()
+        payload = any(step.payload for step in self.plan.steps)
+        wanted = {"inverse_dynamics", *(["regressor"] if payload else [])}
+        return Functions(self.plan.robot, frozenset(wanted), self._values)
+
+    def _check_dynamics(self) -> None:
         robot = self.plan.robot
         if not robot.has_dynamics:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
         if missing := [name for name in free_symbols(robot) if name not in self._values]:
             remedy = f"write values: {{{missing[0]}: ...}} in the plan"
             raise QuantityError(f"the symbol '{missing[0]}' of {robot.name} has no number", remedy=remedy)
-        payload = any(step.payload for step in self.plan.steps)
-        wanted = {"inverse_dynamics", *(["regressor"] if payload else [])}
-        return Functions(robot, frozenset(wanted), self._values)
 
     def _payload_parameters(self, payload: Payload) -> dict[str, float]:
         """The ten parameters of a payload as one body with the last link, by the names of the regressor's columns.

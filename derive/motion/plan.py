@@ -102,6 +102,23 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
+class Control:
+    """Who moves the arm in a simulation.
+
+    Attributes:
+        law: ``none``, ``pd``, ``pd-gravity`` or ``computed-torque``.
+        kp: Gain of the position, one a joint.
+        kd: Gain of the velocity, one a joint.
+        period: Time between two samples of the controller [s]; None for a continuous one.
+    """
+
+    law: str
+    kp: Vector
+    kd: Vector
+    period: Expression | None
+
+
+@dataclass(frozen=True, slots=True)
 class Plan:
     """A motion as its file describes it.
 
@@ -117,6 +134,9 @@ class Plan:
         speed: Largest speed of each joint, or None.
         acceleration: Largest acceleration of each joint, or None.
         values: Numbers of symbols of the robot.
+        control: Who moves the arm in a simulation.
+        friction: ``none``, ``smooth`` or ``exact``.
+        plant: Numbers of symbols in the simulated arm that the controller does not know.
         source: Name of the file, for messages.
         digest: SHA-256 of its bytes.
     """
@@ -132,6 +152,9 @@ class Plan:
     speed: Vector | None
     acceleration: Vector | None
     values: Mapping[str, Expression]
+    control: Control
+    friction: str
+    plant: Mapping[str, Expression]
     source: str
     digest: str
 
@@ -194,9 +217,7 @@ class _Reader:
         self._document = document
         self._robot = robot
         self._cells = Cells(document, robot.units)
-        self._values = {
-            name: self._cells.plain(("values", name)) for name in self._keys(("values",))
-        }
+        self._values = {name: self._cells.plain(("values", name)) for name in self._keys(("values",))}
 
     def read(self) -> Plan:
         """The whole plan."""
@@ -221,6 +242,9 @@ class _Reader:
             speed=self._joint_list("speed"),
             acceleration=self._joint_list("acceleration"),
             values=self._values,
+            control=self._control(),
+            friction=document.text("friction") or "smooth",
+            plant={name: self._number(("plant", name), self._cells.plain) for name in self._keys(("plant",))},
             source=document.source,
             digest=document.digest,
         )
@@ -318,7 +342,9 @@ class _Reader:
         time = (*path, "time")
         through = document.text(*path, "through")
         if through and through not in points:
-            raise document.error((*path, "through"), f"unknown point {quoted(through)}", remedy=near_miss(through, points))
+            raise document.error(
+                (*path, "through"), f"unknown point {quoted(through)}", remedy=near_miss(through, points)
+            )
         cruise = (*path, "cruise")
         profile = Profile(document.text(*path, "profile") or document.text("profile") or Profile.QUINTIC)
         passes = "pass" if profile is Profile.SPLINE else document.text("via")
@@ -344,6 +370,29 @@ class _Reader:
             raise self._document.error(path, "negative mass", "allowed: zero or more [kg]")
         com = tuple(cells.length((*path, "com", k)) for k in range(3))
         return Payload(mass, com, tuple(cells.plain((*path, "inertia", k)) for k in range(3)))
+
+    def _control(self) -> Control:
+        path: KeyPath = ("control",)
+        period = (*path, "period")
+        return Control(
+            law=self._document.text(*path, "law") or "none",
+            kp=self._gains((*path, "kp")),
+            kd=self._gains((*path, "kd")),
+            period=self._positive(period, ONE) if self._document.scalar(period) else None,
+        )
+
+    def _gains(self, path: KeyPath) -> Vector:
+        """One gain for all joints, or one for each."""
+        n, count = self._robot.n, self._document.length(path)
+        if count and count != n:
+            raise self._document.error(path, f"{count} gains for {n} joints", f"allowed: one, or {n}")
+        paths = [(*path, k) for k in range(n)] if count else [path] * n
+        gains = tuple(self._number(place, self._cells.plain) for place in paths)
+        for place, gain in zip(paths, gains, strict=True):
+            if evaluate(gain, parameter_values(self._robot)) < 0:
+                found = f"found {quoted(self._document.text(*place))}"
+                raise self._document.error(place, found, "allowed: zero or more", "a gain below zero drives away")
+        return gains
 
     def _curves(self) -> dict[str, Expression]:
         """Formulas of time, one for each joint variable; a joint that is left out stands still at zero."""

@@ -28,7 +28,9 @@ class PosePoint(Strict):
     """A point that is a pose, reached through the inverse kinematics."""
 
     pose: PoseRow = Field(description="Where the end effector shall be.")
-    branch: str | None = Field(default=None, description="Name of the solution; default: the nearest to the point before.")
+    branch: str | None = Field(
+        default=None, description="Name of the solution; default: the nearest to the point before."
+    )
 
 
 class Payload(Strict):
@@ -36,7 +38,9 @@ class Payload(Strict):
 
     mass: Cell = Field(description="Mass [kg].")
     com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the frame of the end effector.")
-    inertia: Vector3 = Field(default=("0", "0", "0"), description="Principal moments about it, along its axes [kg m^2].")
+    inertia: Vector3 = Field(
+        default=("0", "0", "0"), description="Principal moments about it, along its axes [kg m^2]."
+    )
 
 
 def _form(value: Any) -> str:
@@ -74,23 +78,28 @@ class Control(Strict):
 class PlanFile(Strict):
     """A motion: the robot, its points and the way between them."""
 
-    robot: Annotated[
-        Annotated[str, Tag(_TEXT)] | Annotated[RobotFile, Tag(_BLOCK)], Discriminator(_form)
-    ] = Field(description="A built-in name, the path of a robot file, or the robot itself.")
+    robot: Annotated[Annotated[str, Tag(_TEXT)] | Annotated[RobotFile, Tag(_BLOCK)], Discriminator(_form)] = Field(
+        description="A built-in name, the path of a robot file, or the robot itself."
+    )
     title: str | None = Field(default=None, description="Free text for people.")
     profile: ProfileName = Field(default="quintic", description="How the arm goes from point to point.")
     via: Via = Field(default="stop", description="Whether the arm stops at the points between.")
     sample: Cell = Field(default="0.01", description="Time between two rows of a table of the motion [s].")
-    speed: list[Cell] | None = Field(default=None, description="Largest speed of each joint, for segments without time.")
+    speed: list[Cell] | None = Field(
+        default=None, description="Largest speed of each joint, for segments without time."
+    )
     acceleration: list[Cell] | None = Field(default=None, description="Largest acceleration of each joint.")
     values: dict[str, Cell] = Field(default={}, description="Numbers of symbols of the robot that have none.")
     points: dict[
         str, Annotated[Annotated[list[Cell], Tag(_LIST)] | Annotated[PosePoint, Tag(_BLOCK)], Discriminator(_form)]
     ] = Field(default={}, description="Joint values or poses, by name.")
-    path: list[
-        Annotated[Annotated[str, Tag(_TEXT)] | Annotated[StepRow, Tag(_BLOCK)], Discriminator(_form)]
-    ] = Field(default=[], description="Points one after the other.")
+    path: list[Annotated[Annotated[str, Tag(_TEXT)] | Annotated[StepRow, Tag(_BLOCK)], Discriminator(_form)]] = Field(
+        default=[], description="Points one after the other."
+    )
     curves: dict[str, Cell] = Field(default={}, description="Instead of a path: each joint variable as a formula of t.")
     time: Cell | None = Field(default=None, description="How long curves last [s].")
     control: Control | None = Field(default=None, description="Who moves the arm in a simulation.")
+    plant: dict[str, Cell] = Field(
+        default={}, description="Numbers of symbols in the simulated arm, where they differ."
+    )
     friction: FrictionKind = Field(default="smooth", description="How Coulomb friction is simulated.")

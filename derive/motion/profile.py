@@ -115,7 +115,11 @@ def _on_array(formula: Expr, t: Array) -> Array:
         case Mul():
             return np.prod(np.broadcast_arrays(*values), axis=0)
         case Pow():
-            return np.power(*values) if formula.exp.has(TIME) or not formula.exp.is_Integer else values[0] ** int(formula.exp)
+            return (
+                np.power(*values)
+                if formula.exp.has(TIME) or not formula.exp.is_Integer
+                else values[0] ** int(formula.exp)
+            )
     return _FUNCTIONS[formula.func](*values)
 
 

@@ -1,0 +1,69 @@
+"""Control laws: from where an arm is and should be to the torques of its motors.
+
+Siciliano et al., Robotics, 2009: 8.5.1 (PD with gravity), 8.5.2 (computed torque, there inverse dynamics).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.motion.functions import Functions
+from derive.motion.hermite import Array
+
+Reference = Callable[[float], tuple[Array, Array, Array]]
+"""Position, velocity and acceleration that are wanted at a time."""
+
+NEEDS: dict[str, frozenset[str]] = {
+    "none": frozenset(),
+    "pd": frozenset(),
+    "pd-gravity": frozenset({"gravity_vector"}),
+    "computed-torque": frozenset({"inverse_dynamics"}),
+}
+"""Generated functions of each law."""
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A control law with its gains.
+
+    Attributes:
+        law: One of `NEEDS`.
+        kp: Gains of the position, (n,).
+        kd: Gains of the velocity, (n,).
+        reference: What is wanted.
+        functions: The model that the controller knows, without dry friction; None where the law needs none.
+    """
+
+    law: str
+    kp: Array
+    kd: Array
+    reference: Reference
+    functions: Functions | None
+
+    def __call__(self, t: float, q: Array, qd: Array) -> Array:
+        """Torques of the motors.
+
+            pd               tau = Kp e + Kd de/dt
+            pd-gravity       tau = Kp e + Kd de/dt + g(q)
+            computed-torque  tau = B(q) (qdd_d + Kd de/dt + Kp e) + C(q, qd) qd + g(q)
+
+        Args:
+            t: Time [s].
+            q: Joint variables, (n,).
+            qd: Velocities, (n,).
+
+        Returns:
+            tau, (n,) [N m or N].
+        """
+        if self.law == "none":
+            return np.zeros_like(q)
+        wanted, velocity, acceleration = self.reference(t)
+        tau: Array = self.kp * (wanted - q) + self.kd * (velocity - qd)
+        if self.functions is None:
+            return tau
+        if self.law == "pd-gravity":
+            return tau + self.functions("gravity_vector", q)
+        return self.functions("inverse_dynamics", q, qd, acceleration + tau)
