@@ -43,9 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.simulate:
         run = motion.simulate()
         error = motion(run.t)[0] - run.q
-        print(
-            f"simulated {run.t[-1]:.6g} s: largest position error {abs(error).max():.3g}, ledger {run.energy_error:.2g} J"
-        )
+        worst = abs(error).max()
+        print(f"simulated {run.t[-1]:.6g} s: largest position error {worst:.3g}, ledger {run.energy_error:.2g} J")
     if arguments.csv:
         names, values = samples(motion)
         lines = [",".join(names), *(",".join(map(repr, map(float, row))) for row in values)]

@@ -86,7 +86,8 @@ def _imported(source: Source, folder: Path, *, compiled: bool) -> Any:
         except TargetError:  # a compiler that does not serve is none
             return _imported(source, folder, compiled=False)
     spec = spec_from_file_location(f"derive_motion_{id(folder)}", folder / targets[-1].files[0])
-    assert spec and spec.loader, "a path of a Python file has a loader"
+    assert spec is not None
+    assert spec.loader is not None
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

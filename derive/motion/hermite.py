@@ -4,9 +4,9 @@ With k values at each end the polynomial has degree 2k - 1: cubic for k = 2, qui
 
     h_i(u) = u**i/i! (1 - u)**k sum_{j < k - i} C(k - 1 + j, j) u**j
 
-has the i-th derivative 1 at u = 0, and all others of order below k are 0 at both ends; ``(-1)**i h_i(1 - u)`` is the same at
-u = 1 (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, 2.1). Nothing is rounded at the
-ends: pieces that share the values of a point join without a gap in any of them.
+has the i-th derivative 1 at u = 0, and all others of order below k are 0 at both ends; ``(-1)**i h_i(1 - u)`` is the
+same at u = 1 (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, 2.1). Nothing is
+rounded at the ends: pieces that share the values of a point join without a gap in any of them.
 """
 
 from __future__ import annotations
@@ -95,6 +95,22 @@ class Piece:
             scale = value * self.duration**i / factorial(i)
             total += sum((Rational(c) * scale * u**power for power, c in enumerate(row)), Integer(0))
         return Poly(expand(total), u, domain="EX")
+
+
+def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
+    """Coefficients of a piece by powers of unit time.
+
+    Args:
+        numbers: Values at both ends, (2k,).
+        k: Number of values at each end.
+        duration: Its length [s].
+
+    Returns:
+        (2k,), the highest power first.
+    """
+    scale = [duration**i / factorial(i) for i in range(k)]
+    coefficients: Array = (numbers * np.array(scale * 2)) @ _derived(k, 0)
+    return coefficients
 
 
 def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int) -> Array:

@@ -139,9 +139,9 @@ class Motion:
     def times(self) -> Array:
         """Times of the samples [s], the end included."""
         sample = float(self._exact((self.plan.sample,))[0])
-        count = round(self.duration / sample)
-        times = np.arange(count + 1) * sample
-        return times if abs(times[-1] - self.duration) < 1e-9 * self.duration else np.append(times, self.duration)
+        count = int(np.ceil(self.duration / sample - 1e-9))
+        times: Array = np.append(np.arange(count) * sample, self.duration)
+        return times
 
     def torques(self, t: float | Array) -> Array:
         """Torques of the joints by inverse dynamics, payload and friction included.

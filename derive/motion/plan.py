@@ -1,4 +1,4 @@
-"""Reads a motion plan: the robot, its points, the way between them and what moves it, exact, in SI units and radians."""
+"""Reads a motion plan: the robot, its points, the way between them and what moves it; exact, in SI units, radians."""
 
 from __future__ import annotations
 

@@ -28,9 +28,7 @@ class PosePoint(Strict):
     """A point that is a pose, reached through the inverse kinematics."""
 
     pose: PoseRow = Field(description="Where the end effector shall be.")
-    branch: str | None = Field(
-        default=None, description="Name of the solution; default: the nearest to the point before."
-    )
+    branch: str | None = Field(default=None, description="Name of the solution; default: the nearest one.")
 
 
 class Payload(Strict):
@@ -38,9 +36,7 @@ class Payload(Strict):
 
     mass: Cell = Field(description="Mass [kg].")
     com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the frame of the end effector.")
-    inertia: Vector3 = Field(
-        default=("0", "0", "0"), description="Principal moments about it, along its axes [kg m^2]."
-    )
+    inertia: Vector3 = Field(default=("0", "0", "0"), description="Moments about it, along its axes [kg m^2].")
 
 
 def _form(value: Any) -> str:
@@ -85,9 +81,7 @@ class PlanFile(Strict):
     profile: ProfileName = Field(default="quintic", description="How the arm goes from point to point.")
     via: Via = Field(default="stop", description="Whether the arm stops at the points between.")
     sample: Cell = Field(default="0.01", description="Time between two rows of a table of the motion [s].")
-    speed: list[Cell] | None = Field(
-        default=None, description="Largest speed of each joint, for segments without time."
-    )
+    speed: list[Cell] | None = Field(default=None, description="Largest speed of each joint, where no time is given.")
     acceleration: list[Cell] | None = Field(default=None, description="Largest acceleration of each joint.")
     values: dict[str, Cell] = Field(default={}, description="Numbers of symbols of the robot that have none.")
     points: dict[

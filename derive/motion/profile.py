@@ -1,14 +1,16 @@
 """How a joint goes from one point to the next: the profiles of books, as pieces of polynomials, exact.
 
-Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, chapters 2 to 4; Craig, Introduction
-to Robotics, 3rd edition, 7.3; Siciliano et al., Robotics, 2009, 4.2.
+Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008, chapters 2 to 4; Craig,
+Introduction to Robotics, 3rd edition, 7.3; Siciliano et al., Robotics, 2009, 4.2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
+from math import prod
 
 import numpy as np
 from sympy import Abs, Add, Expr, Integer, Matrix, Mul, Pow, Rational, atan2, cos, pi, sign, sin, sqrt, tan, together
@@ -41,8 +43,8 @@ UNIT_PEAKS: dict[Profile, tuple[Expr, Expr]] = {
 """Largest speed and acceleration from 0 to 1 in one second, from rest to rest."""
 
 CRUISE = Rational(3, 2)
-"""Speed of a trapezoid as a multiple of distance by time where nothing else is said: a third of the time each to speed up, to
-go on and to slow down."""
+"""Speed of a trapezoid as a multiple of distance by time where nothing else is said: a third of the time each to speed
+up, to go on and to slow down."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +101,17 @@ class Curve:
 
 AnyPiece = Piece | Cosine | Curve
 
-_FUNCTIONS = {sin: np.sin, cos: np.cos, tan: np.tan, sign: np.sign, Abs: np.abs, atan2: np.arctan2}
+_FUNCTIONS: dict[type[Expr], Callable[..., Array]] = {
+    Add: lambda *terms: sum(terms[1:], terms[0]),
+    Mul: lambda *factors: prod(factors),
+    Pow: np.power,
+    sin: np.sin,
+    cos: np.cos,
+    tan: np.tan,
+    sign: np.sign,
+    Abs: np.abs,
+    atan2: np.arctan2,
+}
 
 
 def _on_array(formula: Expr, t: Array) -> Array:
@@ -107,20 +119,11 @@ def _on_array(formula: Expr, t: Array) -> Array:
     if formula == TIME:
         return t
     if not formula.has(TIME):
-        return np.float64(formula)
+        return np.array(float(formula))
     values = [_on_array(argument, t) for argument in formula.args]
-    match formula:
-        case Add():
-            return np.sum(np.broadcast_arrays(*values), axis=0)
-        case Mul():
-            return np.prod(np.broadcast_arrays(*values), axis=0)
-        case Pow():
-            return (
-                np.power(*values)
-                if formula.exp.has(TIME) or not formula.exp.is_Integer
-                else values[0] ** int(formula.exp)
-            )
-    return _FUNCTIONS[formula.func](*values)
+    if isinstance(formula, Pow) and formula.exp.is_Integer:
+        return np.asarray(values[0] ** int(formula.exp))
+    return np.asarray(_FUNCTIONS[formula.func](*values))
 
 
 def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Expr) -> tuple[AnyPiece, ...]:
@@ -181,10 +184,7 @@ def via_velocities(times: Sequence[Expr], positions: Sequence[Expr]) -> tuple[Ex
         One velocity per point, zero at both ends (Craig, 7.3, the heuristic).
     """
     slopes = [(positions[j + 1] - positions[j]) / (times[j + 1] - times[j]) for j in range(len(times) - 1)]
-    inner = [
-        (before + after) / 2 if float(before) * float(after) > 0 else ZERO
-        for before, after in zip(slopes, slopes[1:], strict=False)
-    ]
+    inner = [(before + after) / 2 if float(before) * float(after) > 0 else ZERO for before, after in pairwise(slopes)]
     return (ZERO, *inner, ZERO)
 
 

@@ -1,4 +1,4 @@
-"""The arm under a control law: forward dynamics integrated in time, friction smooth or exact, and where the energy went."""
+"""The arm under a control law: forward dynamics in time, friction smooth or exact, and where the energy went."""
 
 from __future__ import annotations
 
@@ -169,9 +169,9 @@ def _growth(n: int) -> Callable[[float, Array], float]:
 def simulate_exact(plant: Plant, law: Law, start: tuple[Array, Array], times: Array, period: float | None) -> Run:
     """With Coulomb friction that sticks: |qd| is zero, not small, below the torque of breakaway.
 
-    A step of time h solves ``qd+ = qd + h qdd(tau) - M^-1 p`` for impulses p of friction with p = h f sign(qd+) where a joint
-    slips and |p| <= h f where it sticks, by projected Gauss-Seidel (Moreau's time stepping; Acary and Brogliato, Numerical
-    Methods for Nonsmooth Dynamical Systems, 2008).
+    A step of time h solves ``qd+ = qd + h qdd(tau) - B^-1 p`` for impulses p of friction with p = h f sign(qd+) where a
+    joint slips and |p| <= h f where it sticks, by projected Gauss-Seidel (Moreau's time stepping; Acary and Brogliato,
+    Numerical Methods for Nonsmooth Dynamical Systems, 2008).
 
     Args:
         plant: The arm.
@@ -194,7 +194,8 @@ def simulate_exact(plant: Plant, law: Law, start: tuple[Array, Array], times: Ar
             if period is None or t >= looks - 1e-9 * period:
                 tau, looks = law(t, q, qd), looks + (period or 0.0)
             free = qd + h * plant.functions("forward_dynamics", q, qd, tau)
-            after, impulse = _slipping(np.linalg.inv(plant.functions("inertia_matrix", q)), free, h * plant.coulomb)
+            mobility = np.asarray(np.linalg.inv(plant.functions("inertia_matrix", q)), dtype=float)
+            after, impulse = _slipping(mobility, free, h * plant.coulomb)
             mean = (qd + after) / 2
             work += h * float(tau @ mean)
             lost += float((impulse + h * plant.viscous * mean) @ mean)

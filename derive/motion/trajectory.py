@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +14,7 @@ from sympy import Expr, Integer, sqrt
 from derive.errors import RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.extremes import Peak, peak
-from derive.motion.hermite import TIME, Array, Piece, joined, sampled
+from derive.motion.hermite import TIME, Array, Piece, joined, power_coefficients, sampled
 from derive.motion.plan import Plan, Step
 from derive.motion.profile import (
     CRUISE,
@@ -81,6 +82,9 @@ class Trajectory:
             q, qd, qdd, (..., n) each [rad or m, per s, per s^2].
         """
         times = np.asarray(t, dtype=float)
+        if times.ndim == 0:
+            q, qd, qdd = np.array([track.at(float(times)) for track in self._tracks]).T
+            return q, qd, qdd
         flat = times.reshape(-1)
         found = np.stack([track(flat) for track in self._tracks], axis=-1)
         q, qd, qdd = found.reshape(3, *times.shape, len(self._tracks))
@@ -105,6 +109,7 @@ class _Track:
 
     def __init__(self, pieces: Sequence[AnyPiece]) -> None:
         self.starts = np.array([float(piece.start) for piece in pieces])
+        self._start_list = [float(start) for start in self.starts]
         self.end = float(pieces[-1].end)
         self.durations = np.array([float(piece.duration) for piece in pieces])
         self.pieces = pieces
@@ -113,6 +118,33 @@ class _Track:
             np.array([] if isinstance(piece, Curve) else [float(value) for end in piece.values for value in end])
             for piece in pieces
         ]
+
+    @cached_property
+    def _powers(self) -> list[list[float]]:
+        """Coefficients of each polynomial by powers of unit time, the highest first."""
+        return [
+            list(power_coefficients(numbers, int(kind), length)) if kind > 0 else []
+            for numbers, kind, length in zip(self.numbers, self.kinds, self.durations, strict=True)
+        ]
+
+    def at(self, t: float) -> tuple[float, float, float]:
+        """Position, velocity, acceleration at one time, without the cost of arrays.
+
+        Args:
+            t: [s].
+        """
+        index = max(bisect_right(self._start_list, t) - 1, 0)
+        if self.kinds[index] <= 0 or not self._start_list[0] <= t <= self.end:
+            q, qd, qdd = self(np.array([t]))[:, 0]
+            return float(q), float(qd), float(qdd)
+        length = float(self.durations[index])
+        u = (t - self._start_list[index]) / length
+        q = qd = qdd = 0.0
+        for coefficient in self._powers[index]:
+            qdd = qdd * u + 2 * qd
+            qd = qd * u + q
+            q = q * u + coefficient
+        return q, qd / length, qdd / length**2
 
     def __call__(self, t: Array) -> Array:
         """Position, velocity, acceleration, (3, points)."""
@@ -140,11 +172,11 @@ def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
     """A harmonic piece; symmetric about its middle, so that nothing is rounded at its ends."""
     q0, way, near = numbers[:, 0], numbers[:, 1] - numbers[:, 0], np.minimum(u, 1 - u)
     if order == 1:
-        return way / 2 * np.pi / length * np.sin(np.pi * near)
+        return np.asarray(way / 2 * np.pi / length * np.sin(np.pi * near))
     wave = np.where(u <= 0.5, np.cos(np.pi * near), -np.cos(np.pi * near))
     if order == 2:
-        return way / 2 * (np.pi / length) ** 2 * wave
-    return np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2)
+        return np.asarray(way / 2 * (np.pi / length) ** 2 * wave)
+    return np.asarray(np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2))
 
 
 def trajectory_of(plan: Plan, configurations: Mapping[str, Sequence[Expr]]) -> Trajectory:
@@ -206,7 +238,7 @@ def _run(
     times = [start]
     for length in lengths:
         times.append(times[-1] + length)
-    joints = []
+    joints: list[list[tuple[AnyPiece, ...]]] = []
     for positions in zip(*corners, strict=True):
         profile = run[0].profile
         if profile is Profile.SPLINE:
