@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from sympy import QQ, Expr, Float, Poly, Rational, Symbol, pi, radsimp, roots, simplify
 
+from derive.motion.hermite import Piece, sampled
 from derive.motion.profile import AnyPiece, Cosine, Curve
 
 _U = Symbol("u", real=True)
@@ -42,12 +43,27 @@ def peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
         The peak; zero at the start where nothing moves.
     """
     found: Peak | None = None
+    if any(isinstance(piece, Piece) and any(value.is_Float for value in piece.values[0]) for piece in pieces):
+        return _sampled(pieces, order)
     for piece in pieces:
         for candidate in _candidates(piece, order):
             if found is None or abs(float(candidate.value)) > abs(float(found.value)) * (1 + 1e-12):
                 found = candidate
     assert found is not None, "a motion has pieces"
     return Peak(_neat(found.value), _neat(found.time), found.is_exact) if found.is_exact else found
+
+
+def _sampled(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
+    """The largest value at the ends and in the middle of pieces that were computed in floats."""
+    best = (0.0, float(pieces[0].start))
+    for piece in pieces:
+        if isinstance(piece, Piece):
+            numbers = np.array([[float(value) for end in piece.values for value in end]])
+            for u in (0.0, 0.25, 0.5, 0.75, 1.0):
+                length = np.array([float(piece.duration)])
+                value = float(sampled(numbers, piece.k, np.array([u]), length, order)[0])
+                best = max(best, (value, float(piece.start) + u * length[0]), key=lambda pair: abs(pair[0]))
+    return Peak(Float(best[0]), Float(best[1]), False)
 
 
 def _neat(value: Expr) -> Expr:

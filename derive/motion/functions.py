@@ -29,12 +29,19 @@ class Functions:
         names: Which functions.
         values: Numbers of symbols that are arguments.
         compiled: Whether it is worth a compiler's second.
+        inverse: Whether inverse kinematics is wanted, too.
     """
 
     def __init__(
-        self, robot: Robot, names: frozenset[str], values: Mapping[str, float], *, compiled: bool = False
+        self,
+        robot: Robot,
+        names: frozenset[str],
+        values: Mapping[str, float],
+        *,
+        compiled: bool = False,
+        inverse: bool = False,
     ) -> None:
-        program = build_program(robot, Effort.QUICK, names=names)
+        program = build_program(robot, Effort.QUICK, names=names, inverse=inverse)
         self._folder = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
         self._module = _imported(Source(robot, program, __version__), Path(self._folder.name), compiled=compiled)
         self._parameters = program.parameters
@@ -71,6 +78,19 @@ class Functions:
         """
         value: Array = getattr(self._module, name)(*arguments, **self._options)
         return value
+
+    def nearest(self, pose: Array, q: Array) -> Array:
+        """The solution of a pose nearest to a configuration.
+
+        Args:
+            pose: (4, 4).
+            q: (n,).
+
+        Returns:
+            (n,); not numbers where there is none.
+        """
+        found: Array = self._module.inverse_kinematics_nearest(pose, q, **self._options)
+        return found
 
 
 def _imported(source: Source, folder: Path, *, compiled: bool) -> Any:

@@ -15,6 +15,7 @@ from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.control import NEEDS, Controller
 from derive.motion.extremes import Peak
 from derive.motion.functions import Functions
+from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array
 from derive.motion.plan import TIME as TIME_NAME
 from derive.motion.plan import Payload, Plan, load_plan, plan_from_bytes
@@ -117,7 +118,7 @@ class Motion:
             plain = Symbol(TIME_NAME)
             formulas = [formula.subs(plain, TIME) for formula in self._exact(tuple(self.plan.curves.values()))]
             return curves_of(formulas, *self._exact((self.plan.duration,)))
-        return trajectory_of(self.plan, {name: self._exact(point.q or ()) for name, point in self.plan.points.items()})
+        return trajectory_of(self.plan, Hand(self.plan, self._values, self._exact))
 
     @property
     def duration(self) -> float:

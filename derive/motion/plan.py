@@ -100,6 +100,11 @@ class Step:
     payload: Payload | None
     location: Location
 
+    @property
+    def in_space(self) -> bool:
+        """Whether the end effector moves on a line or an arc."""
+        return self.straight or bool(self.through)
+
 
 @dataclass(frozen=True, slots=True)
 class Control:

@@ -142,11 +142,11 @@ def simulate_smooth(
                 atol=TOLERANCE,
                 events=_growth(n),
             )
-        got = found.y.T[: inside.size]
+        got = np.array(found.y).T.reshape(-1, state.size)
         rows += [_Row(t, y, _torque(t, y[:n], y[n : 2 * n])) for t, y in zip(inside, got, strict=False)]
-        if found.t.size < wanted.size:
+        if len(got) < wanted.size:
             return _run(plant, rows, reached=False)
-        state = found.y[:, -1]
+        state = got[-1]
     return _run(plant, rows, reached=True)
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from sympy import Expr, Integer, sqrt
@@ -31,6 +32,14 @@ from derive.motion.profile import (
     via_velocities,
 )
 
+Joints = tuple[tuple[AnyPiece, ...], ...]
+"""The pieces of each joint."""
+
+Corner = tuple[Expr, ...]
+"""Joint variables at a point."""
+
+ONE = Integer(1)
+
 
 @dataclass(frozen=True, slots=True)
 class Segment:
@@ -46,7 +55,7 @@ class Segment:
     name: str
     start: Expr
     duration: Expr
-    joints: tuple[tuple[AnyPiece, ...], ...]
+    joints: Joints
 
     def peaks(self, order: int) -> tuple[Peak, ...]:
         """The largest velocity or acceleration of each joint.
@@ -179,27 +188,60 @@ def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
     return np.asarray(np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2))
 
 
-def trajectory_of(plan: Plan, configurations: Mapping[str, Sequence[Expr]]) -> Trajectory:
+class Arm(Protocol):
+    """Who knows where the points of a plan are."""
+
+    def configuration(self, name: str, before: Corner | None) -> Corner:
+        """Joint variables at a point.
+
+        Args:
+            name: Of the point.
+            before: Where the arm comes from; None at the start.
+        """
+
+    def follow(self, step: Step, before: Corner, start: Expr, unit: Trajectory) -> Joints:
+        """The pieces of each joint while the end effector moves on a line or an arc.
+
+        Args:
+            step: The segment.
+            before: Joint variables at its start.
+            start: When it begins [s].
+            unit: The fraction of the way, from 0 to 1, as a function of the time since then.
+        """
+
+
+def trajectory_of(plan: Plan, arm: Arm) -> Trajectory:
     """The segments of a plan with a path.
 
     Args:
         plan: The plan.
-        configurations: Joint variables at each point, by name.
+        arm: Who knows where its points are.
 
     Returns:
         The trajectory, exact where the points and times are.
 
     Raises:
-        RobotFileError: A segment without a time where nothing else gives one, or a trapezoid that no speed allows.
+        RobotFileError: A segment without a time where nothing else gives one, a trapezoid that no speed allows, or a
+            pose that is not reached.
     """
     segments: list[Segment] = []
-    here, start = plan.start, ZERO
+    name, start = plan.start, ZERO
+    here = arm.configuration(name, None)
     for run in _runs(plan.steps):
-        names = [here, *(step.to for step in run)]
-        corners = [tuple(configurations[name]) for name in names]
-        lengths = [_duration(plan, step, *ends) for step, ends in zip(run, pairwise(corners), strict=True)]
-        segments += _run(run, names, corners, start, lengths)
-        here, start = names[-1], start + sum(lengths, ZERO)
+        names, corners = [name, *(step.to for step in run)], [here]
+        if run[0].in_space:
+            length = _duration(plan, run[0], here, here)
+            unit = Trajectory((Segment("", ZERO, length, (_single(run[0], ZERO, length, ZERO, ONE),)),))
+            joints = arm.follow(run[0], here, start, unit)
+            segments.append(Segment(f"{name} -> {names[-1]}", start, length, joints))
+            here = tuple(pieces[-1].values[1][0] for pieces in joints if isinstance(pieces[-1], Piece))
+        else:
+            for step in run:
+                corners.append(arm.configuration(step.to, corners[-1]))
+            lengths = [_duration(plan, step, *ends) for step, ends in zip(run, pairwise(corners), strict=True)]
+            segments += _run(run, names, corners, start, lengths)
+            here = corners[-1]
+        name, start = names[-1], segments[-1].start + segments[-1].duration
     return Trajectory(tuple(segments))
 
 
@@ -224,7 +266,8 @@ def _runs(steps: Sequence[Step]) -> list[list[Step]]:
     """Steps up to the next stop, or to the next profile."""
     runs: list[list[Step]] = []
     for step in steps:
-        if runs and not runs[-1][-1].stops and runs[-1][-1].profile is step.profile:
+        before = runs[-1][-1] if runs else step
+        if runs and not before.stops and before.profile is step.profile and not (before.in_space or step.in_space):
             runs[-1].append(step)
         else:
             runs.append([step])

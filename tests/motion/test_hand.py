@@ -1,0 +1,97 @@
+"""The end effector on lines and arcs, and poses as points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from derive.errors import RobotFileError
+from derive.motion.motion import Motion
+from derive.robot.robot import Robot
+from derive.verification.oracle.functions import Oracle
+
+LINES = """\
+robot: puma560-corke
+points:
+  a: [17, 30, -11, 23, 34, 6]
+  b: {pose: {p: [0.4, -0.3, 0.3], rpy: [6, 115, 17]}}
+  c: {pose: {p: [0.5, -0.1, 0.2], rpy: [6, 126, 17]}}
+  d: {pose: {p: [0.45, -0.2, 0.3], rpy: [0, 115, 0]}}
+path: [a, {to: b, time: 1}, {to: c, time: 2, line: yes}, {to: b, time: 1, through: d}]
+"""
+
+
+@pytest.fixture(scope="module")
+def lines() -> Motion:
+    return Motion.from_text(LINES)
+
+
+def poses(motion: Motion, times: np.ndarray) -> np.ndarray:
+    oracle = Oracle.of(Robot.load("puma560-corke"))
+    return np.array([oracle.evaluate("forward_kinematics", q) for q in motion(times)[0]])
+
+
+def test_a_pose_is_where_the_end_effector_is(lines: Motion) -> None:
+    cx, sx, cy, sy, cz, sz = (f(angle) for angle in np.deg2rad([6, 115, 17]) for f in (np.cos, np.sin))
+    roll = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    pitch = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    yaw = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    found = poses(lines, np.array([1.0, 4.0]))
+    for there in found:
+        assert there[:3, :3] == pytest.approx(yaw @ pitch @ roll, abs=1e-10)
+        assert there[:3, 3] == pytest.approx([0.4, -0.3, 0.3], abs=1e-10)
+
+
+def test_the_end_effector_stays_on_the_line_with_the_profile_along_it(lines: Motion) -> None:
+    times = np.linspace(1, 3, 401)
+    found, u = poses(lines, times), np.linspace(0, 1, 401)
+    fraction = 10 * u**3 - 15 * u**4 + 6 * u**5
+    start, way = np.array([0.4, -0.3, 0.3]), np.array([0.1, 0.2, -0.1])
+    assert found[:, :3, 3] == pytest.approx(start + fraction[:, None] * way, abs=1e-8)
+
+
+def test_the_end_effector_stays_on_the_circle(lines: Motion) -> None:
+    places = poses(lines, np.linspace(3, 4, 201))[:, :3, 3]
+    a, middle, b = np.array([0.5, -0.1, 0.2]), np.array([0.45, -0.2, 0.3]), np.array([0.4, -0.3, 0.3])
+    normal = np.cross(middle - a, b - a)
+    assert np.abs((places - a) @ normal).max() < 1e-9
+    bisectors = np.array([middle - a, b - a, normal])
+    centre = np.linalg.solve(bisectors, [(middle - a) @ (middle + a) / 2, (b - a) @ (b + a) / 2, normal @ a])
+    radii = np.linalg.norm(places - centre, axis=1)
+    assert radii == pytest.approx(np.full(201, radii[0]), abs=1e-8)
+
+
+def test_velocities_are_derivatives_of_positions_on_a_line(lines: Motion) -> None:
+    t, h = np.linspace(1.1, 2.9, 50), 1e-5
+    before, _, after = (lines(t + d)[0] for d in (-h, 0, h))
+    assert (after - before) / (2 * h) == pytest.approx(lines(t)[1], abs=1e-7)
+
+
+def test_a_pose_out_of_reach_is_refused_at_its_place() -> None:
+    text = LINES.replace("[0.5, -0.1, 0.2]", "[5, -0.1, 0.2]")
+    with pytest.raises(RobotFileError, match=r"<text>:5:\d+: the arm does not reach c"):
+        _ = Motion.from_text(text.replace("line: yes", "via: stop")).trajectory
+
+
+def test_a_line_that_leaves_the_workspace_is_refused() -> None:
+    text = LINES.replace("[0.5, -0.1, 0.2]", "[5, -0.1, 0.2]")
+    with pytest.raises(RobotFileError, match=r"does not reach the way|singular"):
+        _ = Motion.from_text(text).trajectory
+
+
+def test_a_line_from_a_singular_configuration_is_refused() -> None:
+    text = "robot: puma560-corke\npoints: {a: [0, 30, 10, 5, 0, 5], b: [5, 30, 10, 5, 5, 5]}\n"
+    with pytest.raises(RobotFileError, match="singular configuration 0 s after"):
+        _ = Motion.from_text(text + "path: [a, {to: b, time: 1, line: yes}]\n").trajectory
+
+
+def test_a_planar_arm_goes_straight_in_its_task() -> None:
+    robot = "{name: arm, convention: standard, inverse: {task: [x, y]}, joints: [JOINT, JOINT]}"
+    robot = robot.replace("JOINT", "{type: revolute, a: 1}")
+    text = f"robot: {robot}\npoints: {{a: [0.2, 1.2], b: [0.9, 0.8]}}\npath: [a, {{to: b, time: 1, line: yes}}]\n"
+    motion = Motion.from_text(text)
+    q = motion(np.linspace(0, 1, 101))[0]
+    place = np.stack([np.cos(q[:, 0]) + np.cos(q.sum(1)), np.sin(q[:, 0]) + np.sin(q.sum(1))], axis=1)
+    way = place[-1] - place[0]
+    off = (place - place[0]) @ np.array([-way[1], way[0]])
+    assert np.abs(off).max() < 1e-9

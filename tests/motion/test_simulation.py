@@ -1,0 +1,102 @@
+"""Simulations: energy, friction that sticks, and laws that follow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from derive.motion.motion import Motion
+from tests.motion.plans import PICK_AND_PLACE
+
+PENDULUM = """\
+robot: {name: pendulum, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}],
+  links: [{mass: 1, friction: FRICTION}]}
+points: {a: [START], b: [START]}
+path: [a, {to: b, time: 2}]
+"""
+
+
+def pendulum(start: str, friction: str = "{}", extra: str = "") -> Motion:
+    return Motion.from_text(PENDULUM.replace("START", start).replace("FRICTION", friction) + extra)
+
+
+def test_without_friction_energy_is_kept_and_the_pendulum_swings_as_it_must() -> None:
+    run = pendulum("-pi/2 + 0.1", extra="friction: none\n").simulate()
+    assert run.reached
+    assert run.energy_error < 1e-8
+    assert np.ptp(run.energy) < 1e-8
+    # period of a pendulum of amplitude 0.1: 2 pi sqrt(l/g) (1 + a^2/16 + 11 a^4/3072)
+    period = 2 * np.pi / np.sqrt(9.81) * (1 + 0.01 / 16 + 11e-4 / 3072)
+    angle = np.interp(period, run.t, run.q[:, 0])
+    assert angle == pytest.approx(-np.pi / 2 + 0.1, abs=1e-4)
+
+
+def test_losses_to_viscous_friction_are_in_the_ledger() -> None:
+    run = pendulum("0", "{viscous: 0.7}").simulate()
+    assert run.lost[-1] > 1
+    assert run.energy_error < 1e-7
+
+
+@pytest.mark.parametrize(("start", "sticks"), [("-pi/2 + 0.19", True), ("-pi/2 + 0.22", False)])
+def test_a_joint_below_breakaway_does_not_creep(start: str, sticks: bool) -> None:
+    """The torque of gravity is 9.81 sin(angle): 1.85 and 2.14 N m against 2 N m of friction."""
+    run = pendulum(start, "{coulomb: 2}", "friction: exact\n").simulate()
+    assert bool(np.abs(run.qd).max() <= 1e-12) is sticks
+    assert (run.q[-1] == run.q[0]).all() == sticks
+
+
+def test_a_sliding_joint_comes_to_rest_and_stays() -> None:
+    run = pendulum("-pi/2 + 0.6", "{coulomb: 2}", "friction: exact\n").simulate()
+    assert np.abs(run.qd).max() > 0.5
+    assert run.qd[-1] == 0
+    smooth = pendulum("-pi/2 + 0.6", "{coulomb: 2}").simulate()
+    assert run.q[100] == pytest.approx(smooth.q[100], abs=5e-3)
+
+
+def test_computed_torque_follows_from_a_perfect_start() -> None:
+    motion = Motion.from_text(PICK_AND_PLACE.replace("time: 3", "time: 1"))
+    run = motion.simulate()
+    assert np.abs(run.q - motion(run.t)[0]).max() < 1e-8
+    assert run.energy_error < 1e-6
+
+
+def test_pd_with_gravity_settles_where_it_should() -> None:
+    """At rest e = 0 with gravity compensated, and e = -g(q)/kp without."""
+    text = "points: {a: [0], b: [0]}\npath: [a, {to: b, time: 8}]\ncontrol: {law: LAW, kp: 400, kd: 40}\n"
+    head = PENDULUM.replace("START", "0").replace("FRICTION", "{}").split("points:")[0]
+    with_gravity = Motion.from_text(head + text.replace("LAW", "pd-gravity")).simulate()
+    assert np.abs(with_gravity.q).max() < 1e-9
+    without = Motion.from_text(head + text.replace("LAW", "pd")).simulate()
+    angle = without.q[-1, 0]
+    assert angle == pytest.approx(-9.81 * np.cos(angle) / 400, rel=1e-6)
+
+
+def test_a_sampled_controller_is_worse_than_a_continuous_one_and_better_when_it_is_faster() -> None:
+    head = PENDULUM.replace("START", "0").replace("FRICTION", "{}").split("points:")[0]
+    text = head + "points: {a: [0], b: [1]}\npath: [a, {to: b, time: 1}]\n"
+    law = "control: {law: computed-torque, kp: 100, kd: 20, period: PERIOD}\n"
+    errors = []
+    for period in ("0.02", "0.005"):
+        motion = Motion.from_text(text + law.replace("PERIOD", period))
+        run = motion.simulate()
+        errors.append(np.abs(run.q - motion(run.t)[0]).max())
+    assert 1e-8 < errors[1] < errors[0] / 2
+
+
+def test_a_plant_that_the_controller_does_not_know_is_not_followed_exactly() -> None:
+    head = PENDULUM.replace("START", "0").replace("mass: 1", "mass: m1").replace("FRICTION", "{}").split("points:")[0]
+    head = head.replace("links:", "parameters: {m1: 1}, links:")
+    text = head + "points: {a: [0], b: [1]}\npath: [a, {to: b, time: 1}]\nplant: {m1: 1.2}\n"
+    motion = Motion.from_text(text + "control: {law: computed-torque, kp: 100, kd: 20}\n")
+    run = motion.simulate()
+    assert 1e-3 < np.abs(run.q - motion(run.t)[0]).max() < 0.1
+    assert run.energy_error < 1e-7
+
+
+def test_a_simulation_that_diverges_keeps_what_it_has() -> None:
+    head = PENDULUM.replace("START", "0").replace("FRICTION", "{viscous: 1}").split("points:")[0]
+    text = head + "points: {a: [0], b: [1]}\npath: [a, {to: b, time: 5}]\n"
+    run = Motion.from_text(text + "control: {law: pd, kp: 1, kd: 1000, period: 0.1}\n").simulate()
+    assert not run.reached
+    assert 1 <= run.t.size < 501
+    assert np.isfinite(run.q).all()
