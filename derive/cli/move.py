@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from derive.cli.terminal import print_columns
+from derive.cli.terminal import DONE, FAILED, print_columns
 
 SUMMARY = "a motion from via points: speeds, torques, work, samples"
 DESCRIPTION = """\
@@ -35,11 +35,14 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
     """
     from derive.motion.motion import Motion
-    from derive.motion.table import HEADER, samples, table
+    from derive.motion.table import HEADER, samples, table, violations
 
     motion = Motion.load(arguments.plan)
     rows = table(motion)
     print_columns(rows, HEADER[: len(rows[0])])
+    exceeded = violations(motion)
+    for line in exceeded:
+        print(line)
     if arguments.simulate:
         run = motion.simulate()
         error = motion(run.t)[0] - run.q
@@ -50,4 +53,4 @@ def run(arguments: argparse.Namespace) -> int:
         lines = [",".join(names), *(",".join(map(repr, map(float, row))) for row in values)]
         arguments.csv.write_text("\n".join(lines) + "\n", encoding="utf-8")
         print(f"{arguments.csv}: {len(values)} rows")
-    return 0
+    return FAILED if exceeded else DONE

@@ -29,6 +29,10 @@ SIMPSON = 2
 """Torques are looked at between two samples, too: work is integrated by Simpson's rule."""
 
 
+ROUNDING = 1e-9
+"""What exceeds a limit by less, relative to it, does not exceed it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Load:
     """What a joint does in a segment.
@@ -68,6 +72,30 @@ class SegmentPeaks:
     def work(self) -> float:
         """Of all joints [J]."""
         return float(sum(load.work for load in self.loads))
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A limit of the robot that a motion exceeds.
+
+    Attributes:
+        joint: Index of the joint.
+        what: ``position``, ``speed`` or ``torque``.
+        time: When it is exceeded most, at the samples [s].
+        value: What it is then [rad or m, per s, N m or N].
+        limit: What is allowed.
+    """
+
+    joint: int
+    what: str
+    time: float
+    value: float
+    limit: float
+
+    @property
+    def excess(self) -> float:
+        """By how much [of the same unit]."""
+        return abs(self.value - self.limit)
 
 
 @dataclass(frozen=True)
@@ -177,6 +205,31 @@ class Motion:
             SegmentPeaks(segment, segment.peaks(1), segment.peaks(2), self._loads(segment))
             for segment in self.trajectory.segments
         )
+
+    @cached_property
+    def violations(self) -> tuple[Violation, ...]:
+        """Limits of the robot file that the motion exceeds, joint by joint, where it does so most."""
+        robot, times = self.plan.robot, self.times
+        q, qd, _ = self.trajectory(times)
+        wanted = [(joint.limits, joint.speed, joint.torque) for joint in robot.joints]
+        tau = self.torques(times) if robot.has_dynamics and any(torque for _, _, torque in wanted) else None
+        found = []
+        for j, (limits, speed, torque) in enumerate(wanted):
+            bounds = [("position", q, tuple(self._number(limit) for limit in limits))] if limits else []
+            bounds += [("speed", qd, (-self._number(speed), self._number(speed)))] if speed else []
+            bounds += (
+                [("torque", tau, (-self._number(torque), self._number(torque)))] if torque and tau is not None else []
+            )
+            for what, values, (low, high) in bounds:
+                excess = np.maximum(values[:, j] - high, low - values[:, j])
+                at = int(excess.argmax())
+                if excess[at] > ROUNDING * max(abs(low), abs(high)):
+                    value = float(values[at, j])
+                    found.append(Violation(j, what, float(times[at]), value, high if value > high else low))
+        return tuple(found)
+
+    def _number(self, value: Expression) -> float:
+        return evaluate(value, self._values)
 
     def simulate(self) -> Run:
         """The arm under the plan's control law, from the start of the motion, at the times of the samples.

@@ -59,6 +59,25 @@ def _number(value: object) -> str:
     return text if text == decimals else f"{text} = {decimals}" if exact else decimals
 
 
+def violations(motion: Motion) -> list[str]:
+    """What a motion asks beyond the limits of its robot, a line each.
+
+    Args:
+        motion: The motion.
+
+    Returns:
+        Joint, time, value, limit and excess.
+    """
+    lines = []
+    for found in motion.violations:
+        joint = motion.plan.robot.joints[found.joint]
+        length, force = ("rad", "N m") if joint.is_revolute else ("m", "N")
+        unit = {"position": length, "speed": f"{length}/s", "torque": force}[found.what]
+        said = f"{found.what} {found.value:.6g} {unit} at {found.time:.6g} s"
+        lines.append(f"{joint.variable}: {said} exceeds the limit {found.limit:.6g} by {found.excess:.3g} {unit}")
+    return lines
+
+
 def samples(motion: Motion) -> tuple[tuple[str, ...], np.ndarray]:
     """The motion row by row.
 

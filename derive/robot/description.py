@@ -73,6 +73,8 @@ class Joint:
         a: Link length [m].
         alpha: Link twist [rad].
         limits: Lower and upper limit of the variable [rad or m], or None.
+        speed: Largest speed of the variable, either way [rad/s or m/s], or None.
+        torque: Largest torque or force, either way [N m or N], or None.
     """
 
     type: JointType
@@ -83,6 +85,8 @@ class Joint:
     a: Expression
     alpha: Expression
     limits: tuple[Expression, Expression] | None = None
+    speed: Expression | None = None
+    torque: Expression | None = None
 
     @property
     def is_revolute(self) -> bool:

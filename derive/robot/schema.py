@@ -80,6 +80,8 @@ class JointRow(Strict):
     a: Cell = Field(default="0", description="Link length; in the modified convention a_{i-1}.")
     alpha: Cell = Field(default="0", description="Link twist; in the modified convention alpha_{i-1}.")
     limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
+    speed: Cell | None = Field(default=None, description="Largest speed of the variable, either way.")
+    torque: Cell | None = Field(default=None, description="Largest torque [N m] or force [N] of the joint, either way.")
 
 
 class MotorRow(Strict):
@@ -284,6 +286,7 @@ _MISSING = {
 }
 """What to write for a key that is missing."""
 
+
 def check_structure(document: Document, model: type[Strict] = RobotFile) -> None:
     """Refuse unknown keys, missing keys and wrong shapes.
 
@@ -378,7 +381,11 @@ def _expected(model: type[Strict], path: KeyPath, kind: str) -> str:
         return "allowed: one number, name or expression"
     if kind in ("list_type", "tuple_type"):
         return "allowed: a list"
-    return f"allowed: a mapping with the keys {listed(_fields(model, path))}" if _fields(model, path) else "allowed: a mapping"
+    return (
+        f"allowed: a mapping with the keys {listed(_fields(model, path))}"
+        if _fields(model, path)
+        else "allowed: a mapping"
+    )
 
 
 def _fields(model: type[Strict], path: KeyPath) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
 from derive.errors import RobotFileError, quoted
@@ -93,6 +93,8 @@ class _Row:
             a=length_in_metres(raw["a"], self._cells.units),
             alpha=self._cells.to_radians((*self._path, "alpha"), raw["alpha"]),
             limits=self._limits(),
+            speed=self._bound("speed", self._cells.angle if self._type is JointType.REVOLUTE else self._cells.length),
+            torque=self._bound("torque", self._cells.plain),
         )
 
     def _refuse_variables(self, key: str, expression: Expression) -> None:
@@ -167,6 +169,20 @@ class _Row:
                 found = f"joint variable '{name}' in limits"
                 raise self._document.error(path, found, "allowed: numbers and parameters")
         return lower, upper
+
+    def _bound(self, key: str, read: Callable[[KeyPath], Expression]) -> Expression | None:
+        """The largest magnitude of something, a positive number."""
+        path, allowed = (*self._path, key), "allowed: a number above zero"
+        if self._document.find(path) is None:
+            return None
+        value = self._cells.constant(path, read(path), f"the largest {key}", allowed)
+        try:
+            positive = evaluate(value, {}) > 0
+        except ArithmeticError as error:
+            raise self._document.error(path, str(error), allowed) from None
+        if not positive:
+            raise self._document.error(path, f"found {quoted(self._document.text(*path))}", allowed)
+        return value
 
 
 def read_frame(document: Document, cells: Cells, key: str) -> Matrix:
