@@ -211,21 +211,20 @@ class Motion:
         """Limits of the robot file that the motion exceeds, joint by joint, where it does so most."""
         robot, times = self.plan.robot, self.times
         q, qd, _ = self.trajectory(times)
-        wanted = [(joint.limits, joint.speed, joint.torque) for joint in robot.joints]
-        tau = self.torques(times) if robot.has_dynamics and any(torque for _, _, torque in wanted) else None
+        torques = robot.has_dynamics and any(joint.torque for joint in robot.joints)
+        tau = self.torques(times) if torques else np.zeros_like(q)
         found = []
-        for j, (limits, speed, torque) in enumerate(wanted):
-            bounds = [("position", q, tuple(self._number(limit) for limit in limits))] if limits else []
-            bounds += [("speed", qd, (-self._number(speed), self._number(speed)))] if speed else []
-            bounds += (
-                [("torque", tau, (-self._number(torque), self._number(torque)))] if torque and tau is not None else []
-            )
-            for what, values, (low, high) in bounds:
-                excess = np.maximum(values[:, j] - high, low - values[:, j])
+        for j, joint in enumerate(robot.joints):
+            speed, torque = (self._number(most) if most else np.inf for most in (joint.speed, joint.torque))
+            low, high = (self._number(limit) for limit in joint.limits) if joint.limits else (-np.inf, np.inf)
+            bounds = {"position": (q, low, high), "speed": (qd, -speed, speed), "torque": (tau, -torque, torque)}
+            for what, (values, least, most) in bounds.items():
+                excess = np.maximum(values[:, j] - most, least - values[:, j])
                 at = int(excess.argmax())
-                if excess[at] > ROUNDING * max(abs(low), abs(high)):
-                    value = float(values[at, j])
-                    found.append(Violation(j, what, float(times[at]), value, high if value > high else low))
+                value = float(values[at, j])
+                limit = most if value > most else least
+                if excess[at] > ROUNDING * abs(limit):
+                    found.append(Violation(j, what, float(times[at]), value, limit))
         return tuple(found)
 
     def _number(self, value: Expression) -> float:
