@@ -1,0 +1,62 @@
+"""The table of a motion, and what exceeds limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from derive.motion.motion import Motion
+from derive.motion.table import samples, table, violations
+from tests.motion.plans import PICK_AND_PLACE
+
+LIMITED = """\
+robot: {name: arm, convention: standard, gravity: [0, -9.81, 0], links: [{mass: 1}],
+  joints: [{type: revolute, a: 1, limits: [-1, 1], speed: SPEED, torque: TORQUE}]}
+points: {a: [-1], b: [1]}
+path: [a, {to: b, time: 1}, {to: a, time: 3}]
+"""
+
+
+def test_each_segment_has_a_row_with_the_joint_that_has_most_to_do() -> None:
+    rows = table(Motion.from_text(PICK_AND_PLACE))
+    assert rows[0] == (
+        "rest -> A",
+        "3 s",
+        "q1 5*pi/16 = 0.9817 rad/s",
+        "q1 5*sqrt(3)*pi/27 = 1.008 rad/s^2",
+        "tau1 376.8 N m at 0.62 s",
+        "17.98 J",
+    )
+    assert rows[1][2] == "q3 5/4 = 1.25 m/s"
+
+
+def test_nothing_that_moves_is_said_so() -> None:
+    text = PICK_AND_PLACE.replace("path: [rest, {to: A, time: 3}", "path: [rest, {to: rest, time: 1}")
+    assert table(Motion.from_text(text))[0][2:4] == ("none", "none")
+
+
+def test_what_exceeds_a_limit_is_told_with_time_and_amount() -> None:
+    lines = violations(Motion.from_text(LIMITED.replace("SPEED", "2").replace("TORQUE", "100")))
+    assert lines == ["q1: speed 3.75 rad/s at 0.5 s exceeds the limit 2 by 1.75 rad/s"]
+
+
+def test_what_keeps_to_its_limits_is_not_told() -> None:
+    assert violations(Motion.from_text(LIMITED.replace("SPEED", "3.75").replace("TORQUE", "100"))) == []
+
+
+def test_a_torque_beyond_its_limit_is_found_where_it_is_largest() -> None:
+    motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "5"))
+    (found,) = motion.violations
+    tau = motion.torques(motion.times)[:, 0]
+    assert (found.what, found.limit) == ("torque", 5)
+    assert found.value == pytest.approx(tau[np.abs(tau).argmax()])
+
+
+def test_samples_have_a_column_for_each_quantity() -> None:
+    motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "50"))
+    names, rows = samples(motion)
+    assert names == ("t", "q1", "qd1", "qdd1", "tau1")
+    assert rows.shape == (401, 5)
+    t, q, qd, qdd, tau = rows[37]
+    assert tau == pytest.approx(qdd + 9.81 * np.cos(q), rel=1e-12)
+    assert (q, qd) == pytest.approx(tuple(value[0] for value in motion(t)[:2]), rel=1e-12)
