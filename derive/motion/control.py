@@ -59,7 +59,7 @@ class Controller:
             tau, (n,) [N m or N].
         """
         if self.law == "none":
-            return np.zeros_like(q)
+            return np.zeros(q.size)
         wanted, velocity, acceleration = self.reference(t)
         tau: Array = self.kp * (wanted - q) + self.kd * (velocity - qd)
         if self.functions is None:

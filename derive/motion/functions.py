@@ -1,9 +1,11 @@
-"""The generated functions of a robot as a motion needs them: compiled where there is a compiler, else in NumPy."""
+"""The generated functions of a robot as a motion needs them: compiled where that is worth it, else in NumPy."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
+from dataclasses import replace
+from functools import lru_cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,6 +14,7 @@ from typing import Any
 from derive.errors import TargetError
 from derive.motion.hermite import Array
 from derive.programs.build import build_program
+from derive.programs.program import Program
 from derive.programs.search_policy import Effort
 from derive.publish.render import compile_libraries
 from derive.robot.robot import Robot
@@ -19,6 +22,15 @@ from derive.targets import c, native, numpy
 from derive.targets.compiler import find_compiler
 from derive.targets.target import Source
 from derive.version import __version__
+
+COMPILING = 2.0
+"""What a compiler takes [s]."""
+
+SAVED = 2e-8
+"""What compiled code saves an operation of a single call [s]."""
+
+KEPT = 64
+"""How many robots' functions a process keeps."""
 
 
 class Functions:
@@ -28,7 +40,7 @@ class Functions:
         robot: The robot.
         names: Which functions.
         values: Numbers of symbols that are arguments.
-        compiled: Whether it is worth a compiler's second.
+        calls: How many times about one configuration is asked for; many are worth a compiler's seconds.
         inverse: Whether inverse kinematics is wanted, too.
     """
 
@@ -38,12 +50,14 @@ class Functions:
         names: frozenset[str],
         values: Mapping[str, float],
         *,
-        compiled: bool = False,
+        calls: float = 0,
         inverse: bool = False,
     ) -> None:
-        program = build_program(robot, Effort.QUICK, names=names, inverse=inverse)
-        self._folder = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
-        self._module = _imported(Source(robot, program, __version__), Path(self._folder.name), compiled=compiled)
+        bare = replace(robot, title="", digest="", source="", remarks=())
+        program = _program(bare, names, inverse=inverse)
+        operations = max(sum(counts.values()) for counts in program.operations.values())
+        compiled = calls * operations * SAVED > COMPILING
+        self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
         self._parameters = program.parameters
         self._options = self._numbers(values)
 
@@ -93,8 +107,16 @@ class Functions:
         return found
 
 
-def _imported(source: Source, folder: Path, *, compiled: bool) -> Any:
-    """The module of a target, written and imported."""
+@lru_cache(KEPT)
+def _program(robot: Robot, names: frozenset[str], *, inverse: bool) -> Program:
+    return build_program(robot, Effort.QUICK, names=names, inverse=inverse)
+
+
+@lru_cache(KEPT)
+def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: bool) -> tuple[Any, Any]:
+    """The module of a target, written and imported, and the folder that holds it as long as it is kept."""
+    temporary = TemporaryDirectory(prefix="derive-", ignore_cleanup_errors=True)
+    folder, source = Path(temporary.name), Source(robot, _program(robot, names, inverse=inverse), __version__)
     compiler = find_compiler() if compiled else None
     targets = [c.TARGET, native.TARGET] if compiler else [numpy.TARGET]
     for target in targets:
@@ -104,10 +126,10 @@ def _imported(source: Source, folder: Path, *, compiled: bool) -> Any:
         try:
             compile_libraries(folder, targets, compiler)
         except TargetError:  # a compiler that does not serve is none
-            return _imported(source, folder, compiled=False)
-    spec = spec_from_file_location(f"derive_motion_{id(folder)}", folder / targets[-1].files[0])
+            return _imported(robot, names, inverse=inverse, compiled=False)
+    spec = spec_from_file_location(f"derive_motion_{folder.name}", folder / targets[-1].files[0])
     assert spec is not None
     assert spec.loader is not None
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module
+    return module, temporary

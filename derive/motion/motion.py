@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -12,17 +12,18 @@ from sympy import Expr, Symbol
 
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.motion.control import NEEDS, Controller
+from derive.motion.bodies import Body
 from derive.motion.extremes import Peak
 from derive.motion.functions import Functions
 from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array
 from derive.motion.plan import TIME as TIME_NAME
-from derive.motion.plan import Payload, Plan, load_plan, plan_from_bytes
-from derive.motion.simulation import PLANT, Plant, Run, simulate_exact, simulate_smooth
+from derive.motion.plan import Plan, load_plan, plan_from_bytes
+from derive.motion.simulation import Run, simulate
+from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of, trajectory_of
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import ZERO, Expression
+from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
 
 SIMPSON = 2
@@ -192,7 +193,7 @@ class Motion:
         for i, step in enumerate(self.plan.steps):
             here = index == i
             if step.payload is not None and here.any():
-                body = self._payload_parameters(step.payload)
+                body = Body.payload(self.plan.robot, step.payload, self._values).columns(self.plan.robot.n)
                 columns = [k for k, name in enumerate(self._functions.standard_parameters) if name in body]
                 regressor = self._functions("regressor", q[here], qd[here], qdd[here])[..., columns]
                 tau[here] += regressor @ np.array([body[self._functions.standard_parameters[k]] for k in columns])
@@ -230,8 +231,12 @@ class Motion:
     def _number(self, value: Expression) -> float:
         return evaluate(value, self._values)
 
-    def simulate(self) -> Run:
+    def simulate(self, *, calls: float | None = None) -> Run:
         """The arm under the plan's control law, from the start of the motion, at the times of the samples.
+
+        Args:
+            calls: How often about the generated functions will be called in this process: beyond some hundred
+                thousand they are worth a compiler. None for an estimate of this one run.
 
         Returns:
             Times, positions, velocities, torques and energies.
@@ -239,24 +244,11 @@ class Motion:
         Raises:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
-        plan, control, robot = self.plan, self.plan.control, self.plan.robot
         self._check_dynamics()
-        links = tuple(replace(link, coulomb=ZERO) for link in robot.links)
-        numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
-        bare = replace(robot, links=links, parameters=numbers)
-        functions = Functions(bare, PLANT | NEEDS[control.law], self._values, compiled=True)
-        values = {**self._values, **{name: evaluate(value, self._values) for name, value in plan.plant.items()}}
-        viscous, coulomb = (
-            np.array([evaluate(getattr(link, kind), values) for link in robot.links]) for kind in ("viscous", "coulomb")
-        )
-        plant = Plant(functions.given(values), viscous, coulomb)
-        kp, kd = (np.array([evaluate(gain, self._values) for gain in row]) for row in (control.kp, control.kd))
-        law = Controller(control.law, kp, kd, self.trajectory, functions if NEEDS[control.law] else None)
-        start = self.trajectory(0.0)[:2]
-        period = None if control.period is None else evaluate(control.period, self._values)
-        if plan.friction == "exact":
-            return simulate_exact(plant, law, start, self.times, period)
-        return simulate_smooth(plant, law, start, self.times, period, friction=plan.friction == "smooth")
+        plan, trajectory = self.plan, self.trajectory
+        stages = stages_of(plan, trajectory, self._values, calls)
+        period = None if plan.control.period is None else evaluate(plan.control.period, self._values)
+        return simulate(stages, trajectory(0.0)[:2], self.times, period, sticks=plan.friction == "exact")
 
     def _loads(self, segment: Segment) -> tuple[Load, ...]:
         if not self.plan.robot.has_dynamics:
@@ -313,21 +305,3 @@ class Motion:
         if missing := [name for name in free_symbols(robot) if name not in self._values]:
             remedy = f"write values: {{{missing[0]}: ...}} in the plan"
             raise QuantityError(f"the symbol '{missing[0]}' of {robot.name} has no number", remedy=remedy)
-
-    def _payload_parameters(self, payload: Payload) -> dict[str, float]:
-        """The ten parameters of a payload as one body with the last link, by the names of the regressor's columns.
-
-        In the frame of the last link; the inertia is about its origin.
-        """
-        robot, n = self.plan.robot, self.plan.robot.n
-        tool = np.array([[evaluate(cell, self._values) for cell in row] for row in robot.tool])
-        mass = evaluate(payload.mass, self._values)
-        com = tool[:3, :3] @ [evaluate(cell, self._values) for cell in payload.com] + tool[:3, 3]
-        own = np.diag([evaluate(cell, self._values) for cell in payload.inertia])
-        inertia = tool[:3, :3] @ own @ tool[:3, :3].T + mass * (com @ com * np.eye(3) - np.outer(com, com))
-        parts = {"m": mass, "mx": mass * com[0], "my": mass * com[1], "mz": mass * com[2]}
-        for i, a in enumerate("xyz"):
-            for j, b in enumerate("xyz"):
-                if i <= j:
-                    parts[f"I{a}{b}"] = inertia[i, j]
-        return {f"{part}{n}": float(value) for part, value in parts.items()}

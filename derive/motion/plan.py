@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
+from derive.motion.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
 from derive.motion.plan_schema import PlanFile
 from derive.motion.profile import Profile
 from derive.robot.cells import Cells
@@ -142,6 +143,8 @@ class Plan:
         control: Who moves the arm in a simulation.
         friction: ``none``, ``smooth`` or ``exact``.
         plant: Numbers of symbols in the simulated arm that the controller does not know.
+        plant_payload: What the tool carries all the time and the controller does not know.
+        disturbances: What pushes joints in a simulation.
         source: Name of the file, for messages.
         digest: SHA-256 of its bytes.
     """
@@ -160,6 +163,8 @@ class Plan:
     control: Control
     friction: str
     plant: Mapping[str, Expression]
+    plant_payload: Payload | None
+    disturbances: tuple[Disturbance, ...]
     source: str
     digest: str
 
@@ -249,7 +254,9 @@ class _Reader:
             values=self._values,
             control=self._control(),
             friction=document.text("friction") or "smooth",
-            plant={name: self._number(("plant", name), self._cells.plain) for name in self._keys(("plant",))},
+            plant=plant_numbers(document, self._robot, self._plain),
+            plant_payload=self._payload(("plant", PAYLOAD)),
+            disturbances=disturbances(document, self._robot, self._plain),
             source=document.source,
             digest=document.digest,
         )
@@ -271,6 +278,9 @@ class _Reader:
         except ArithmeticError as error:
             raise self._document.error(path, str(error), "allowed: a finite real value") from None
         return value
+
+    def _plain(self, path: KeyPath) -> Expression:
+        return self._number(path, self._cells.plain)
 
     def _positive(self, path: KeyPath, default: Expression) -> Expression:
         """A time."""

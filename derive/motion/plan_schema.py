@@ -71,6 +71,15 @@ class Control(Strict):
     period: Cell | None = Field(default=None, description="Time between two samples of the controller [s].")
 
 
+class DisturbanceRow(Strict):
+    """What pushes a joint for a time, in a simulation."""
+
+    joint: str = Field(description="Joint variable.")
+    torque: Cell = Field(description="Torque or force [N m or N].")
+    start: Cell = Field(default="0", description="When it begins [s].")
+    end: Cell = Field(description="When it ends [s].")
+
+
 class PlanFile(Strict):
     """A motion: the robot, its points and the way between them."""
 
@@ -93,7 +102,8 @@ class PlanFile(Strict):
     curves: dict[str, Cell] = Field(default={}, description="Instead of a path: each joint variable as a formula of t.")
     time: Cell | None = Field(default=None, description="How long curves last [s].")
     control: Control | None = Field(default=None, description="Who moves the arm in a simulation.")
-    plant: dict[str, Cell] = Field(
-        default={}, description="Numbers of symbols in the simulated arm, where they differ."
+    plant: dict[str, Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)]] = (
+        Field(default={}, description="The simulated arm, where it differs: numbers of symbols, and payload: a body.")
     )
+    disturbance: list[DisturbanceRow] = Field(default=[], description="What pushes joints in a simulation.")
     friction: FrictionKind = Field(default="smooth", description="How Coulomb friction is simulated.")

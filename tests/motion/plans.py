@@ -17,3 +17,11 @@ control: {law: computed-torque, kp: 100, kd: 20}
 friction: smooth
 """
 """Document 004, simulation: five points, six places, 3 s each."""
+
+PUMA_FALLS = """\
+robot: puma560-corke
+points: {a: [0, 45, -90, 10, 20, 30]}
+path: [a, {to: a, time: TIME}]
+friction: none
+"""
+"""An arm without motors."""

@@ -1,0 +1,90 @@
+"""What the controller of a simulation does not know: other numbers of the arm, and what pushes its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from derive.errors import listed, near_miss, quoted
+from derive.robot.document import Document, KeyPath, YamlMapping
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import ZERO, Expression, to_text
+from derive.robot.names import robot_symbols
+from derive.robot.robot import Robot
+
+PAYLOAD = "payload"
+"""The key of a body among the numbers of the plant."""
+
+Read = Callable[[KeyPath], Expression]
+"""A cell whose symbols have numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """What pushes a joint for a time.
+
+    Attributes:
+        joint: Index of the joint.
+        torque: Torque or force [N m or N].
+        start: When it begins [s].
+        end: When it ends [s].
+    """
+
+    joint: int
+    torque: Expression
+    start: Expression
+    end: Expression
+
+
+def plant_numbers(document: Document, robot: Robot, read: Read) -> dict[str, Expression]:
+    """Numbers of symbols that differ in the simulated arm.
+
+    Args:
+        document: The plan.
+        robot: Its robot.
+        read: Reads a cell.
+
+    Returns:
+        Numbers by name.
+
+    Raises:
+        RobotFileError: The robot has no such symbol.
+    """
+    node, symbols, found = document.find(("plant",)), (*robot_symbols(robot), PAYLOAD), {}
+    for name in node.entries if isinstance(node, YamlMapping) else ():
+        if name not in symbols:
+            text, allowed = f"no symbol {quoted(name)} in {robot.name}", f"allowed: {listed(symbols)}"
+            raise document.error(("plant", name), text, allowed, near_miss(name, symbols))
+        if name != PAYLOAD:
+            found[name] = read(("plant", name))
+    return found
+
+
+def disturbances(document: Document, robot: Robot, read: Read) -> tuple[Disturbance, ...]:
+    """What pushes the joints.
+
+    Args:
+        document: The plan.
+        robot: Its robot.
+        read: Reads a cell.
+
+    Returns:
+        One for each row.
+
+    Raises:
+        RobotFileError: The robot has no such joint, or an end is not after its start.
+    """
+    variables, numbers, found = tuple(joint.variable for joint in robot.joints), parameter_values(robot), []
+    for k in range(document.length(("disturbance",))):
+        path: KeyPath = ("disturbance", k)
+        name = document.text(*path, "joint")
+        if name not in variables:
+            text, allowed = f"no joint {quoted(name)}", f"allowed: {listed(variables)}"
+            raise document.error((*path, "joint"), text, allowed, near_miss(name, variables))
+        start = read((*path, "start")) if document.scalar((*path, "start")) else ZERO
+        torque, end = read((*path, "torque")), read((*path, "end"))
+        if not 0 <= evaluate(start, numbers) < evaluate(end, numbers):
+            text = f"from {to_text(start)} to {to_text(end)} s"
+            raise document.error((*path, "end"), text, "allowed: an end after the start, neither below zero")
+        found.append(Disturbance(variables.index(name), torque, start, end))
+    return tuple(found)

@@ -1,0 +1,98 @@
+"""From a plan to what is simulated: who drives the arm, what it carries and what pushes it, stage by stage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from derive.motion.bodies import Body, OpenLink
+from derive.motion.control import NEEDS, Controller
+from derive.motion.functions import Functions
+from derive.motion.plan import Payload, Plan
+from derive.motion.simulation import Stage
+from derive.motion.stepping import PLANT, STEP, Plant
+from derive.motion.trajectory import Trajectory
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import ZERO
+
+RATES = {"none": 200.0, "smooth": 4000.0, "exact": 1 / STEP}
+"""Calls of a simulated second, about, by how friction is treated."""
+
+CALLS_PER_LOOK = 30.0
+"""Calls from one look of a sampled controller to the next, about."""
+
+
+def stages_of(plan: Plan, trajectory: Trajectory, values: Mapping[str, float], calls: float | None) -> list[Stage]:
+    """The stages of a simulation.
+
+    The controller knows the robot and what the path says that the tool carries; it knows nothing of disturbances and
+    of what stands under ``plant``.
+
+    Args:
+        plan: The plan, of a robot with dynamics.
+        trajectory: Its motion.
+        values: Numbers of all symbols.
+        calls: How often functions will be called; None for an estimate.
+
+    Returns:
+        One stage for each time between two changes of load or disturbance.
+    """
+    robot, control = plan.robot, plan.control
+    numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
+    bare = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), parameters=numbers)
+    loaded = plan.plant_payload or any(step.payload for step in plan.steps)
+    link = OpenLink.of(bare) if loaded else None
+    rate = max(RATES[plan.friction], CALLS_PER_LOOK / evaluate(control.period, values) if control.period else 0.0)
+    expected = rate * float(trajectory.duration) if calls is None else calls
+    needed = PLANT | NEEDS[control.law]
+    known = {**values, **(link.values(Body.last_link(bare, values)) if link else {})}
+    functions = Functions(link.robot if link else bare, needed, known, calls=expected)
+    true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
+    viscous, coulomb = (
+        np.array([evaluate(getattr(each, kind), true) for each in robot.links]) for kind in ("viscous", "coulomb")
+    )
+    if plan.friction == "none":
+        coulomb = np.zeros_like(coulomb)
+    kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
+
+    def _given(numbers: Mapping[str, float], payloads: Sequence[Payload | None]) -> Functions:
+        if link is None:
+            return functions.given(numbers)
+        body = Body.last_link(bare, numbers)
+        for payload in filter(None, payloads):
+            body += Body.payload(bare, payload, numbers)
+        return functions.given({**numbers, **link.values(body)})
+
+    stages = []
+    for start in _changes(plan, trajectory, values):
+        carried = _carried(plan, trajectory, start)
+        push = np.zeros(robot.n)
+        for each in plan.disturbances:
+            if evaluate(each.start, values) <= start < evaluate(each.end, values):
+                push[each.joint] += evaluate(each.torque, values)
+        plant = Plant(_given(true, (carried, plan.plant_payload)), viscous, coulomb, push)
+        model = _given(values, (carried,)) if NEEDS[control.law] else None
+        stages.append(Stage(start, plant, Controller(control.law, kp, kd, trajectory, model)))
+    return stages
+
+
+def _changes(plan: Plan, trajectory: Trajectory, values: Mapping[str, float]) -> list[float]:
+    """When the load or a disturbance changes, the start of the motion first."""
+    end, found = float(trajectory.duration), {0.0}
+    for before, step, segment in zip([None, *plan.steps], plan.steps, trajectory.segments, strict=False):
+        if before is not None and before.payload != step.payload:
+            found.add(float(segment.start))
+    for each in plan.disturbances:
+        found |= {evaluate(each.start, values), evaluate(each.end, values)}
+    return sorted(t for t in found if 0 <= t < end)
+
+
+def _carried(plan: Plan, trajectory: Trajectory, time: float) -> Payload | None:
+    """What the path says that the tool carries from a time on."""
+    found = None
+    for step, segment in zip(plan.steps, trajectory.segments, strict=False):
+        if float(segment.start) <= time:
+            found = step.payload
+    return found
