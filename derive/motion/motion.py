@@ -17,8 +17,10 @@ from derive.motion.extremes import Peak
 from derive.motion.functions import Functions
 from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array
+from derive.motion.moving_base import BaseCurve
 from derive.motion.plan import TIME as TIME_NAME
 from derive.motion.plan import Plan, load_plan, plan_from_bytes
+from derive.motion.recording import read_recording
 from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
 from derive.motion.trajectory import Segment, Trajectory, curves_of, trajectory_of
@@ -143,11 +145,30 @@ class Motion:
     @cached_property
     def trajectory(self) -> Trajectory:
         """Joint variables as functions of time, exact."""
+        if self.plan.recording is not None:
+            return read_recording(self.plan.recording, self.plan.robot)
         if self.plan.curves:
             plain = Symbol(TIME_NAME)
             formulas = [formula.subs(plain, TIME) for formula in self._exact(tuple(self.plan.curves.values()))]
             return curves_of(formulas, *self._exact((self.plan.duration,)))
-        return trajectory_of(self.plan, Hand(self.plan, self._values, self._exact))
+        return trajectory_of(self.plan, Hand(self.plan, self.values, self._exact))
+
+    @cached_property
+    def base(self) -> BaseCurve | None:
+        """How the base moves; None where it stands."""
+        moving = self.plan.base
+        if moving is None:
+            return None
+        plain = Symbol(TIME_NAME)
+        place, angles = (
+            tuple(formula.subs(plain, TIME) for formula in self._exact(row)) for row in (moving.place, moving.angles)
+        )
+        return BaseCurve.of(place, angles)
+
+    @property
+    def has_torques(self) -> bool:
+        """Whether torques are known: links, and a base that stands."""
+        return self.plan.robot.has_dynamics and self.plan.base is None
 
     @property
     def duration(self) -> float:
@@ -193,7 +214,7 @@ class Motion:
         for i, step in enumerate(self.plan.steps):
             here = index == i
             if step.payload is not None and here.any():
-                body = Body.payload(self.plan.robot, step.payload, self._values).columns(self.plan.robot.n)
+                body = Body.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
                 columns = [k for k, name in enumerate(self._functions.standard_parameters) if name in body]
                 regressor = self._functions("regressor", q[here], qd[here], qdd[here])[..., columns]
                 tau[here] += regressor @ np.array([body[self._functions.standard_parameters[k]] for k in columns])
@@ -212,7 +233,7 @@ class Motion:
         """Limits of the robot file that the motion exceeds, joint by joint, where it does so most."""
         robot, times = self.plan.robot, self.times
         q, qd, _ = self.trajectory(times)
-        torques = robot.has_dynamics and any(joint.torque for joint in robot.joints)
+        torques = self.has_torques and any(joint.torque for joint in robot.joints)
         tau = self.torques(times) if torques else np.zeros_like(q)
         found = []
         for j, joint in enumerate(robot.joints):
@@ -229,7 +250,7 @@ class Motion:
         return tuple(found)
 
     def _number(self, value: Expression) -> float:
-        return evaluate(value, self._values)
+        return evaluate(value, self.values)
 
     def simulate(self, *, calls: float | None = None) -> Run:
         """The arm under the plan's control law, from the start of the motion, at the times of the samples.
@@ -246,12 +267,12 @@ class Motion:
         """
         self._check_dynamics()
         plan, trajectory = self.plan, self.trajectory
-        stages = stages_of(plan, trajectory, self._values, calls)
-        period = None if plan.control.period is None else evaluate(plan.control.period, self._values)
+        stages = stages_of(plan, trajectory, self.values, calls)
+        period = None if plan.control.period is None else evaluate(plan.control.period, self.values)
         return simulate(stages, trajectory(0.0)[:2], self.times, period, sticks=plan.friction == "exact")
 
     def _loads(self, segment: Segment) -> tuple[Load, ...]:
-        if not self.plan.robot.has_dynamics:
+        if not self.has_torques:
             return ()
         start, duration = float(segment.start), float(segment.duration)
         sample = float(self._exact((self.plan.sample,))[0])
@@ -285,8 +306,8 @@ class Motion:
         return tuple(expression_to_sympy(value).subs(known) for value in values)
 
     @cached_property
-    def _values(self) -> Mapping[str, float]:
-        """Numbers of all symbols."""
+    def values(self) -> Mapping[str, float]:
+        """Numbers of all symbols that have one."""
         numbers = parameter_values(self.plan.robot)
         numbers |= {name: evaluate(value, numbers) for name, value in self.plan.values.items()}
         return {name: float(value) for name, value in numbers.items()}
@@ -296,12 +317,15 @@ class Motion:
         self._check_dynamics()
         payload = any(step.payload for step in self.plan.steps)
         wanted = {"inverse_dynamics", *(["regressor"] if payload else [])}
-        return Functions(self.plan.robot, frozenset(wanted), self._values)
+        return Functions(self.plan.robot, frozenset(wanted), self.values)
 
     def _check_dynamics(self) -> None:
         robot = self.plan.robot
         if not robot.has_dynamics:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
-        if missing := [name for name in free_symbols(robot) if name not in self._values]:
+        if self.plan.base is not None:
+            remedy = "give the robot joints for what its base does, as skeleton-root has"
+            raise QuantityError("torques of an arm whose base moves are not known", remedy=remedy)
+        if missing := [name for name in free_symbols(robot) if name not in self.values]:
             remedy = f"write values: {{{missing[0]}: ...}} in the plan"
             raise QuantityError(f"the symbol '{missing[0]}' of {robot.name} has no number", remedy=remedy)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
 from derive.motion.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
+from derive.motion.moving_base import MovingBase, read_base
 from derive.motion.plan_schema import PlanFile
 from derive.motion.profile import Profile
 from derive.robot.cells import Cells
@@ -137,6 +138,8 @@ class Plan:
         steps: The segments.
         curves: Each joint variable as an expression in `TIME`; empty where a path is given.
         duration: How long curves last [s].
+        recording: A CSV file with the motion, or None.
+        base: How the base moves, or None.
         speed: Largest speed of each joint, or None.
         acceleration: Largest acceleration of each joint, or None.
         values: Numbers of symbols of the robot.
@@ -157,6 +160,8 @@ class Plan:
     steps: tuple[Step, ...]
     curves: Mapping[str, Expression]
     duration: Expression
+    recording: Path | None
+    base: MovingBase | None
     speed: Vector | None
     acceleration: Vector | None
     values: Mapping[str, Expression]
@@ -237,9 +242,11 @@ class _Reader:
         steps = tuple(self._step(index, points) for index in range(1, count))
         start = self._target(("path", 0), points) if count else ""
         curves = self._curves()
-        if bool(curves) == bool(count):
-            found = "neither path nor curves" if not count else "both path and curves"
-            raise document.error((), found, "allowed: one of the two", "write path: [rest, {to: A, time: 3}]")
+        recorded = document.scalar(("recorded",))
+        given = [key for key, has in (("path", count), ("curves", curves), ("recorded", recorded)) if has]
+        if len(given) != 1:
+            found = "neither path nor curves nor recorded" if not given else f"both {given[0]} and {given[1]}"
+            raise document.error((), found, "allowed: one of them", "write path: [rest, {to: A, time: 3}]")
         return Plan(
             robot=self._robot,
             title=document.text("title"),
@@ -249,6 +256,8 @@ class _Reader:
             steps=steps,
             curves=curves,
             duration=self._positive(("time",), ZERO) if curves else ZERO,
+            recording=self._recording(recorded) if recorded else None,
+            base=read_base(document, self._cells, {*parameter_values(self._robot), *self._values, TIME}),
             speed=self._joint_list("speed"),
             acceleration=self._joint_list("acceleration"),
             values=self._values,
@@ -385,6 +394,13 @@ class _Reader:
             raise self._document.error(path, "negative mass", "allowed: zero or more [kg]")
         com = tuple(cells.length((*path, "com", k)) for k in range(3))
         return Payload(mass, com, tuple(cells.plain((*path, "inertia", k)) for k in range(3)))
+
+    def _recording(self, file: YamlScalar) -> Path:
+        """The file that the plan names, beside it."""
+        beside = Path(self._document.source).parent / file.text
+        if not beside.is_file():
+            raise RobotFileError(f"no file {quoted(str(beside))}", location=file.location)
+        return beside
 
     def _control(self) -> Control:
         path: KeyPath = ("control",)

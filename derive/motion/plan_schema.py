@@ -71,6 +71,15 @@ class Control(Strict):
     period: Cell | None = Field(default=None, description="Time between two samples of the controller [s].")
 
 
+class BaseRow(Strict):
+    """Where the base of the robot file stands in the world, by formulas of t."""
+
+    x: Cell = Field(default="0", description="In the lengths of the robot file.")
+    y: Cell = Field(default="0", description="Likewise.")
+    z: Cell = Field(default="0", description="Likewise.")
+    rpy: Vector3 = Field(default=("0", "0", "0"), description="Roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll).")
+
+
 class DisturbanceRow(Strict):
     """What pushes a joint for a time, in a simulation."""
 
@@ -101,6 +110,8 @@ class PlanFile(Strict):
     )
     curves: dict[str, Cell] = Field(default={}, description="Instead of a path: each joint variable as a formula of t.")
     time: Cell | None = Field(default=None, description="How long curves last [s].")
+    recorded: str | None = Field(default=None, description="Instead: a CSV file with columns t and joint variables.")
+    base: BaseRow | None = Field(default=None, description="How the base moves, by formulas of t.")
     control: Control | None = Field(default=None, description="Who moves the arm in a simulation.")
     plant: dict[str, Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)]] = (
         Field(default={}, description="The simulated arm, where it differs: numbers of symbols, and payload: a body.")

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from derive.motion.functions import Functions
 from derive.motion.hermite import Array
@@ -99,6 +98,8 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
     Returns:
         A row for each time.
     """
+    from scipy.integrate import solve_ivp
+
     n = plant.coulomb.size
     dry, viscous, push = plant.coulomb, plant.viscous, plant.push
     frozen, rough, nothing = np.zeros_like(state), bool(dry.any()), np.zeros(n)

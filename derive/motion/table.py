@@ -91,7 +91,7 @@ def samples(motion: Motion) -> tuple[tuple[str, ...], np.ndarray]:
     variables = [joint.variable for joint in robot.joints]
     names = ["t", *variables, *map(velocity_name, variables), *map(acceleration_name, variables)]
     columns = [motion.times[:, None], *motion(motion.times)]
-    if robot.has_dynamics:
+    if motion.has_torques:
         names += [f"tau{j + 1}" for j in range(robot.n)]
         columns.append(motion.torques(motion.times))
     return tuple(names), np.hstack(columns)

@@ -25,7 +25,7 @@ def error(text: str) -> float:
 def test_a_stage_lasts_as_long_as_load_and_push_stay() -> None:
     text = CARRYING + "disturbance: [{joint: q2, torque: 3, start: 0.7, end: 1.2}]\n"
     motion = Motion.from_text(text)
-    stages = stages_of(motion.plan, motion.trajectory, motion._values, None)
+    stages = stages_of(motion.plan, motion.trajectory, motion.values, None)
     assert [stage.start for stage in stages] == [0, 0.5, 0.7, 1, 1.2]
     assert [stage.plant.push[1] for stage in stages] == [0, 0, 3, 3, 0]
 
@@ -41,7 +41,7 @@ def test_a_load_that_the_controller_does_not_know_is_not() -> None:
 def test_the_plant_with_a_payload_has_the_torques_of_the_motion_with_it() -> None:
     """Forward dynamics of the loaded plant against inverse dynamics by the regressor."""
     motion = Motion.from_text(CARRYING)
-    plant = stages_of(motion.plan, motion.trajectory, motion._values, None)[1].plant
+    plant = stages_of(motion.plan, motion.trajectory, motion.values, None)[1].plant
     for t in (0.55, 0.7, 0.9):
         q, qd, qdd = motion(t)
         assert plant.functions("forward_dynamics", q, qd, motion.torques(t)) == pytest.approx(qdd, abs=1e-10)
@@ -50,7 +50,8 @@ def test_the_plant_with_a_payload_has_the_torques_of_the_motion_with_it() -> Non
 def test_a_push_moves_an_arm_as_a_motor_would() -> None:
     """From rest with gravity compensated by B^-1 push; PD holds it at push/kp."""
     text = (
-        "robot: {name: arm, convention: standard, gravity: [0, -9.81, 0], joints: [JOINT, JOINT], links: [LINK, LINK]}\n"
+        "robot: {name: arm, convention: standard, gravity: [0, -9.81, 0],\n"
+        "  joints: [JOINT, JOINT], links: [LINK, LINK]}\n"
         "points: {a: [0.3, 0.7]}\npath: [a, {to: a, time: 4}]\nfriction: none\nsample: 0.002\n"
         "control: {law: pd-gravity, kp: 90, kd: 45}\ndisturbance: [{joint: q1, torque: 0.9, start: 0.5, end: 9}]\n"
     )

@@ -1,0 +1,141 @@
+"""The curve of the hand: where the end effector is and how fast it goes, in numbers and, of formulas, as a formula."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from sympy import Expr, Matrix, Symbol, latex, sqrt, sstr, trigsimp
+
+from derive.errors import QuantityError
+from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.model.kinematic_model import KinematicModel
+from derive.motion.functions import Functions
+from derive.motion.hermite import TIME, Array
+from derive.motion.motion import Motion
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+AXES = ("x", "y", "z")
+
+
+def kinematics_alone(robot: Robot) -> Robot:
+    """A robot without links: nobody asks what it weighs.
+
+    Args:
+        robot: The robot.
+    """
+    return replace(robot, links=(), gravity=None)
+
+
+class HandCurve:
+    """The end effector of a motion.
+
+    Args:
+        motion: The motion.
+    """
+
+    def __init__(self, motion: Motion) -> None:
+        self._motion = motion
+        self._robot = kinematics_alone(motion.plan.robot)
+
+    def __call__(self, t: Array) -> tuple[Array, Array]:
+        """Position and velocity.
+
+        Args:
+            t: Times [s], (times,).
+
+        Returns:
+            p [m] and v [m/s] in the world frame, (times, 3) each.
+
+        Raises:
+            QuantityError: A symbol of the table has no number.
+        """
+        times = np.asarray(t, dtype=float)
+        q, qd, _ = self._motion(times)
+        p = self._functions("forward_kinematics", q)[..., :3, 3]
+        v = np.einsum("tij,tj->ti", self._functions("jacobian", q)[..., :3, :], qd)
+        base = self._motion.base
+        if base is None:
+            return p, v
+        now, rate = base(times, 0), base(times, 1)
+        turned = np.einsum("tij,tj->ti", rate[:, :3, :3], p) + np.einsum("tij,tj->ti", now[:, :3, :3], v)
+        return np.einsum("tij,tj->ti", now[:, :3, :3], p) + now[:, :3, 3], turned + rate[:, :3, 3]
+
+    @cached_property
+    def _functions(self) -> Functions:
+        values: Mapping[str, float] = self._motion.values
+        if missing := [name for name in free_symbols(self._robot) if name not in values]:
+            remedy = f"write values: {{{missing[0]}: ...}} in the plan"
+            raise QuantityError(f"the symbol '{missing[0]}' of {self._robot.name} has no number", remedy=remedy)
+        return Functions(self._robot, frozenset({"forward_kinematics", "jacobian"}), values)
+
+    @cached_property
+    def position(self) -> tuple[Expr, Expr, Expr]:
+        """x, y, z of the end effector in the joint variables and the symbols of the robot, the base moving."""
+        p = Matrix([*KinematicModel(self._robot).p, 1])
+        if self._motion.base is not None:
+            p = self._motion.base.transform * p
+        x, y, z = p[:3]
+        return x, y, z
+
+    @cached_property
+    def formula(self) -> tuple[Expr, Expr, Expr]:
+        """x, y, z of the end effector as formulas of time, of a motion by curves.
+
+        Raises:
+            QuantityError: The motion is not given by curves.
+        """
+        curves = self._motion.plan.curves
+        if not curves:
+            raise QuantityError("no formula of the hand", remedy="only curves: have one")
+        plain = Symbol(TIME.name)
+        joints = {Symbol(name): expression_to_sympy(value).subs(plain, TIME) for name, value in curves.items()}
+        x, y, z = (entry.subs(joints, simultaneous=True) for entry in self.position)
+        return x, y, z
+
+    @cached_property
+    def weights(self) -> tuple[Expr, ...]:
+        """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27)."""
+        jacobian = KinematicModel(self._robot).J[:3, :]
+        return tuple(sqrt(trigsimp(sum(entry**2 for entry in jacobian[:, j]).expand())) for j in range(self._robot.n))
+
+
+def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
+    """The curve of the hand as people write it.
+
+    Args:
+        motion: Of curves.
+        as_latex: Whether it is LaTeX.
+
+    Yields:
+        Lines: position, then velocity by exact derivation, in the symbols of the robot; what is always zero is left
+        out.
+    """
+    yield ("% " if as_latex else "") + "hand"
+    formula = HandCurve(motion).formula
+    plain = Symbol(TIME.name)
+    for letter, entries in (("p", formula), ("v", [entry.diff(TIME) for entry in formula])):
+        for axis, entry in zip(AXES, entries, strict=True):
+            value = entry.subs(TIME, plain)
+            if value == 0:
+                continue
+            if as_latex:
+                yield f"{letter}_{axis}(t) = {latex(value, order='rev-lex')}"
+            else:
+                yield f"  {letter}{axis} = {sstr(value, order='rev-lex')}"
+
+
+def printed_weights(motion: Motion) -> Iterator[str]:
+    """Which joint moves the hand most.
+
+    Args:
+        motion: Any.
+
+    Yields:
+        A line for each joint: by how much the hand moves when the joint moves by one.
+    """
+    for joint, weight in zip(motion.plan.robot.joints, HandCurve(motion).weights, strict=True):
+        yield f"{joint.variable} moves the hand by {sstr(weight)}"

@@ -1,0 +1,56 @@
+"""Bases that move by formulas of time."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from sympy import Rational, cos, pi, sin
+
+from derive.errors import DeriveError, QuantityError
+from derive.motion.hermite import TIME
+from derive.motion.motion import Motion
+from derive.motion.moving_base import BaseCurve
+from tests.motion.skeleton import REACH
+
+
+def test_a_base_is_a_rigid_motion_and_its_rate_its_derivative() -> None:
+    base = BaseCurve.of((TIME, TIME**2, sin(TIME)), (TIME / 3, cos(TIME), Rational(1, 5) * TIME))
+    t, h = np.linspace(0, 3, 7), 1e-6
+    there = base(t, 0)
+    assert there[:, :3, :3] @ there[:, :3, :3].transpose(0, 2, 1) == pytest.approx(np.tile(np.eye(3), (7, 1, 1)))
+    assert base(t, 1) == pytest.approx((base(t + h, 0) - base(t - h, 0)) / (2 * h), abs=1e-8)
+    assert there[:, 3].tolist() == [[0, 0, 0, 1]] * 7
+
+
+def test_yaw_is_the_last_turn() -> None:
+    base = BaseCurve.of((TIME, TIME, TIME), (pi / 2, pi * 0, pi / 2))
+    assert base(np.zeros(1), 0)[0, :3, 1].round(15).tolist() == [0, 0, 1]
+    assert base(np.zeros(1), 0)[0, :3, 0].round(15).tolist() == [0, 1, 0]
+
+
+def test_torques_of_a_moving_base_are_refused() -> None:
+    text = REACH.replace("skeleton", "scara-matlab").replace(", Tx: 0.1, Ty: 0.2", "")
+    motion = Motion.from_text(text)
+    assert not motion.has_torques
+    assert all(not found.loads for found in motion.peaks)
+    with pytest.raises(QuantityError, match=r"base moves.*skeleton-root"):
+        motion.torques(0.0)
+    with pytest.raises(QuantityError, match="base moves"):
+        motion.simulate()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("x: 3*t/10", "x: 3*w/10", r"<text>:3:11: base, x: the symbol 'w' has no number; write values: \{w: ...\}"),
+        ("y: t**2/10", "yy: t", r"<text>:3:\d+: .*unknown key 'yy'; allowed: x, y, z, rpy"),
+        ("[0, 0, t/7]", "[0, 0]", r"rpy"),
+    ],
+)
+def test_wrong_ones_are_refused_with_their_place(old: str, new: str, message: str) -> None:
+    with pytest.raises(DeriveError) as caught:
+        Motion.from_text(REACH.replace(old, new))
+    assert caught.value.exit_status == 2
+    assert re.search(message, str(caught.value)), str(caught.value)
