@@ -23,6 +23,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("plan", metavar="PLAN", help="motion plan")
     add("--simulate", action="store_true", help="run the arm under the plan's control law")
     add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample")
+    add("--out", metavar="DIR", type=Path, help="write the motion as code: motion.h, motion.c, motion_casadi.py")
+    add("--name", help="what stands before _motion in C (default: the robot's name)")
+    add("--force", action="store_true", help="let --out overwrite files that derive did not write")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -53,4 +56,11 @@ def run(arguments: argparse.Namespace) -> int:
         lines = [",".join(names), *(",".join(map(repr, map(float, row))) for row in values)]
         arguments.csv.write_text("\n".join(lines) + "\n", encoding="utf-8")
         print(f"{arguments.csv}: {len(values)} rows")
+    if arguments.out:
+        from derive.motion.code import write_code
+
+        written = write_code(motion, arguments.out, name=arguments.name, force=arguments.force)
+        unverified = f"; {', '.join(written.left_out)} not, for lack of a C compiler" if written.left_out else ""
+        names = ", ".join(path.name for path in written.paths)
+        print(f"{arguments.out}: {names}, verified to {written.worst:.1g}{unverified}")
     return FAILED if exceeded else DONE

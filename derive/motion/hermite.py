@@ -109,7 +109,10 @@ def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
         (2k,), the highest power first.
     """
     scale = [duration**i / factorial(i) for i in range(k)]
-    coefficients: Array = (numbers * np.array(scale * 2)) @ _derived(k, 0)
+    weights = numbers * np.array(scale * 2)
+    weights[0], weights[k] = 0.0, numbers[k] - numbers[0]
+    coefficients: Array = weights @ _derived(k, 0)
+    coefficients[-1] += numbers[0]
     return coefficients
 
 
@@ -131,6 +134,10 @@ def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int)
     for column in rows.T:
         powers = powers * u + column[:, None]
     total = np.zeros(u.size)
+    if order:  # two positions that are alike leave nothing but rounding in a sum
+        piece_numbers = piece_numbers.copy()
+        piece_numbers[:, k] -= piece_numbers[:, 0]
+        piece_numbers[:, 0] = 0.0
     for b in range(2 * k):
         i = b % k
         total += powers[b] / factorial(i) * duration ** float(i - order) * piece_numbers[:, b]

@@ -62,3 +62,14 @@ def test_pieces_between_points_share_their_values() -> None:
     first, second = joined(ends, [Integer(0), Integer(2), Integer(3)])
     assert first.values[1] == second.values[0]
     assert (first.end, second.end) == (2, 3)
+
+
+def test_short_ways_keep_their_digits() -> None:
+    """From 1 to 1 + 1e-9 in a hundredth of a second: the way is a difference of positions, not of products of them."""
+    numbers = np.array([1.0, 0.0, 0.0, 1.0 + 2.0**-30, 0.0, 0.0])
+    u = np.linspace(0, 1, 11)
+    wanted = 2.0**-30 * (60 * u - 180 * u**2 + 120 * u**3) / 0.01**2
+    found = sampled(np.tile(numbers, (11, 1)), 3, u, np.full(11, 0.01), 2)
+    assert found == pytest.approx(wanted, rel=1e-12, abs=1e-16)
+    powers = np.poly1d(power_coefficients(numbers, 3, 0.01)).deriv(2)(u) / 0.01**2
+    assert powers == pytest.approx(wanted, rel=1e-12, abs=1e-16)

@@ -1,0 +1,136 @@
+"""Motions in C and CasADi: as Python computes them, or not written."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import casadi
+import numpy as np
+import pytest
+
+from derive.errors import OutputError, VerificationError
+from derive.motion import code
+from derive.motion.code import MotionCode, verify_code, write_code
+from derive.motion.motion import Motion
+from derive.targets.compiler import find_compiler
+from tests.cli.command import derive
+from tests.motion.plans import PICK_AND_PLACE
+from tests.targets.c_models import needs_compiler
+
+HEAD = "robot: scara-matlab\n"
+POINTS = HEAD + "points: {a: [0, 0, 1, 0], b: [1, pi/2, 1.5, 0], c: [pi/3, 0, 2, 1]}\n"
+PLANS = {
+    "pick and place": PICK_AND_PLACE,
+    "every profile": POINTS + "path: [a, {to: b, time: 1, profile: trapezoidal}, {to: c, time: 0.7, profile: harmonic},"
+    " {to: a, time: 2, profile: cubic}, {to: b, time: 1.3, profile: septic}]\n",
+    "spline": POINTS + "profile: spline\npath: [a, {to: b, time: 1.1}, {to: c, time: 2}, {to: a, time: 3}]\n",
+    "passing": POINTS + "via: pass\npath: [a, {to: b, time: 1.1}, {to: c, time: 2}, {to: a, time: 3}]\n",
+    "curves": HEAD + "time: 5\ncurves: {q1: pi/4*sin(2*t) + tan(t/9)*sqrt(2), q2: t**2/10 - cos(t),"
+    " q3: sqrt(1 + t**2)/(2 + sin(t))**3}\n",
+    "line": """robot: {name: arm, convention: standard, inverse: {task: [x, y]},
+  joints: [{type: revolute, a: 1}, {type: revolute, a: 0.8}]}
+points: {a: [0.3, 0.5], b: [0.3001, 0.5002]}\npath: [a, {to: b, time: 1.5, line: yes}]\n""",
+    "standing": POINTS + "path: [a, {to: a, time: 1}]\n",
+}
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", PLANS)
+def test_generated_code_is_as_python_computes(name: str) -> None:
+    motion = Motion.from_text(PLANS[name])
+    generated = MotionCode(motion, "arm_")
+    assert verify_code(motion, generated.texts, "arm_", find_compiler()) < 1e-13
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ["every profile", "curves"])
+def test_c_compiles_without_warnings(name: str, tmp_path: Path) -> None:
+    compiler = find_compiler()
+    assert compiler is not None
+    write_code(Motion.from_text(PLANS[name]), tmp_path)
+    options = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", "-c", "motion.c"]
+    subprocess.run([*compiler, *options], cwd=tmp_path, check=True)
+
+
+def test_casadi_differentiates_it(tmp_path: Path) -> None:
+    """d q/dt is qd and d qd/dt is qdd, by CasADi's own differentiation; nothing moves outside."""
+    motion = Motion.from_text(PLANS["every profile"])
+    module = loaded(motion, tmp_path)
+    t = casadi.SX.sym("t")
+    q, qd, _ = module.motion(t)
+    rates = casadi.Function("rates", [t], [casadi.jacobian(q, t), casadi.jacobian(qd, t)])
+    for time in (0.1, 0.45, 1.2, 1.6, 3.1, 4.4):
+        _, velocity, acceleration = motion(time)
+        found = [np.array(value).ravel() for value in rates(time)]
+        assert found[0] == pytest.approx(velocity, abs=1e-12)
+        assert found[1] == pytest.approx(acceleration, abs=1e-11)
+    assert not np.array(rates(-1)[0]).any()
+    assert not np.array(rates(99)[0]).any()
+
+
+def test_casadi_takes_many_times_side_by_side(tmp_path: Path) -> None:
+    motion = Motion.from_text(PICK_AND_PLACE)
+    module = loaded(motion, tmp_path)
+    times = np.linspace(0, 15, 31)
+    assert pytest.approx(motion(times)[0], abs=1e-14) == np.array(module.motion(times[None, :])[0]).T
+    assert (module.START, module.END, module.JOINT_NAMES) == (0.0, 15.0, ("q1", "q2", "q3", "q4"))
+
+
+def loaded(motion: Motion, folder: Path):
+    write_code(motion, folder)
+    return code.module_of(folder)
+
+
+@pytest.mark.parametrize(
+    ("file", "right", "wrong"), [("motion_casadi.py", "1.5707963267948966", "1.57079"), ("motion.c", "< 0.0", "< 1.0")]
+)
+@needs_compiler
+def test_wrong_code_is_not_written(
+    file: str, right: str, wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion = Motion.from_text(PICK_AND_PLACE)
+    texts = MotionCode(motion, "scara_matlab_").texts
+    assert right in texts[file]
+    monkeypatch.setattr(MotionCode, "texts", {**texts, file: texts[file].replace(right, wrong)})
+    with pytest.raises(VerificationError, match=file.replace(".", r"\.")):
+        write_code(motion, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_files_of_others_stay(tmp_path: Path) -> None:
+    (tmp_path / "motion.c").write_text("int mine;\n")
+    motion = Motion.from_text(PLANS["standing"])
+    with pytest.raises(OutputError, match="was not written by derive"):
+        write_code(motion, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["motion.c"]
+    write_code(motion, tmp_path, force=True)
+    write_code(motion, tmp_path)  # its own files it may write again
+
+
+def test_without_a_compiler_c_is_written_and_said_to_be_unverified(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(code, "find_compiler", lambda: None)
+    assert write_code(Motion.from_text(PLANS["standing"]), tmp_path).left_out == ("motion.c",)
+
+
+def test_the_same_plan_gives_the_same_bytes() -> None:
+    one, other = (MotionCode(Motion.from_text(PLANS["every profile"]), "arm_").texts for _ in range(2))
+    assert one == other
+
+
+def test_titles_cannot_leave_their_comments(tmp_path: Path) -> None:
+    title = 'title: "*/ \\"\\"\\" \\\\ ??/"\n'
+    assert write_code(Motion.from_text(title + PLANS["standing"]), tmp_path).worst == 0
+
+
+@needs_compiler
+def test_the_command_writes_three_files(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(PICK_AND_PLACE)
+    said = derive("move", "plan.yaml", "--out", "code", "--name", "pick-1", folder=tmp_path).stdout
+    assert "code: motion.h, motion.c, motion_casadi.py, verified to" in said
+    assert (
+        "void pick_1_motion(double t, double *q, double *qd, double *qdd);" in (tmp_path / "code/motion.h").read_text()
+    )
