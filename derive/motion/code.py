@@ -190,6 +190,13 @@ class _Joint:
 
     @classmethod
     def of(cls, variable: str, pieces: Sequence[AnyPiece], places: Mapping[str, int]) -> _Joint:
+        """The texts of some pieces.
+
+        Args:
+            variable: Name of the joint.
+            pieces: Its pieces.
+            places: Of the kernels by name.
+        """
         kinds = [places[kernel_name(piece, variable)] for piece in pieces]
         rows = [", ".join(map(repr, row_of(piece))) for piece in pieces]
         pairs = tuple(f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True))

@@ -40,7 +40,7 @@ def test_templates_compute_nothing(name: str) -> None:
 
 
 def test_the_registry_and_the_templates_agree() -> None:
-    """One folder for every target (the handout's is ``latex``), one for the web page, one for motions, one for the package file."""
+    """One folder for every target (the handout's is ``latex``); one each for web page, motions, package file."""
     targets = {"handout" if name == "latex" else name for name in TARGETS}
     assert {name.split("/")[0] for name in TEMPLATES} == {*targets, "motion", "package", "page"}
     files = [file for target in TARGETS.values() for file in target.files]
