@@ -61,6 +61,6 @@ def run(arguments: argparse.Namespace) -> int:
 
         written = write_code(motion, arguments.out, name=arguments.name, force=arguments.force)
         unverified = f"; {', '.join(written.left_out)} not, for lack of a C compiler" if written.left_out else ""
-        names = ", ".join(path.name for path in written.paths)
-        print(f"{arguments.out}: {names}, verified to {written.worst:.1g}{unverified}")
+        files = ", ".join(path.name for path in written.paths)
+        print(f"{arguments.out}: {files}, verified to {written.worst:.1g}{unverified}")
     return FAILED if exceeded else DONE
