@@ -7,6 +7,7 @@
     derive.build(robot)                        # verified NumPy, CasADi, C and LaTeX in generated/scara_perugia
     derive.handout(robot, formats=["pdf"])     # the sheet to hand out
     derive.plot(robot, "arm.svg")              # the arm with its frames
+    derive.move("scara-pick-and-place", plot="tau.svg")   # a motion: speeds, torques, work
     derive.check("notes.yaml")                 # printed formulas against derived ones
 
 Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
@@ -23,16 +24,19 @@ if TYPE_CHECKING:
     from derive.api.build import build, build_all, stale, verify
     from derive.api.check import check, check_formula, check_inverse, check_latex
     from derive.api.handout import fragment, handout
+    from derive.api.move import move
     from derive.api.plot import plot
     from derive.api.robots import catalogue, load
     from derive.api.style import Style, find_style
     from derive.errors import DeriveError, RobotFileWarning
+    from derive.motion.motion import Motion
     from derive.notebook import Model
     from derive.robot.robot import Robot
 
 __all__ = [
     "DeriveError",
     "Model",
+    "Motion",
     "Robot",
     "RobotFileWarning",
     "Style",
@@ -48,6 +52,7 @@ __all__ = [
     "fragment",
     "handout",
     "load",
+    "move",
     "plot",
     "stale",
     "verify",
@@ -56,6 +61,7 @@ __all__ = [
 _HOMES = {
     "DeriveError": "derive.errors",
     "Model": "derive.notebook",
+    "Motion": "derive.motion.motion",
     "Robot": "derive.robot.robot",
     "RobotFileWarning": "derive.errors",
     "Style": "derive.api.style",
@@ -70,6 +76,7 @@ _HOMES = {
     "fragment": "derive.api.handout",
     "handout": "derive.api.handout",
     "load": "derive.api.robots",
+    "move": "derive.api.move",
     "plot": "derive.api.plot",
     "stale": "derive.api.build",
     "verify": "derive.api.build",

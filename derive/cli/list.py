@@ -6,16 +6,20 @@ import argparse
 
 from derive.cli.terminal import one_line, print_columns, print_json
 
-SUMMARY = "list the built-in robots"
-DESCRIPTION = "List the built-in robots: name, joints (R revolute, P prismatic), convention, dynamics, title."
+SUMMARY = "list the built-in robots, or motion plans"
+DESCRIPTION = """\
+List the built-in robots: name, joints (R revolute, P prismatic), convention, dynamics, title; or the built-in plans of
+`derive move`.
+"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Only the form of the output.
+    """What is listed, and the form of the output.
 
     Args:
         parser: Where the arguments are added.
     """
+    parser.add_argument("--plans", action="store_true", help="motion plans instead: name, robot, segments, title")
     parser.add_argument("--json", action="store_true", help="machine-readable output")
 
 
@@ -30,6 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from derive.api.robots import load_all
 
+    if arguments.plans:
+        return _list_plans(as_json=arguments.json)
     robots = load_all(None)
     joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
     if arguments.json:
@@ -48,4 +54,18 @@ def run(arguments: argparse.Namespace) -> int:
         for robot, letters in zip(robots, joints, strict=True)
     ]
     print_columns(rows, ("name", "joints", "convention", "dynamics", "title"))
+    return 0
+
+
+def _list_plans(*, as_json: bool) -> int:
+    from derive.motion.catalogue import plan_names
+    from derive.motion.plan import load_plan
+
+    header = ("name", "robot", "segments", "title")
+    plans = [(name, load_plan(name)) for name in plan_names()]
+    rows = [(name, plan.robot.name, len(plan.steps) or 1, plan.title) for name, plan in plans]
+    if as_json:
+        print_json([dict(zip(header, row, strict=True)) for row in rows])
+    else:
+        print_columns([tuple(one_line(str(cell)) for cell in row) for row in rows], header)
     return 0

@@ -4,12 +4,24 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from derive.cli.terminal import DONE, FAILED, print_columns
+from derive.cli.terminal import DONE, FAILED, print_columns, print_error, print_json
 
-SUMMARY = "a motion from via points: speeds, torques, work, samples"
+if TYPE_CHECKING:
+    from derive.motion.motion import Motion
+    from derive.motion.simulation import Run
+
+SUMMARY = "a motion from via points: speeds, torques, work; tables, plots, films, simulation"
 DESCRIPTION = """\
-Read a plan (the robot, points, the way between them) and print what each segment asks of the joints.
+Read a plan (the robot, points, the way between them) and print what each segment asks of the joints, for instance
+
+  derive move scara-pick-and-place
+  derive move scara-pick-and-place --plot tau.svg --csv run.csv
+  derive move my-plan.yaml --simulate --gif run.gif
+
+PLAN is the path of a motion plan or a name that `derive list --plans` shows; `derive new NAME --plan ROBOT` writes one
+to start from. Exit status 1: a limit of the robot is exceeded, or the simulation diverges.
 """
 
 
@@ -20,47 +32,80 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser: Where the arguments are added.
     """
     add = parser.add_argument
-    add("plan", metavar="PLAN", help="motion plan")
-    add("--simulate", action="store_true", help="run the arm under the plan's control law")
+    add("plan", metavar="PLAN", help="motion plan, or the name of a built-in one")
+    add("--simulate", action="store_true", help="run the arm under the plan's control law; files then show that")
+    add("--show", action="store_true", help="print q(t) of every joint and segment instead of the table")
+    add("--format", choices=("text", "latex"), default="text", help="form of --show (default text)")
+    add("--json", action="store_true", help="machine-readable output")
     add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample")
+    add("--plot", metavar="FILE", type=Path, help="draw q, qd, qdd and tau with their peaks: .pdf, .svg or .png")
+    add("--gif", metavar="FILE", type=Path, help="write a film of the arm")
+    add("--mp4", metavar="FILE", type=Path, help="likewise, where ffmpeg is installed")
     add("--out", metavar="DIR", type=Path, help="write the motion as code: motion.h, motion.c, motion_casadi.py")
     add("--name", help="what stands before _motion in C (default: the robot's name)")
     add("--force", action="store_true", help="let --out overwrite files that derive did not write")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the table and write what was asked for.
+    """Compute, write what was asked for, and print.
 
     Args:
         arguments: As parsed.
 
     Returns:
         The exit status.
-    """
-    from derive.motion.motion import Motion
-    from derive.motion.table import HEADER, samples, table, violations
 
-    motion = Motion.load(arguments.plan)
-    rows = table(motion)
-    print_columns(rows, HEADER[: len(rows[0])])
-    exceeded = violations(motion)
-    for line in exceeded:
-        print(line)
-    if arguments.simulate:
-        run = motion.simulate()
-        error = motion(run.t)[0] - run.q
-        worst = abs(error).max()
-        print(f"simulated {run.t[-1]:.6g} s: largest position error {worst:.3g}, ledger {run.energy_error:.2g} J")
-    if arguments.csv:
-        names, values = samples(motion)
-        lines = [",".join(names), *(",".join(map(repr, map(float, row))) for row in values)]
-        arguments.csv.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        print(f"{arguments.csv}: {len(values)} rows")
+    Raises:
+        DeriveError: Options that do not belong together.
+    """
+    from derive.api.move import FORMS, move
+    from derive.errors import DeriveError
+
+    if arguments.format != "text" and not arguments.show:
+        raise DeriveError(f"--format {arguments.format} without --show", remedy="add --show")
+    if arguments.show and arguments.json:
+        raise DeriveError("--show with --json", remedy="leave one out")
+    files = {name: getattr(arguments, name) for name in FORMS}
+    found = move(arguments.plan, simulate=arguments.simulate, **files)
+    if arguments.json:
+        from derive.motion.summary import summary
+
+        print_json({**summary(found.motion, found.run), "files": list(map(str, found.files))})
+    else:
+        _print(found.motion, found.run, arguments)
+        for path in found.files:
+            print(path)
     if arguments.out:
         from derive.motion.code import write_code
 
-        written = write_code(motion, arguments.out, name=arguments.name, force=arguments.force)
+        written = write_code(found.motion, arguments.out, name=arguments.name, force=arguments.force)
         unverified = f"; {', '.join(written.left_out)} not, for lack of a C compiler" if written.left_out else ""
-        files = ", ".join(path.name for path in written.paths)
-        print(f"{arguments.out}: {files}, verified to {written.worst:.1g}{unverified}")
-    return FAILED if exceeded else DONE
+        names = ", ".join(path.name for path in written.paths)
+        if not arguments.json:
+            print(f"{arguments.out}: {names}, verified to {written.worst:.1g}{unverified}")
+    if found.run is not None and not found.run.reached:
+        from derive.motion.table import diverged
+
+        print_error(diverged(found.motion, found.run))
+        return FAILED
+    return FAILED if found.motion.violations else DONE
+
+
+def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> None:
+    """The formulas, or the tables."""
+    from derive.motion.polynomials import printed
+    from derive.motion.table import HEADER, SIMULATED_HEADER, simulated_table, table, violations
+
+    if arguments.show:
+        for line in printed(motion, as_latex=arguments.format == "latex"):
+            print(line)
+        return
+    rows = table(motion)
+    print_columns(rows, HEADER[: len(rows[0])])
+    for line in violations(motion):
+        print(line)
+    if run is not None:
+        print()
+        print_columns(simulated_table(motion, run), SIMULATED_HEADER)
+        control = motion.plan.control
+        print(f"{control.law}, friction {motion.plan.friction}: energy balances to {run.energy_error:.1g} J")

@@ -1,4 +1,4 @@
-"""``derive new``: a commented robot file to start from; it loads as it is."""
+"""``derive new``: a commented robot file or motion plan to start from; it loads as it is."""
 
 from __future__ import annotations
 
@@ -11,13 +11,18 @@ from derive.cli.terminal import positive
 from derive.errors import OutputError, RobotFileError, quoted
 from derive.robot.size_limits import FILE_LIMITS
 
-SUMMARY = "write a commented robot file to start from"
+SUMMARY = "write a commented robot file, or a motion plan, to start from"
 DESCRIPTION = """\
 Write NAME.yaml, a commented robot file that builds as it is: an arm of N revolute joints with parallel axes, or a copy
 of another robot, its comments and units kept, under the new name.
 
   derive new my-arm --joints 3
   derive new my-puma --from puma560-corke
+
+or a motion plan for a robot, or a copy of a built-in one:
+
+  derive new my-move --plan puma560-corke
+  derive new my-move --from scara-pick-and-place
 
 An existing file is never overwritten.
 """
@@ -76,9 +81,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Where the arguments are added.
     """
-    parser.add_argument("name", metavar="NAME", help="name of the robot, [a-z0-9-]+; the file is NAME.yaml")
+    parser.add_argument("name", metavar="NAME", help="name of the robot or plan, [a-z0-9-]+; the file is NAME.yaml")
     parser.add_argument("--joints", type=positive, metavar="N", help="number of joints (default 2)")
-    parser.add_argument("--from", dest="model", metavar="ROBOT", help="copy this robot file or built-in robot")
+    parser.add_argument("--from", dest="model", metavar="ROBOT", help="copy this robot file, built-in robot or plan")
+    parser.add_argument("--plan", metavar="ROBOT", help="a motion plan for this robot instead")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -91,11 +97,21 @@ def run(arguments: argparse.Namespace) -> int:
         The exit status.
 
     Raises:
-        OutputError: There is such a file already, or a copy is wanted with another number of joints.
+        OutputError: There is such a file already, or options do not belong together.
     """
+    from derive.motion.catalogue import plan_bytes, plan_names
+
+    if arguments.plan is not None and (arguments.joints is not None or arguments.model is not None):
+        other = "--joints" if arguments.joints is not None else "--from"
+        raise OutputError(f"{other} with --plan", remedy="leave one out")
     if arguments.model is not None and arguments.joints is not None:
         raise OutputError("--joints with --from", allowed="a copy has the joints of its model", remedy="leave one out")
-    if arguments.model is not None:
+    if arguments.plan is not None:
+        text = _plan_text(arguments.name, arguments.plan)
+    elif arguments.model in plan_names():
+        _check_name(arguments.name)
+        text = plan_bytes(arguments.model).decode("utf-8")
+    elif arguments.model is not None:
         text = copied_robot_text(arguments.name, arguments.model)
     else:
         text = new_robot_text(arguments.name, joints=arguments.joints or 2)
@@ -108,6 +124,14 @@ def run(arguments: argparse.Namespace) -> int:
         raise OutputError(f"{path} exists already", allowed=allowed, remedy=remedy) from None
     print(path)
     return 0
+
+
+def _plan_text(name: str, robot: str) -> str:
+    from derive.api.robots import load
+    from derive.motion.catalogue import new_plan_text
+
+    _check_name(name)
+    return new_plan_text(name, load(robot), robot)
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:

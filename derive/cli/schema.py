@@ -1,4 +1,4 @@
-"""``derive schema``: the JSON Schema of the robot file, for editors."""
+"""``derive schema``: the JSON Schema of the robot file or the motion plan, for editors."""
 
 from __future__ import annotations
 
@@ -6,27 +6,36 @@ import argparse
 
 from derive.cli.terminal import print_json
 
-SUMMARY = "print the JSON Schema of the robot file"
-DESCRIPTION = "Print the JSON Schema of the robot file, which lets an editor complete and check it while you type."
+SUMMARY = "print the JSON Schema of the robot file or the motion plan"
+DESCRIPTION = """\
+Print the JSON Schema of the robot file, or of the motion plan, which lets an editor complete and check it while you
+type.
+"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """No arguments.
+    """Which file.
 
     Args:
-        parser: Stays as it is.
+        parser: Where the arguments are added.
     """
+    parser.add_argument("--plan", action="store_true", help="of the motion plan that derive move reads")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the schema.
 
     Args:
-        arguments: None.
+        arguments: As parsed.
 
     Returns:
         The exit status.
     """
+    if arguments.plan:
+        from derive.motion.plan_schema import plan_json_schema
+
+        print_json(plan_json_schema())
+        return 0
     from derive.robot.schema import json_schema
 
     print_json(json_schema())

@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from derive.errors import TargetError
+from derive.errors import QuantityError, TargetError
 from derive.motion.hermite import Array
 from derive.programs.build import build_program
 from derive.programs.program import Program
@@ -62,6 +62,9 @@ class Functions:
         self._options = self._numbers(values)
 
     def _numbers(self, values: Mapping[str, float]) -> dict[str, Any]:
+        if missing := next((name for name in self._parameters if name not in values), ""):
+            remedy = f"write values: {{{missing}: ...}} in the plan"
+            raise QuantityError(f"the symbol '{missing}' of the robot has no number", remedy=remedy)
         numbers = {name: values[name] for name in self._parameters}
         return {"params": self._module.precompute(numbers)} if numbers else {}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -38,7 +39,8 @@ class Hand:
     def _functions(self) -> Functions:
         names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
         poses = any(point.pose for point in self._plan.points.values())
-        return Functions(self._plan.robot, names, self._values, inverse=poses)
+        kinematics = replace(self._plan.robot, links=(), gravity=None)
+        return Functions(kinematics, names, self._values, inverse=poses)
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
         """Joint variables at a point; of a pose the solution nearest to where the arm comes from.

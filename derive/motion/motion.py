@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from sympy import Expr, Symbol
 
-from derive.errors import QuantityError
+from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.bodies import Body
 from derive.motion.extremes import Peak
@@ -31,6 +31,8 @@ from derive.robot.names import free_symbols
 SIMPSON = 2
 """Torques are looked at between two samples, too: work is integrated by Simpson's rule."""
 
+MOST_SAMPLES = 1_000_000
+"""Of a motion: a thousand seconds at a kilohertz."""
 
 ROUNDING = 1e-9
 """What exceeds a limit by less, relative to it, does not exceed it."""
@@ -116,13 +118,14 @@ class Motion:
         """Read a plan.
 
         Args:
-            path: Of a YAML file.
+            path: Of a YAML file, or the name of a built-in plan.
 
         Returns:
             The motion.
 
         Raises:
             RobotFileError: The file cannot be read or is no plan.
+            UnknownRobotError: Neither a file nor the name of a plan.
         """
         return cls(load_plan(path))
 
@@ -188,11 +191,30 @@ class Motion:
 
     @property
     def times(self) -> Array:
-        """Times of the samples [s], the end included."""
-        sample = float(self._exact((self.plan.sample,))[0])
-        count = int(np.ceil(self.duration / sample - 1e-9))
+        """Times of the samples [s], the end included.
+
+        Raises:
+            RobotFileError: There are more than `MOST_SAMPLES`.
+        """
+        sample, count = self._samples_in(self.duration)
         times: Array = np.append(np.arange(count) * sample, self.duration)
         return times
+
+    def _samples_in(self, duration: float) -> tuple[float, int]:
+        """Time between two samples [s], and how many times it fits into a duration, the last one rounded up.
+
+        Raises:
+            RobotFileError: So many that they are hardly meant.
+        """
+        sample, robot = self._number(self.plan.sample), self.plan.robot
+        count = duration / sample
+        if count > MOST_SAMPLES:
+            size = count * 8 * (1 + (4 if robot.has_dynamics else 3) * robot.n) / 1e9
+            found = f"{count:.4g} samples of {duration:.6g} s, {size:.3g} GB"
+            allowed = f"allowed: at most {MOST_SAMPLES} samples"
+            remedy = f"write sample: {duration / 1000:.2g} [s]"
+            raise RobotFileError(found, allowed=allowed, remedy=remedy, location=self.plan.sample_location)
+        return sample, int(np.ceil(count - 1e-9))
 
     def torques(self, t: float | Array) -> Array:
         """Torques of the joints by inverse dynamics, payload and friction included.
@@ -275,8 +297,7 @@ class Motion:
         if not self.has_torques:
             return ()
         start, duration = float(segment.start), float(segment.duration)
-        sample = float(self._exact((self.plan.sample,))[0])
-        count = max(2, SIMPSON * int(np.ceil(duration / sample - 1e-9)))
+        count = max(2, SIMPSON * self._samples_in(duration)[1])
         times = start + duration * np.arange(count + 1) / count
         inside = times.copy()
         inside[-1] = np.nextafter(times[-1], start)  # the payload of this segment, not of the next

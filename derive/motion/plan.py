@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, quoted
+from derive.motion.catalogue import plan_bytes
 from derive.motion.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
 from derive.motion.moving_base import MovingBase, read_base
 from derive.motion.plan_schema import PlanFile
@@ -16,8 +17,8 @@ from derive.motion.profile import Profile
 from derive.robot.cells import Cells
 from derive.robot.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import ONE, ZERO, Expression, names, number
-from derive.robot.load import file_bytes
+from derive.robot.expression import ONE, ZERO, Expression, contains_pi, names, number
+from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.schema import check_structure
 
@@ -133,6 +134,7 @@ class Plan:
         robot: The robot.
         title: Free text for people.
         sample: Time between two rows of a table [s].
+        sample_location: Where it stands in the file.
         points: By name, in the order of the file.
         start: Name of the first point of the path; empty where curves are given.
         steps: The segments.
@@ -155,6 +157,7 @@ class Plan:
     robot: Robot
     title: str
     sample: Expression
+    sample_location: Location
     points: Mapping[str, Point]
     start: str
     steps: tuple[Step, ...]
@@ -178,15 +181,16 @@ def load_plan(path: str | Path) -> Plan:
     """Read a plan.
 
     Args:
-        path: Of a YAML file.
+        path: Of a YAML file, or the name of a built-in plan.
 
     Returns:
         The plan.
 
     Raises:
         RobotFileError: The file cannot be read or is no plan.
+        UnknownRobotError: Neither a file nor the name of a plan.
     """
-    return plan_from_bytes(file_bytes(Path(path)), str(path))
+    return plan_from_bytes(plan_bytes(path), str(path))
 
 
 def plan_from_bytes(data: bytes, source: str) -> Plan:
@@ -220,7 +224,7 @@ def _robot(document: Document, data: bytes) -> Robot:
         return Robot.from_bytes(data, document.source)
     beside = Path(document.source).parent / scalar.text
     try:
-        return Robot.load(beside if beside.is_file() else scalar.text)
+        return Robot.load(beside if scalar.text not in catalogue_names() and beside.is_file() else scalar.text)
     except DeriveError as error:
         raise error.at(scalar.location) from None
 
@@ -251,6 +255,7 @@ class _Reader:
             robot=self._robot,
             title=document.text("title"),
             sample=self._positive(("sample",), number(Fraction(1, 100))),
+            sample_location=document.location(("sample",)),
             points=points,
             start=start,
             steps=steps,
@@ -308,6 +313,10 @@ class _Reader:
             variables = listed(tuple(joint.variable for joint in robot.joints))
             found = f"{count} value{'' if count == 1 else 's'} for {robot.n} joints"
             raise self._document.error(path, found, f"allowed: one for each of {variables}")
+        for k, joint in enumerate(robot.joints):
+            if not joint.is_revolute and contains_pi(self._cells.raw((*path, k))):
+                found = f"an angle, {quoted(self._document.text(*path, k))}, for the slide {joint.variable}"
+                raise self._document.error((*path, k), found, "allowed: a length, without pi")
         reads = (self._cells.angle if joint.is_revolute else self._cells.length for joint in robot.joints)
         return tuple(self._number((*path, k), read) for k, read in enumerate(reads))
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from derive.robot.schema import FORMS, Cell, RobotFile, Strict, Vector3
+from derive.robot.schema import FORMS, Cell, RobotFile, Strict, Vector3, without_null
 
 ProfileName = Literal["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline"]
 Via = Literal["stop", "pass"]
@@ -118,3 +118,9 @@ class PlanFile(Strict):
     )
     disturbance: list[DisturbanceRow] = Field(default=[], description="What pushes joints in a simulation.")
     friction: FrictionKind = Field(default="smooth", description="How Coulomb friction is simulated.")
+
+
+def plan_json_schema() -> dict[str, Any]:
+    """JSON Schema of a motion plan, for editors."""
+    plan = without_null(PlanFile.model_json_schema(ref_template="#/$defs/{model}"))
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **plan, "title": "derive motion plan"}

@@ -7,11 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from derive.motion.extremes import Peak
+from derive.motion.hermite import Array
 from derive.motion.motion import Motion, SegmentPeaks
+from derive.motion.simulation import Run
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
 HEADER = ("segment", "time", "peak speed", "peak acceleration", "peak torque", "work")
+
+SIMULATED_HEADER = ("simulated", "largest error", "peak torque", "work", "lost to friction")
 
 
 def table(motion: Motion) -> list[tuple[str, ...]]:
@@ -37,26 +41,79 @@ def _row(robot: Robot, peaks: SegmentPeaks) -> tuple[str, ...]:
         return cells
     at = max(range(robot.n), key=lambda j: abs(peaks.loads[j].peak))
     load = peaks.loads[at]
-    unit = "N m" if robot.joints[at].is_revolute else "N"
-    return (*cells, f"tau{at + 1} {load.peak:.4g} {unit} at {load.time:.4g} s", f"{peaks.work:.4g} J")
+    return (*cells, _torque(robot, at, load.peak, load.time), f"{peaks.work:.4g} J")
 
 
-def _largest(robot: Robot, peaks: Sequence[Peak], per: str) -> str:
-    """The largest of the angles and the largest of the slides, those that move."""
+def _torque(robot: Robot, joint: int, value: float, time: float) -> str:
+    unit = "N m" if robot.joints[joint].is_revolute else "N"
+    return f"tau{joint + 1} {value:.4g} {unit} at {time:.4g} s"
+
+
+def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
+    """A row for each segment of a simulation, as far as it came.
+
+    Args:
+        motion: What is wanted.
+        run: What happens.
+
+    Returns:
+        Cells as `SIMULATED_HEADER` names them: the largest position error of angles and of slides, the largest torque,
+        the work of the motors and what friction took.
+    """
+    robot = motion.plan.robot
+    rows: list[tuple[str, ...]] = []
+    errors = run.q - motion(run.t)[0]
+    for segment in motion.trajectory.segments:
+        start, end = float(segment.start), float(segment.start + segment.duration)
+        (inside,) = np.nonzero((run.t >= start) & (run.t <= end))
+        if inside.size == 0:
+            break
+        at, joint = np.unravel_index(np.abs(run.tau[inside]).argmax(), run.tau[inside].shape)
+        first, last = inside[0], inside[-1]
+        rows.append(
+            (
+                segment.name,
+                _worst(robot, errors[inside], run.t[inside]),
+                _torque(robot, int(joint), float(run.tau[inside][at, joint]), float(run.t[inside][at])),
+                f"{run.work[last] - run.work[first]:.4g} J",
+                f"{run.lost[last] - run.lost[first]:.4g} J",
+            )
+        )
+    return rows
+
+
+def _worst(robot: Robot, errors: Array, times: Array) -> str:
+    """The largest errors of angles and of slides."""
     said = []
     for revolute, unit in ((True, "rad"), (False, "m")):
-        joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute and peaks[j].value != 0]
+        joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute]
         if joints:
-            at = max(joints, key=lambda j: abs(float(peaks[j].value)))
-            said.append(f"{robot.joints[at].variable} {_number(peaks[at].value)} {unit}/{per}")
-    return ", ".join(said) or "none"
+            at, k = np.unravel_index(np.abs(errors[:, joints]).argmax(), (len(errors), len(joints)))
+            variable = robot.joints[joints[k]].variable
+            said.append(f"{variable} {errors[at, joints[k]]:.1e} {unit} at {times[at]:.4g} s")
+    return ", ".join(said)
 
 
-def _number(value: object) -> str:
-    """An exact value with its decimals where these say more, a rounded one by them alone."""
-    text, decimals = str(value), f"{float(value):.4g}"  # type: ignore[arg-type]
-    exact = not any(character == "." for character in text) and len(text) <= 24
-    return text if text == decimals else f"{text} = {decimals}" if exact else decimals
+def diverged(motion: Motion, run: Run) -> str:
+    """Where a simulation was given up.
+
+    Args:
+        motion: What is wanted.
+        run: A simulation that did not reach its end.
+
+    Returns:
+        Time and state.
+    """
+    found = run.divergence
+    assert found is not None
+    state = []
+    for joint, q, qd in zip(motion.plan.robot.joints, found.q, found.qd, strict=True):
+        unit = "rad" if joint.is_revolute else "m"
+        state.append(f"{joint.variable} = {q:.4g} {unit}, {velocity_name(joint.variable)} = {qd:.4g} {unit}/s")
+    return (
+        f"the simulation diverges after {found.time:.6g} s of {motion.duration:.6g} s, where {', '.join(state)}; "
+        "smaller gains or a shorter period may help"
+    )
 
 
 def violations(motion: Motion) -> list[str]:
@@ -78,20 +135,42 @@ def violations(motion: Motion) -> list[str]:
     return lines
 
 
-def samples(motion: Motion) -> tuple[tuple[str, ...], np.ndarray]:
-    """The motion row by row.
+def samples(motion: Motion, run: Run | None = None) -> tuple[tuple[str, ...], Array]:
+    """The motion row by row, as it is wanted or as it was simulated.
 
     Args:
         motion: The motion.
+        run: A simulation of it, whose rows are wanted.
 
     Returns:
-        Names of the columns, and a row for each sample: time, positions, velocities, accelerations, torques.
+        Names of the columns, and a row for each sample: time, positions, velocities, accelerations, torques; of a
+        simulation time, positions, velocities, torques, energy, work of the motors, losses.
     """
     robot = motion.plan.robot
     variables = [joint.variable for joint in robot.joints]
-    names = ["t", *variables, *map(velocity_name, variables), *map(acceleration_name, variables)]
+    names = ["t", *variables, *map(velocity_name, variables)]
+    torques = [f"tau{j + 1}" for j in range(robot.n)]
+    if run is not None:
+        columns = [run.t[:, None], run.q, run.qd, run.tau, np.stack([run.energy, run.work, run.lost], axis=1)]
+        return (*names, *torques, "energy", "work", "lost"), np.hstack(columns)
+    names += map(acceleration_name, variables)
     columns = [motion.times[:, None], *motion(motion.times)]
     if motion.has_torques:
-        names += [f"tau{j + 1}" for j in range(robot.n)]
+        names += torques
         columns.append(motion.torques(motion.times))
     return tuple(names), np.hstack(columns)
+
+
+def csv_bytes(motion: Motion, run: Run | None = None) -> bytes:
+    """The rows of `samples` as comma-separated values with all digits.
+
+    Args:
+        motion: The motion.
+        run: A simulation of it.
+
+    Returns:
+        The contents of a file; its first line names the columns.
+    """
+    names, values = samples(motion, run)
+    lines = [",".join(names), *(",".join(map(repr, row)) for row in values.tolist())]
+    return ("\n".join(lines) + "\n").encode()

@@ -245,7 +245,7 @@ class RobotFile(Strict):
 
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
-    robot = _without_null(RobotFile.model_json_schema(ref_template="#/$defs/{model}"))
+    robot = without_null(RobotFile.model_json_schema(ref_template="#/$defs/{model}"))
     definitions = robot.pop("$defs", {})
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -264,13 +264,20 @@ def json_schema() -> dict[str, Any]:
     }
 
 
-def _without_null(schema: Any) -> Any:
-    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other."""
+def without_null(schema: Any) -> Any:
+    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other.
+
+    Args:
+        schema: A JSON Schema, or a part of one.
+
+    Returns:
+        It without ``null`` among what is allowed.
+    """
     if isinstance(schema, list):
-        return [_without_null(item) for item in schema]
+        return [without_null(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
-    plain = {key: _without_null(value) for key, value in schema.items() if not (key == "default" and value is None)}
+    plain = {key: without_null(value) for key, value in schema.items() if not (key == "default" and value is None)}
     options = [option for option in plain.get("anyOf", []) if option != {"type": "null"}]
     if len(options) == 1:
         del plain["anyOf"]

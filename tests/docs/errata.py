@@ -5,6 +5,7 @@ from __future__ import annotations
 from derive.api.check import printout_of
 from derive.checking.files import check_path
 from derive.checking.report import Printout, errata_report
+from tests.docs.motion_errata import section
 from tests.lectures.results import CORPUS
 from tests.places import ROOT
 
@@ -20,7 +21,7 @@ HEAD = (
     "What `derive check` finds wrong in five lecture documents. This page is written by the command itself "
     "(`make errata`). Formulas are in the shorthand of the notes: `c12` is the cosine of the sum of the first two "
     "joint angles, `**` a power. In the Newton-Euler equations `w`, `wd`, `v`, `vd` are velocities and accelerations, "
-    "`@` is the product with a matrix."
+    "`@` is the product with a matrix. The last section is about motions, where commands and numbers are printed."
 )
 
 
@@ -35,7 +36,8 @@ def page() -> str:
     found = printouts()
     documents = {finding.remark.document.title for p in found for finding in p.report.findings}
     documents |= {p.report.document.title for p in found}
-    return errata_report(found, {name: TITLES[name[:3]] for name in documents if name}, HEAD)
+    report = errata_report(found, {name: TITLES[name[:3]] for name in documents if name}, HEAD)
+    return "\n".join([report, *section()]).rstrip() + "\n"
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.errors import RobotFileError
+from derive.errors import QuantityError, RobotFileError
 from derive.motion.motion import Motion
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
@@ -95,3 +95,9 @@ def test_a_planar_arm_goes_straight_in_its_task() -> None:
     way = place[-1] - place[0]
     off = (place - place[0]) @ np.array([-way[1], way[0]])
     assert np.abs(off).max() < 1e-9
+
+
+def test_a_symbol_without_a_number_is_named_before_a_pose_is_looked_for() -> None:
+    text = "robot: planar-2r-perugia\npoints: {a: [0, 1], b: {pose: {p: [1, 0.3, 0]}}}\npath: [a, {to: b, time: 1}]\n"
+    with pytest.raises(QuantityError, match=r"the symbol 'a1' .*has no number; write values: \{a1: ...\} in the plan"):
+        assert Motion.from_text(text).trajectory

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.motion.motion import Motion
-from derive.motion.table import samples, table, violations
+from derive.motion.table import csv_bytes, samples, simulated_table, table, violations
 from tests.motion.plans import PICK_AND_PLACE
 
 LIMITED = """\
@@ -60,3 +60,32 @@ def test_samples_have_a_column_for_each_quantity() -> None:
     t, q, qd, qdd, tau = rows[37]
     assert tau == pytest.approx(qdd + 9.81 * np.cos(q), rel=1e-12)
     assert (q, qd) == pytest.approx(tuple(value[0] for value in motion(t)[:2]), rel=1e-12)
+
+
+def test_rows_of_a_simulation_are_its_own() -> None:
+    motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "50") + "control: {law: none}\n")
+    run = motion.simulate()
+    names, rows = samples(motion, run)
+    assert names == ("t", "q1", "qd1", "tau1", "energy", "work", "lost")
+    assert (rows[:, 0] == run.t).all()
+    assert (rows[:, 4] == run.energy).all()
+
+
+def test_comma_separated_values_have_all_digits() -> None:
+    motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "50"))
+    head, *lines = csv_bytes(motion).decode().splitlines()
+    assert head == "t,q1,qd1,qdd1,tau1"
+    assert (np.array([[float(cell) for cell in line.split(",")] for line in lines]) == samples(motion)[1]).all()
+
+
+def test_a_simulation_has_a_row_for_each_segment_that_it_reached() -> None:
+    head = LIMITED.replace("SPEED", "10").replace("TORQUE", "50").partition("path:")[0]
+    text = head + "path: [a, {to: b, time: 1/2}, {to: a, time: 1/2}]\ncontrol: {law: pd, kp: 400, kd: 40}\n"
+    motion = Motion.from_text(text)
+    run = motion.simulate()
+    rows = simulated_table(motion, run)
+    assert [row[0] for row in rows] == ["a -> b", "b -> a"]
+    half = int(np.abs(run.t - 0.5).argmin())
+    assert rows[1][3] == f"{run.work[-1] - run.work[half]:.4g} J"
+    worst = np.abs(run.q - motion(run.t)[0])[: half + 1].max()
+    assert f"{worst:.1e}" in rows[0][1]

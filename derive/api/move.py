@@ -1,0 +1,118 @@
+"""Motions from Python: what ``derive move`` prints and writes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from derive.errors import DeriveError
+from derive.handouts.figure.writers import SUFFIXES as FIGURES
+from derive.handouts.figure.writers import require_matplotlib
+from derive.motion.film import Film, ffmpeg, require_pillow
+from derive.motion.motion import Motion
+from derive.motion.plot import plot_bytes
+from derive.motion.simulation import Run
+from derive.motion.table import csv_bytes
+from derive.publish.atomic_folder import write_files
+
+MotionLike = Motion | str | Path
+"""A motion, the path of a plan, or the name of a built-in one."""
+
+Writer = Callable[[Motion, Run | None, str], bytes]
+"""Contents of a file from a motion, a simulation of it and the file's ending."""
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A kind of file.
+
+    Attributes:
+        endings: What its name may end with; empty for any.
+        needs: Called before anything is computed; raises where something is not installed.
+        contents: The contents of a file.
+    """
+
+    endings: tuple[str, ...]
+    needs: Callable[[], object]
+    contents: Writer
+
+
+def _gif(motion: Motion, run: Run | None, _: str) -> bytes:
+    return Film(motion, run).gif()
+
+
+def _mp4(motion: Motion, run: Run | None, _: str) -> bytes:
+    return Film(motion, run).mp4()
+
+
+def _film_tools() -> None:
+    require_pillow()
+    ffmpeg()
+
+
+FORMS = {
+    "csv": Form((), lambda: None, lambda motion, run, _: csv_bytes(motion, run)),
+    "plot": Form(FIGURES, require_matplotlib, lambda motion, run, ending: plot_bytes(motion, ending, run)),
+    "gif": Form((".gif",), require_pillow, _gif),
+    "mp4": Form((".mp4",), _film_tools, _mp4),
+}
+"""What is written, by the name of its option."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """What was computed and written.
+
+    Attributes:
+        motion: The motion.
+        run: Its simulation, where it was asked for.
+        files: The files.
+    """
+
+    motion: Motion
+    run: Run | None
+    files: tuple[Path, ...]
+
+
+def move(
+    plan: MotionLike,
+    *,
+    simulate: bool = False,
+    csv: str | Path | None = None,
+    plot: str | Path | None = None,
+    gif: str | Path | None = None,
+    mp4: str | Path | None = None,
+) -> Moved:
+    """Compute a motion and write its files, as ``derive move`` does.
+
+    Args:
+        plan: A motion, the path of a plan, or the name of a built-in one.
+        simulate: Whether the arm is simulated under the plan's control law; then the files show what happens.
+        csv: File for the samples: time, q, qd, qdd, tau.
+        plot: Figure of q, qd, qdd and tau: .pdf, .svg or .png.
+        gif: Film of the arm.
+        mp4: Film of the arm.
+
+    Returns:
+        The motion, its simulation, and the files, which are overwritten; either all are complete or none is touched.
+
+    Raises:
+        DeriveError: A file with another ending.
+        RobotFileError: The file is no plan, or its arm cannot move so.
+        TargetError: Matplotlib, Pillow or ffmpeg is missing.
+        OutputError: A file cannot be written.
+    """
+    asked = {"csv": csv, "plot": plot, "gif": gif, "mp4": mp4}
+    wanted = [(FORMS[name], Path(path)) for name, path in asked.items() if path is not None]
+    for form, path in wanted:
+        if form.endings and path.suffix.lower() not in form.endings:
+            allowed = f"allowed: {', '.join(form.endings)}"
+            raise DeriveError(f"{path.name!r} has the ending of another kind of file", allowed=allowed)
+        form.needs()
+    motion = plan if isinstance(plan, Motion) else Motion.load(plan)
+    run = motion.simulate() if simulate else None
+    contents = [(path, form.contents(motion, run, path.suffix.lower())) for form, path in wanted]
+    for path, data in contents:
+        write_files({path.name: data}, path.parent, force=True)
+    return Moved(motion, run, tuple(path for _, path in wanted))

@@ -1,0 +1,61 @@
+"""Motions from Python: files complete or untouched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import derive
+from derive.api import move as module
+from derive.errors import DeriveError, OutputError
+
+SWING = """\
+robot: {name: p, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}], links: [{mass: 1}]}
+points: {a: [0], b: [1]}
+path: [a, {to: b, time: 1/5}]
+control: {law: pd, kp: 30, kd: 8}
+"""
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Path:
+    path = tmp_path / "swing.yaml"
+    path.write_text(SWING)
+    return path
+
+
+def test_files_are_written_beside_each_other_and_named(plan: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    found = derive.move(plan, csv=tmp_path / "new" / "run.csv", plot=tmp_path / "tau.svg")
+    assert found.files == (tmp_path / "new" / "run.csv", tmp_path / "tau.svg")
+    assert (tmp_path / "new" / "run.csv").read_text().count("\n") == 22
+    assert found.run is None
+    assert b"<svg" in (tmp_path / "tau.svg").read_bytes()
+
+
+def test_with_a_simulation_the_rows_are_its_own(plan: Path, tmp_path: Path) -> None:
+    found = derive.move(derive.Motion.load(plan), simulate=True, csv=tmp_path / "run.csv")
+    assert found.run is not None
+    head, *rows = (tmp_path / "run.csv").read_text().splitlines()
+    assert head == "t,q1,qd1,tau1,energy,work,lost"
+    assert float(rows[-1].split(",")[1]) == found.run.q[-1, 0]
+
+
+def test_another_ending_is_refused_before_anything_is_computed(tmp_path: Path) -> None:
+    for option, name in (("plot", "tau.jpg"), ("gif", "a.mp4"), ("mp4", "a.gif")):
+        with pytest.raises(DeriveError, match=rf"'{name}' has the ending of another kind of file; allowed: \."):
+            derive.move("no-such-plan", **{option: tmp_path / name})  # type: ignore[arg-type]
+
+
+def test_when_one_file_fails_none_is_touched(plan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "run.csv").write_text("mine")
+
+    def refuse(*_: object) -> bytes:
+        raise OutputError("no film")
+
+    monkeypatch.setitem(module.FORMS, "gif", module.Form((".gif",), lambda: None, refuse))
+    with pytest.raises(OutputError, match="no film"):
+        derive.move(plan, csv=tmp_path / "run.csv", gif=tmp_path / "a.gif")
+    assert (tmp_path / "run.csv").read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.csv", "swing.yaml"]

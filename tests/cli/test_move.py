@@ -1,0 +1,186 @@
+"""``derive move``: what it prints and writes, and one message for each way in which a plan can be wrong."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from derive.cli.main import main
+from derive.motion.catalogue import plan_names
+from derive.robot.load import catalogue_names
+from tests.cli.command import derive, is_one_message
+
+PENDULUM = """\
+robot: {name: p, convention: standard, gravity: [0, -9.81, 0], links: [{mass: 1}],
+  joints: [{type: revolute, a: 1, limits: [-3, 3]}]}
+points: {a: [0], b: [1]}
+path: [a, {to: b, time: 1/5}]
+"""
+
+SLIDE = """\
+robot: {name: arm, convention: standard, joints: [{type: revolute, a: 1}, {type: prismatic}]}
+points:
+  a: [0, 0]
+  b: [1, 0.5]
+path: [a, {to: b, time: 1}]
+"""
+
+POSES = """\
+robot: {name: arm, convention: standard, inverse: {task: [x, y]},
+  joints: [{type: revolute, a: 1}, {type: revolute, a: 0.5}]}
+points:
+  a: [0, pi/2]
+  b: {pose: {p: [1.2, 0.3, 0]}}
+path: [a, {to: b, time: 1}]
+"""
+
+
+def written(text: str, folder: Path) -> str:
+    (folder / "plan.yaml").write_text(text)
+    return "plan.yaml"
+
+
+class TestWrongPlans:
+    """Exit status 2, one line with file, line and column; nothing is written."""
+
+    @pytest.mark.parametrize(
+        ("text", "old", "new", "message"),
+        [
+            (PENDULUM, "to: b", "to: bb", r"plan.yaml:4:16: path entry 2, to: unknown point 'bb'; allowed: a, b; did"),
+            (PENDULUM, "b: [1]", "b: [1, 2]", r"plan.yaml:3:21: points, b: 2 values for 1 joints; allowed: one for"),
+            (PENDULUM, "b: [1]", "b: [4]", r"plan.yaml:3:22: .*q1 = 4 rad is outside its limits; allowed: -3 to 3 rad"),
+            (PENDULUM, "1/5", "0", r"plan.yaml:4:25: path entry 2, time: found '0'; allowed: a time above zero \[s\]"),
+            (PENDULUM, "1/5", "-2", r"plan.yaml:4:25: path entry 2, time: found '-2'; allowed: a time above zero"),
+            (SLIDE, "0.5]", "pi/2]", r"plan.yaml:4:10: points, b entry 2: an angle, 'pi/2', for the slide q2; allowed"),
+            (SLIDE, "0.5]", "90deg]", r"plan.yaml:4:1\d: points, b entry 2: no operator before 'deg' in '90deg'"),
+            (SLIDE, "[1, 0.5]", "[w, 0.5]", r"plan.yaml:4:7: points, b entry 1: the symbol 'w' has no number; write"),
+            (
+                PENDULUM,
+                "time: 1/5}]",
+                "time: 1}]\ncontrol: {law: pd, kp: -1}",
+                r"plan.yaml:5:24: control, kp: found '-1'; allowed: zero or more",
+            ),
+            (
+                PENDULUM,
+                "time: 1/5}]",
+                "time: 10}]\nsample: 1e-8",
+                r"plan.yaml:5:9: 1e\+09 samples of 10 s, 40 GB; allow",
+            ),
+            (POSES, "1.2, 0.3", "1.6, 0.3", r"plan.yaml:5:3: the arm does not reach b; derive show .* inverse says"),
+            (
+                POSES.replace("[0, pi/2]", "[0, 0]"),
+                "time: 1}",
+                "time: 1, line: yes}",
+                r"plan.yaml:6:11: the way leads through a singular configuration 0 s after its start; go there by",
+            ),
+        ],
+    )
+    def test_each_is_one_message_at_its_place(
+        self, text: str, old: str, new: str, message: str, tmp_path: Path
+    ) -> None:
+        assert old in text
+        done = derive("move", written(text.replace(old, new), tmp_path), "--csv", "run.csv", folder=tmp_path)
+        assert done.status == 2
+        assert done.stdout == ""
+        assert is_one_message(done.stderr)
+        assert re.search(message, done.stderr), done.stderr
+        assert not (tmp_path / "run.csv").exists()
+
+    def test_no_such_plan(self, tmp_path: Path) -> None:
+        done = derive("move", "scara-pick", folder=tmp_path)
+        assert done.status == 2
+        assert "no built-in plan 'scara-pick'; allowed: a path to a motion plan, or a name from derive" in done.stderr
+
+    def test_options_that_do_not_belong_together(self, tmp_path: Path) -> None:
+        plan = written(PENDULUM, tmp_path)
+        assert derive("move", plan, "--format", "latex", folder=tmp_path).status == 2
+        assert derive("move", plan, "--show", "--json", folder=tmp_path).status == 2
+
+
+def test_no_move_is_accepted(tmp_path: Path) -> None:
+    done = derive("move", written(PENDULUM.replace("to: b", "to: a"), tmp_path), folder=tmp_path)
+    assert done.status == 0
+    assert "a -> a   1/5 = 0.2 s  none        none" in done.stdout
+
+
+def test_a_limit_that_is_exceeded_is_a_line_and_status_1(tmp_path: Path) -> None:
+    text = PENDULUM.replace("limits: [-3, 3]", "speed: 2")
+    done = derive("move", written(text, tmp_path), folder=tmp_path)
+    assert done.status == 1
+    assert "q1: speed 9.375 rad/s at 0.1 s exceeds the limit 2 by 7.38 rad/s" in done.stdout
+
+
+def test_a_diverging_simulation_keeps_its_rows_and_says_time_and_state(tmp_path: Path) -> None:
+    text = PENDULUM.replace("1/5", "2") + "control: {law: pd, kp: 1, kd: 1000, period: 0.1}\n"
+    done = derive("move", written(text, tmp_path), "--simulate", "--csv", "run.csv", folder=tmp_path)
+    assert done.status == 1
+    assert is_one_message(done.stderr)
+    found = re.search(r"the simulation diverges after ([\d.]+) s of 2 s, where q1 = (\S+) rad, qd1 = ", done.stderr)
+    assert found
+    rows = (tmp_path / "run.csv").read_text().splitlines()
+    assert 1 < len(rows) < 202
+    assert float(rows[-1].split(",")[0]) == pytest.approx(float(found[1]))
+
+
+def test_formulas_as_text_and_as_latex(tmp_path: Path) -> None:
+    plan = written(PENDULUM.replace("1/5", "2"), tmp_path)
+    text = derive("move", plan, "--show", folder=tmp_path).stdout
+    assert text == "a -> b, 0 <= t <= 2 s\n  q1 = 5*t**3/4 - 15*t**4/16 + 3*t**5/16\n"
+    latex = derive("move", plan, "--show", "--format", "latex", folder=tmp_path).stdout
+    assert latex.splitlines()[1] == r"q_{1}(t) = \frac{5 t^{3}}{4} - \frac{15 t^{4}}{16} + \frac{3 t^{5}}{16}"
+
+
+def test_json_names_the_files_that_were_written(tmp_path: Path) -> None:
+    plan = written(PENDULUM, tmp_path)
+    done = derive("move", plan, "--json", "--simulate", "--csv", "run.csv", folder=tmp_path)
+    found = json.loads(done.stdout)
+    assert found["files"] == ["run.csv"]
+    assert found["simulation"]["law"] == "none"
+    assert found["segments"][0]["joints"]["q1"]["speed"]["exact"] == "75/8"
+
+
+def test_list_names_the_built_in_plans(tmp_path: Path) -> None:
+    done = derive("list", "--plans", folder=tmp_path)
+    names = [line.split()[0] for line in done.stdout.splitlines()]
+    assert tuple(names[1:]) == plan_names()
+    rows = json.loads(derive("list", "--plans", "--json", folder=tmp_path).stdout)
+    assert {row["name"]: row["robot"] for row in rows}["scara-pick-and-place"] == "scara-matlab"
+
+
+def test_schema_of_plans_accepts_the_built_in_ones_and_refuses_others(tmp_path: Path) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads(derive("schema", "--plan", folder=tmp_path).stdout)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    plan = {"robot": "thumb", "points": {"a": [0, "pi/2"]}, "path": ["a", {"to": "a", "time": 1, "payload": 0.5}]}
+    jsonschema.validate(plan, schema)
+    for wrong in ({"profile": "quintc"}, {"pts": {}}, {"path": [{"time": 1}]}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate({**plan, **wrong}, schema)
+
+
+@pytest.mark.parametrize("robot", [name for name in catalogue_names() if name.startswith(("scara-p", "thumb"))])
+def test_new_writes_a_plan_that_moves(robot: str, tmp_path: Path) -> None:
+    made = derive("new", "mine", "--plan", robot, folder=tmp_path)
+    assert (made.status, made.stdout) == (0, "mine.yaml\n")
+    done = derive("move", "mine.yaml", folder=tmp_path)
+    assert done.status == 0, done.stderr
+    assert "home -> A  2 s" in done.stdout
+
+
+def test_new_copies_a_built_in_plan_and_overwrites_nothing(tmp_path: Path) -> None:
+    assert derive("new", "mine", "--from", "skeleton-reach", folder=tmp_path).status == 0
+    assert "robot: skeleton-root" in (tmp_path / "mine.yaml").read_text()
+    assert derive("new", "mine", "--from", "skeleton-reach", folder=tmp_path).status == 2
+    assert "--joints with --plan" in derive("new", "x", "--plan", "thumb", "--joints", "2", folder=tmp_path).stderr
+    assert derive("new", "X!", "--plan", "thumb", folder=tmp_path).status == 2
+
+
+def test_help_of_move_imports_nothing_heavy(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["move", "--help"])
+    assert stop.value.code == 0
+    said = capsys.readouterr().out
+    assert all(option in said for option in ("--simulate", "--csv", "--plot", "--gif", "--mp4", "--json", "--show"))
