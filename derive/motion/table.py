@@ -116,6 +116,24 @@ def diverged(motion: Motion, run: Run) -> str:
     )
 
 
+def _largest(robot: Robot, peaks: Sequence[Peak], per: str) -> str:
+    """The largest of the angles and the largest of the slides, those that move."""
+    said = []
+    for revolute, unit in ((True, "rad"), (False, "m")):
+        joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute and peaks[j].value != 0]
+        if joints:
+            at = max(joints, key=lambda j: abs(float(peaks[j].value)))
+            said.append(f"{robot.joints[at].variable} {_number(peaks[at].value)} {unit}/{per}")
+    return ", ".join(said) or "none"
+
+
+def _number(value: object) -> str:
+    """An exact value with its decimals where these say more, a rounded one by them alone."""
+    text, decimals = str(value), f"{float(value):.4g}"  # type: ignore[arg-type]
+    exact = not any(character == "." for character in text) and len(text) <= 24
+    return text if text == decimals else f"{text} = {decimals}" if exact else decimals
+
+
 def violations(motion: Motion) -> list[str]:
     """What a motion asks beyond the limits of its robot, a line each.
 

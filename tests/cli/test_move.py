@@ -122,7 +122,7 @@ def test_a_diverging_simulation_keeps_its_rows_and_says_time_and_state(tmp_path:
     assert found
     rows = (tmp_path / "run.csv").read_text().splitlines()
     assert 1 < len(rows) < 202
-    assert float(rows[-1].split(",")[0]) == pytest.approx(float(found[1]))
+    assert 0 <= float(found[1]) - float(rows[-1].split(",")[0]) <= 0.01
 
 
 def test_formulas_as_text_and_as_latex(tmp_path: Path) -> None:
