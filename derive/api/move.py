@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from derive.api.handout import with_options
 from derive.errors import DeriveError
 from derive.handouts.figure.writers import SUFFIXES as FIGURES
 from derive.handouts.figure.writers import require_matplotlib
 from derive.motion.film import Film, ffmpeg, require_pillow
 from derive.motion.motion import Motion
+from derive.motion.page import motion_page
 from derive.motion.plot import plot_bytes
 from derive.motion.simulation import Run
 from derive.motion.table import csv_bytes
@@ -54,6 +56,7 @@ def _film_tools() -> None:
 FORMS = {
     "csv": Form((), lambda: None, lambda motion, run, _: csv_bytes(motion, run)),
     "plot": Form(FIGURES, require_matplotlib, lambda motion, run, ending: plot_bytes(motion, ending, run)),
+    "html": Form((".html", ".htm"), lambda: None, lambda motion, run, _: motion_page(motion).encode()),
     "gif": Form((".gif",), require_pillow, _gif),
     "mp4": Form((".mp4",), _film_tools, _mp4),
 }
@@ -83,6 +86,8 @@ def move(
     plot: str | Path | None = None,
     gif: str | Path | None = None,
     mp4: str | Path | None = None,
+    html: str | Path | None = None,
+    language: str | None = None,
 ) -> Moved:
     """Compute a motion and write its files, as ``derive move`` does.
 
@@ -93,6 +98,8 @@ def move(
         plot: Figure of q, qd, qdd and tau: .pdf, .svg or .png.
         gif: Film of the arm.
         mp4: Film of the arm.
+        html: Web page on which the arm plays the motion.
+        language: Code of the page's language; None for that of the robot file.
 
     Returns:
         The motion, its simulation, and the files, which are overwritten; either all are complete or none is touched.
@@ -103,7 +110,7 @@ def move(
         TargetError: Matplotlib, Pillow or ffmpeg is missing.
         OutputError: A file cannot be written.
     """
-    asked = {"csv": csv, "plot": plot, "gif": gif, "mp4": mp4}
+    asked = {"csv": csv, "plot": plot, "gif": gif, "mp4": mp4, "html": html}
     wanted = [(FORMS[name], Path(path)) for name, path in asked.items() if path is not None]
     for form, path in wanted:
         if form.endings and path.suffix.lower() not in form.endings:
@@ -111,6 +118,8 @@ def move(
             raise DeriveError(f"{path.name!r} has the ending of another kind of file", allowed=allowed)
         form.needs()
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
+    if language is not None:
+        motion = Motion(replace(motion.plan, robot=with_options(motion.plan.robot, language=language)))
     run = motion.simulate() if simulate else None
     contents = [(path, form.contents(motion, run, path.suffix.lower())) for form, path in wanted]
     for path, data in contents:

@@ -19,6 +19,7 @@ Read a plan (the robot, points, the way between them) and print what each segmen
   derive move scara-pick-and-place
   derive move scara-pick-and-place --plot tau.svg --csv run.csv
   derive move my-plan.yaml --simulate --gif run.gif
+  derive move my-plan.yaml --html page.html --lang it
 
 PLAN is the path of a motion plan or a name that `derive list --plans` shows; `derive new NAME --plan ROBOT` writes one
 to start from. Exit status 1: a limit of the robot is exceeded, or the simulation diverges.
@@ -37,6 +38,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--show", action="store_true", help="print q(t) of every joint and segment instead of the table")
     add("--format", choices=("text", "latex"), default="text", help="form of --show (default text)")
     add("--json", action="store_true", help="machine-readable output")
+    add("--html", metavar="FILE", type=Path, help="write a web page on which the arm plays the motion")
+    add("--lang", metavar="CODE", help="language of the page: en, it, pt (default: that of the robot file)")
     add("--csv", metavar="FILE", type=Path, help="write time, q, qd, qdd and tau of every sample")
     add("--plot", metavar="FILE", type=Path, help="draw q, qd, qdd and tau with their peaks: .pdf, .svg or .png")
     add("--gif", metavar="FILE", type=Path, help="write a film of the arm")
@@ -63,10 +66,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.format != "text" and not arguments.show:
         raise DeriveError(f"--format {arguments.format} without --show", remedy="add --show")
+    if arguments.lang and not arguments.html:
+        raise DeriveError("--lang without --html", remedy="add --html page.html")
     if arguments.show and arguments.json:
         raise DeriveError("--show with --json", remedy="leave one out")
     files = {name: getattr(arguments, name) for name in FORMS}
-    found = move(arguments.plan, simulate=arguments.simulate, **files)
+    found = move(arguments.plan, simulate=arguments.simulate, language=arguments.lang, **files)
     if arguments.json:
         from derive.motion.summary import summary
 

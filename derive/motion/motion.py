@@ -19,7 +19,7 @@ from derive.motion.hand import Hand
 from derive.motion.hermite import TIME, Array
 from derive.motion.moving_base import BaseCurve
 from derive.motion.plan import TIME as TIME_NAME
-from derive.motion.plan import Plan, load_plan, plan_from_bytes
+from derive.motion.plan import Plan, Step, load_plan, plan_from_bytes
 from derive.motion.recording import read_recording
 from derive.motion.simulation import Run, simulate
 from derive.motion.stages import stages_of
@@ -200,13 +200,18 @@ class Motion:
         times: Array = np.append(np.arange(count) * sample, self.duration)
         return times
 
+    @property
+    def sample(self) -> float:
+        """Time between two samples [s]."""
+        return self._number(self.plan.sample)
+
     def _samples_in(self, duration: float) -> tuple[float, int]:
         """Time between two samples [s], and how many times it fits into a duration, the last one rounded up.
 
         Raises:
             RobotFileError: So many that they are hardly meant.
         """
-        sample, robot = self._number(self.plan.sample), self.plan.robot
+        sample, robot = self.sample, self.plan.robot
         count = duration / sample
         if count > MOST_SAMPLES:
             size = count * 8 * (1 + (4 if robot.has_dynamics else 3) * robot.n) / 1e9
@@ -236,11 +241,25 @@ class Motion:
         for i, step in enumerate(self.plan.steps):
             here = index == i
             if step.payload is not None and here.any():
-                body = Body.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
-                columns = [k for k, name in enumerate(self._functions.standard_parameters) if name in body]
+                columns, numbers = zip(*self.payload_columns(step), strict=True)
                 regressor = self._functions("regressor", q[here], qd[here], qdd[here])[..., columns]
-                tau[here] += regressor @ np.array([body[self._functions.standard_parameters[k]] for k in columns])
+                tau[here] += regressor @ np.array(numbers)
         return tau
+
+    def payload_columns(self, step: Step) -> tuple[tuple[int, float], ...]:
+        """What the tool carries in a segment, as parameters of the last link.
+
+        Args:
+            step: The segment.
+
+        Returns:
+            Columns of the regressor, and the parameters that belong to them; nothing where nothing is carried.
+        """
+        if step.payload is None:
+            return ()
+        body = Body.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
+        names = self._functions.standard_parameters
+        return tuple((k, body[name]) for k, name in enumerate(names) if name in body)
 
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:

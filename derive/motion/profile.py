@@ -13,7 +13,25 @@ from itertools import pairwise
 from math import prod
 
 import numpy as np
-from sympy import Abs, Add, Expr, Integer, Matrix, Mul, Pow, Rational, atan2, cos, pi, sign, sin, sqrt, tan, together
+from sympy import (
+    Abs,
+    Add,
+    Expr,
+    Integer,
+    Matrix,
+    Mul,
+    Pow,
+    Rational,
+    atan,
+    atan2,
+    cos,
+    pi,
+    sign,
+    sin,
+    sqrt,
+    tan,
+    together,
+)
 
 from derive.motion.hermite import TIME, Array, Piece, joined
 
@@ -111,6 +129,7 @@ _FUNCTIONS: dict[type[Expr], Callable[..., Array]] = {
     sign: np.sign,
     Abs: np.abs,
     atan2: np.arctan2,
+    atan: np.arctan,
 }
 
 

@@ -10,7 +10,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
@@ -18,6 +18,7 @@ from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.scene import upwards
 from derive.handouts.language import Text
 from derive.handouts.notation.notation import Notation
+from derive.handouts.page.player import Playback, function_names, player_texts
 from derive.handouts.page.target import Dragging
 from derive.handouts.parts.inverse_words import branch_name
 from derive.model.inverse.postures import postures
@@ -94,6 +95,7 @@ def viewer(
     start: Sequence[float] | None = None,
     notation: Notation | None = None,
     dragged: Dragging | None = None,
+    playback: Playback | None = None,
 ) -> Viewer:
     """The figure of a robot.
 
@@ -106,11 +108,15 @@ def viewer(
             half way out.
         notation: How symbols are written; None for the robot file's way.
         dragged: How its end effector is dragged, for which the program then has an inverse kinematics; None for not.
+        playback: A motion that is played; None for none.
     """
     numbers = symbol_values(robot, program.parameters, values)
     ways = travels(robot, numbers, start)
+    if playback is not None:
+        ways = tuple(_widened(way, *span) for way, span in zip(ways, playback.ranges, strict=True))
     inverse = program.inverse if dragged else None
-    needed = Program(tuple(program[name] for name in FUNCTIONS), program.parameters, inverse)
+    functions = (*FUNCTIONS, *(playback.functions if playback else ()))
+    needed = Program(tuple(program[name] for name in functions), program.parameters, inverse)
     notation = notation or Notation.of(robot, robot.handout.notation)
     target = None
     if dragged is not None and inverse is not None:
@@ -119,8 +125,12 @@ def viewer(
     script = render(
         "page/viewer.js.jinja",
         model=javascript_body(robot, needed),
-        configuration=_configuration(robot, program, numbers, ways, dragged if target else None, comma=text.comma),
+        configuration=_configuration(
+            robot, program, numbers, ways, dragged if target else None, playback, comma=text.comma
+        ),
         target=target is not None,
+        player=playback is not None,
+        functions=function_names(playback),
     )
     assumed = ""  # what is drawn for symbols without a number
     if values:
@@ -130,15 +140,18 @@ def viewer(
         )
         message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
         assumed = html_text(message).replace("@values@", ("; " if text.comma else ", ").join(pairs))
+    rows = _rows(robot, notation, ways)
     html = render(
         "page/viewer/viewer.html.jinja",
-        rows=_rows(robot, notation, ways),
+        rows=rows,
         words={name: html_text(word) for name, word in _words(text).items()},
         assumed=assumed,
         entries=range(4),
         target=target,
+        player=player_texts(playback, robot, rows, text) if playback else None,
     )
-    return Viewer(html, render("page/viewer/viewer.css.jinja"), f"{three()}\n{script}")
+    css = render("page/viewer/viewer.css.jinja") + (render("page/player/player.css.jinja") if playback else "")
+    return Viewer(html, css, f"{three()}\n{script}")
 
 
 def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
@@ -180,6 +193,11 @@ def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] |
             wanted = start[index]
         ways.append(Travel(joint.is_revolute, low, high, min(max(wanted, low), high)))
     return tuple(ways)
+
+
+def _widened(way: Travel, low: float, high: float) -> Travel:
+    """The way of a joint with all of a motion in it."""
+    return replace(way, lower=min(way.lower, low), upper=max(way.upper, high))
 
 
 @cache
@@ -227,6 +245,7 @@ def _configuration(
     numbers: Mapping[str, float],
     ways: Sequence[Travel],
     dragged: Dragging | None,
+    playback: Playback | None,
     *,
     comma: bool,
 ) -> str:
@@ -252,6 +271,8 @@ def _configuration(
         lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
         step = float(f"{0.01 * (sum(lengths) or 1.0):.1g}")
         value["target"] = {"given": list(program.inverse.given), "normal": dragged.normal, "step": step}
+    if playback is not None:
+        value["playback"] = playback.configuration
     return json.dumps(value, allow_nan=False).replace("<", "\\u003c")
 
 

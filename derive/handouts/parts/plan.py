@@ -1,0 +1,292 @@
+"""The part about a motion plan: segments, largest values, how coefficients of polynomials are found, formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from sympy import Expr, Float, Integer, Matrix, Poly, Rational, Symbol, ff, latex
+
+from derive.handouts.context import Context
+from derive.handouts.document import Block, Document, Paragraph, Rows, Section, Steps, Table
+from derive.handouts.layout.lines import Equation, equation_lines
+from derive.handouts.notation.pieces import Box, concatenate
+from derive.handouts.notation.printer import LatexPrinter
+
+UNIT = Symbol("u")
+"""Time since a piece began, in units of its length."""
+
+_DERIVATIVES = ("s", "s'", "s''", "s'''")
+"""The way from 0 to 1 in unit time, and its derivatives by that."""
+
+_LONGEST_EXACT = 48
+"""Letters of LaTeX of an exact value that stands beside its decimals."""
+
+_DIGITS = 6
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedPiece:
+    """A formula of a joint.
+
+    Attributes:
+        start: When it begins, since its segment did [s].
+        end: When it ends [s].
+        value: Position in the time since the segment began, in the symbol ``t``.
+    """
+
+    start: Expr
+    end: Expr
+    value: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedJoint:
+    """A joint in a segment.
+
+    Attributes:
+        pieces: Its formulas; none where there are too many to print.
+        count: How many there are.
+        speed: Its largest velocity with its sign, exact where that is known [rad/s or m/s].
+        acceleration: Its largest acceleration.
+        torque: Its largest torque with its sign [N m or N]; None where the robot has no dynamics.
+    """
+
+    pieces: tuple[PlannedPiece, ...]
+    count: int
+    speed: Expr
+    acceleration: Expr
+    torque: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedSegment:
+    """The way from one point to the next.
+
+    Attributes:
+        name: ``rest -> A``.
+        duration: How long it takes [s].
+        joints: What each joint does.
+        work: Mechanical work of all joints [J]; None where the robot has no dynamics.
+    """
+
+    name: str
+    duration: Expr
+    joints: tuple[PlannedJoint, ...]
+    work: float | None
+
+    @property
+    def title(self) -> str:
+        """Its name as it is printed."""
+        return self.name.replace("->", "\N{RIGHTWARDS ARROW}").replace("$", "").replace("`", "")
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedMotion:
+    """A motion in formulas and numbers.
+
+    Attributes:
+        segments: One after the other.
+        profiles: Names of the profiles that occur; of those that are polynomials from rest to rest the coefficients in
+            unit time, from the constant on, else nothing.
+    """
+
+    segments: tuple[PlannedSegment, ...]
+    profiles: Mapping[str, Sequence[int]]
+
+
+def plan_section(context: Context, motion: PlannedMotion) -> Section:
+    """The part.
+
+    Args:
+        context: The handout.
+        motion: The motion.
+
+    Returns:
+        Its section.
+    """
+    return Section("plan", context.text("Motion plan"), tuple(_blocks(context, motion)))
+
+
+def plan_sheet(context: Context, title: str, digest: str, sections: tuple[Section, ...]) -> Document:
+    """A document about a motion plan.
+
+    Args:
+        context: The handout of its robot.
+        title: The user's text.
+        digest: SHA-256 of the plan.
+        sections: The parts.
+
+    Returns:
+        The document.
+    """
+    _ = context.text
+    return Document(
+        title=title,
+        subtitle=_("Motion plan"),
+        name=context.robot.name,
+        language=_.language,
+        digest=digest,
+        version=context.version,
+        footer=_("derive %(version)s, motion plan `%(digest)s`", version=context.version, digest=digest[:16]),
+        sections=sections,
+    )
+
+
+def _blocks(context: Context, motion: PlannedMotion) -> Iterator[Block]:
+    _ = context.text
+    total = sum((segment.duration for segment in motion.segments), Integer(0))
+    yield Paragraph(
+        _(
+            "Duration $%(time)s$ s. Largest velocities and accelerations, with their signs, in rad and m:",
+            time=_exact(context, total),
+        )
+    )
+    yield _speeds(context, motion)
+    if any(segment.work is not None for segment in motion.segments):
+        yield Paragraph(_("Largest torques [N m] and forces [N] at the samples, and the work of all joints [J]:"))
+        yield _torques(context, motion)
+    others = _other_profiles(context)
+    for profile, coefficients in motion.profiles.items():
+        if coefficients:
+            title = _("How the polynomial of degree %(degree)s is found", degree=len(coefficients) - 1)
+            yield Steps(title, (*_derivation(context, coefficients),))
+        elif profile in others:
+            yield others[profile]
+    yield Steps(_("Formulas of the joints"), (*_formulas(context, motion),))
+
+
+def _speeds(context: Context, motion: PlannedMotion) -> Block:
+    _ = context.text
+    header = (_("segment"), "$T$ [s]", _("joint"), _("velocity"), _("acceleration"))
+    rows = []
+    for segment in motion.segments:
+        cells = (segment.title, f"${_exact(context, segment.duration)}$")
+        for variable, joint in zip(context.robot.joints, segment.joints, strict=True):
+            if joint.speed != 0 or joint.acceleration != 0:
+                symbol = context.notation.glyph(variable.variable).box.tex
+                values = (f"${_exact_and_decimal(context, value)}$" for value in (joint.speed, joint.acceleration))
+                rows.append((*cells, f"${symbol}$", *values))
+                cells = ("", "")
+        if cells[0]:
+            rows.append((*cells, "", _("none moves"), ""))
+    return Table(header, tuple(rows), long=len(rows) > 30)
+
+
+def _torques(context: Context, motion: PlannedMotion) -> Block:
+    _ = context.text
+    symbols = (f"${context.symbols.torque(i).tex}$" for i in range(1, context.robot.n + 1))
+    rows = tuple(
+        (
+            segment.title,
+            *(f"${_decimal(context, joint.torque or 0.0)}$" for joint in segment.joints),
+            f"${_decimal(context, segment.work or 0.0)}$",
+        )
+        for segment in motion.segments
+    )
+    return Table((_("segment"), *symbols, _("work")), rows, long=len(rows) > 30)
+
+
+def _derivation(context: Context, coefficients: Sequence[int]) -> Iterator[Block]:
+    """From rest to rest in unit time: conditions at the ends, their linear system, and its solution."""
+    _ = context.text
+    k = len(coefficients) // 2
+    yield Paragraph(
+        _(
+            "With $u = (t - t_0)/T$ a joint that goes from rest to rest is at $q = q_0 + (q_1 - q_0)\\,s(u)$, "
+            "$s = \\sum_i a_i u^i$, with"
+        )
+    )
+    starts = [f"{letter}(0) = 0" for letter in _DERIVATIVES[:k]]
+    ends = [f"{letter}(1) = {0 if order else 1}" for order, letter in enumerate(_DERIVATIVES[:k])]
+    yield Rows((",\\quad ".join(starts), ",\\quad ".join(ends)))
+    lower = [f"a_{{{i}}} = 0" for i in range(k)]
+    yield Paragraph(_("The conditions at the start give the first coefficients, those at the end the others:"))
+    system = Matrix(k, k, lambda order, i: ff(k + i, order))
+    unknowns = Matrix([Symbol(f"a_{k + i}") for i in range(k)])
+    right = Matrix([1] + [0] * (k - 1))
+    product = "".join(latex(part, mat_str="bmatrix", mat_delim="") for part in (system, unknowns))
+    yield Rows((",\\quad ".join(lower), f"{product} = {latex(right, mat_str='bmatrix', mat_delim='')}"))
+    s = Poly.from_list(list(reversed(coefficients)), UNIT)
+    lines = [
+        f"{letter} = {latex(poly.as_expr(), order='rev-lex')}"
+        for letter, poly in zip(_DERIVATIVES, (s, s.diff(UNIT), s.diff(UNIT).diff(UNIT)), strict=False)
+    ]
+    yield Paragraph(
+        _("Hence, with the derivatives by $u$, to be divided by $T$ for velocities and by $T^2$ for accelerations:")
+    )
+    yield Rows(tuple(lines))
+    yield Paragraph(_("Where a joint does not stop at a point, its velocity there takes the place of the zero."))
+
+
+def _other_profiles(context: Context) -> dict[str, Steps]:
+    """Profiles that are no polynomials from rest to rest."""
+    _ = context.text
+    blend = ("t_b = T - \\frac{D}{V},\\quad \\frac{D}{T} < V \\le \\frac{2D}{T},\\quad a = \\frac{V}{t_b}",)
+    cosine = (
+        "s = \\frac{1 - \\cos \\pi u}{2},\\quad s' = \\frac{\\pi}{2} \\sin \\pi u,"
+        "\\quad s'' = \\frac{\\pi^2}{2} \\cos \\pi u",
+    )
+    continuity = (
+        "\\frac{v_{j-1}}{h_{j-1}} + 2 \\left(\\frac{1}{h_{j-1}} + \\frac{1}{h_j}\\right) v_j + \\frac{v_{j+1}}{h_j}"
+        " = 3 \\left(\\frac{\\sigma_{j-1}}{h_{j-1}} + \\frac{\\sigma_j}{h_j}\\right)",
+    )
+    speeding = _(
+        "A joint that goes the distance $D = |q_1 - q_0|$ in the time $T$ speeds up with the acceleration $a$ until "
+        "$t_b$, goes on with the velocity $V$, and slows down as it has sped up:"
+    )
+    unit = _("With $u = (t - t_0)/T$ and $q = q_0 + (q_1 - q_0)\\,s(u)$:")
+    points = _(
+        "Cubic polynomials between the points, with intervals of lengths $h_j$ and slopes $\\sigma_j$. Accelerations "
+        "are continuous where the velocities $v_j$ at the points, zero at both ends, satisfy"
+    )
+    return {
+        "trapezoidal": Steps(_("Trapezoids of velocity"), (Paragraph(speeding), Rows(blend))),
+        "harmonic": Steps(_("Harmonic motion"), (Paragraph(unit), Rows(cosine))),
+        "spline": Steps(_("How the spline is found"), (Paragraph(points), Rows(continuity))),
+    }
+
+
+def _formulas(context: Context, motion: PlannedMotion) -> Iterator[Block]:
+    _ = context.text
+    yield Paragraph(_("In the time $t$ since the segment began [s]:"))
+    for segment in motion.segments:
+        yield Paragraph(f"{segment.title}, $0 \\le t \\le {_exact(context, segment.duration)}$")
+        equations, counts = [], set()
+        for joint, found in zip(context.robot.joints, segment.joints, strict=True):
+            symbol = context.notation.glyph(joint.variable).box
+            for piece in found.pieces:
+                left = symbol if len(found.pieces) == 1 else concatenate(symbol, _span(context, piece))
+                equations.append(Equation(left, tuple(context.printer.pieces(_rational(piece.value)))))
+            counts |= set() if found.pieces else {found.count}
+        if equations:
+            yield Rows(tuple(equation_lines(equations)))
+        for count in sorted(counts):
+            yield Paragraph(_("The other joints: %(count)s polynomials each, between places on the way.", count=count))
+
+
+def _span(context: Context, piece: PlannedPiece) -> Box:
+    start, end = (_exact(context, value) for value in (piece.start, piece.end))
+    return Box(f"\\,\\big|_{{{start} \\le t \\le {end}}}", 12.0 + 4.5 * len(start + end))
+
+
+def _rational(value: Expr) -> Expr:
+    """Floats as fractions, which the printer rounds."""
+    return value.xreplace({number: Rational(float(number)) for number in value.atoms(Float)})
+
+
+def _exact(context: Context, value: Expr) -> str:
+    return context.printer.latex(_rational(value))
+
+
+def _decimal(context: Context, value: float) -> str:
+    """Six significant digits."""
+    printer = LatexPrinter(replace(context.notation, decimals=True))
+    return printer.latex(Rational(f"{value:.{_DIGITS}g}"))
+
+
+def _exact_and_decimal(context: Context, value: Expr) -> str:
+    exact, decimal = _exact(context, value), _decimal(context, float(value))
+    if exact == decimal or value.has(Float) or len(exact) > _LONGEST_EXACT:
+        return decimal
+    return f"{exact} = {decimal}"

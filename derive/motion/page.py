@@ -1,0 +1,104 @@
+"""The web page of a motion: the arm that plays it, and the handout's part about the plan."""
+
+from __future__ import annotations
+
+from derive.handouts.assemble import context_of, section_of
+from derive.handouts.context import Context
+from derive.handouts.document import Section
+from derive.handouts.page.viewer import FUNCTIONS, viewer
+from derive.handouts.page.writer import page
+from derive.handouts.parts.plan import (
+    PlannedJoint,
+    PlannedMotion,
+    PlannedPiece,
+    PlannedSegment,
+    plan_section,
+    plan_sheet,
+)
+from derive.motion.hermite import basis
+from derive.motion.motion import Motion
+from derive.motion.playback import playback
+from derive.motion.polynomials import formula
+from derive.motion.profile import VALUES
+from derive.motion.trajectory import Segment
+from derive.programs.build import build_program
+from derive.programs.search_policy import Effort
+
+MOST_PIECES = 8
+"""Formulas of a joint in a segment that are printed."""
+
+PARTS = ("table", "parameters")
+"""What of the robot's own handout stands on the page."""
+
+
+def motion_page(motion: Motion) -> str:
+    """The page of a motion.
+
+    Args:
+        motion: The motion; the language is that of its robot's handout.
+
+    Returns:
+        HTML that needs no other file.
+
+    Raises:
+        TargetError: There is no such language, or a package for the web page is missing.
+        QuantityError: A symbol of the robot has no number.
+    """
+    robot = motion.plan.robot
+    context = context_of(robot)
+    text = context.text
+    sections = (plan_part(motion, context), *(section_of(context, name) for name in PARTS))
+    title = motion.plan.title or robot.title or robot.name
+    sheet = plan_sheet(context, title, motion.plan.digest, tuple(section for section in sections if section))
+    values = {name: value for name, value, _ in context.poses.assumed} if context.poses else {}
+    values |= {name: motion.values[name] for name in motion.plan.values}
+    played = playback(motion)
+    program = build_program(robot, Effort.QUICK, names={*FUNCTIONS, *played.functions})
+    figure = viewer(robot, program, values, text, notation=context.notation, playback=played)
+    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+    return page(sheet, text, figure).replace("<!DOCTYPE html>", mark, 1)
+
+
+def plan_part(motion: Motion, context: Context) -> Section:
+    """The handout's part about a plan.
+
+    Args:
+        motion: The motion.
+        context: The handout of its robot.
+
+    Returns:
+        Its section.
+    """
+    segments = tuple(
+        PlannedSegment(
+            peaks.segment.name,
+            peaks.segment.duration,
+            tuple(
+                PlannedJoint(
+                    _pieces(peaks.segment, j),
+                    len(peaks.segment.joints[j]),
+                    peaks.speeds[j].value,
+                    peaks.accelerations[j].value,
+                    peaks.loads[j].peak if peaks.loads else None,
+                )
+                for j in range(motion.plan.robot.n)
+            ),
+            peaks.work if peaks.loads else None,
+        )
+        for peaks in motion.peaks
+    )
+    profiles = dict.fromkeys(step.profile for step in motion.plan.steps)
+    coefficients = {
+        profile: basis(VALUES[profile])[VALUES[profile]] if profile in VALUES else () for profile in profiles
+    }
+    return plan_section(context, PlannedMotion(segments, coefficients))
+
+
+def _pieces(segment: Segment, joint: int) -> tuple[PlannedPiece, ...]:
+    pieces = segment.joints[joint]
+    if len(pieces) > MOST_PIECES:
+        return ()
+    return tuple(
+        PlannedPiece(piece.start - segment.start, piece.end - segment.start, formula(piece, segment))
+        for piece in pieces
+    )

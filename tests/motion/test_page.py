@@ -1,0 +1,226 @@
+"""The page of a motion in Chromium: the same numbers as here; played, and set by slider, keys and plots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from derive.motion.motion import Motion
+from derive.motion.page import motion_page
+from tests.handouts.page.test_browser_viewer import browser
+from tests.motion.plans import PICK_AND_PLACE
+
+__all__ = ["browser"]
+
+ARM = """{name: arm, convention: standard, gravity: [0, -9.81, 0],
+  joints: [{type: revolute, a: 0.5, alpha: pi/2, limits: [-pi, pi]}, {type: prismatic, limits: [0, 1]}],
+  links: [{mass: 3, com: [-0.2, 0, 0], inertia: {xx: 0.1, yy: 0.2, zz: 0.2}}, {mass: 1}]}"""
+PLANS = {
+    "document-004": PICK_AND_PLACE.replace("{to: D, time: 3}", "{to: D, time: 3, payload: 0.5}"),
+    "profiles": f"""robot: {ARM}
+points: {{a: [0.2, 0.1], b: [1.5, 0.9]}}
+path: [a, {{to: b, time: 1, profile: trapezoidal}}, {{to: a, time: 3/2, profile: harmonic}},
+  {{to: b, time: 1, profile: cubic, payload: 2}}, {{to: a, time: 2, profile: septic}}]""",
+    "curves": f"robot: {ARM}\ncurves: {{q1: pi/4*sin(2*t) + 4, q2: t**2/10 + sqrt(t + 1)/8}}\ntime: 3\n",
+    "spline": f"""robot: {ARM}
+profile: spline
+points: {{a: [0, 0.1], b: [1, 0.9], c: [-1, 0.4]}}
+path: [a, {{to: b, time: 1}}, {{to: c, time: 2}}]""",
+}
+SIZE = 3_000_000
+
+
+class Shown:
+    """A page of a motion, opened from disk; remembers what it should not do."""
+
+    def __init__(self, browser: Any, folder: Path, text: str, **context: Any) -> None:
+        self.motion = Motion.from_text(text)
+        self.trouble: list[str] = []
+        path = folder / "motion.html"
+        path.write_text(motion_page(self.motion), encoding="utf-8")
+        self.size = path.stat().st_size
+        self.page = browser.new_context(viewport={"width": 1000, "height": 800}, **context).new_page()
+        self.page.on("console", lambda message: self.trouble.append(f"{message.type}: {message.text}"))
+        self.page.on("pageerror", lambda error: self.trouble.append(str(error)))
+        self.page.on("request", lambda request: self._note(request.url, path))
+        self.page.goto(path.as_uri())
+
+    def _note(self, url: str, path: Path) -> None:
+        if url != path.as_uri() and not url.startswith("data:"):
+            self.trouble.append(f"request: {url}")
+
+    def time(self) -> float:
+        return float(self.page.evaluate("deriveViewer.player.time()"))
+
+    def is_playing(self) -> bool:
+        return bool(self.page.evaluate("deriveViewer.player.isPlaying()"))
+
+
+@pytest.fixture(
+    scope="module",
+    params=[
+        "document-004",
+        *(pytest.param(name, marks=pytest.mark.sweep) for name in ("profiles", "curves", "spline")),
+    ],
+)
+def shown(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
+    made = Shown(browser, tmp_path_factory.mktemp("motion"), PLANS[request.param])
+    yield made
+    made.page.context.close()
+    assert made.trouble == []
+
+
+def test_the_page_moves_as_the_motion_does(shown: Shown) -> None:
+    times = np.append(
+        np.random.default_rng(4).uniform(-0.1, 1.1, 197) * shown.motion.duration, [0, 3, shown.motion.duration]
+    )
+    script = "times => times.map((t) => deriveViewer.motion.at(t))"
+    found = np.array(shown.page.evaluate(script, times.tolist())).transpose(1, 0, 2)
+    expected = [*shown.motion(times), shown.motion.torques(times)]
+    for ours, theirs in zip(expected, found, strict=True):
+        assert np.abs(ours - theirs).max() <= 1e-12 * max(1.0, np.abs(ours).max())
+
+
+def test_the_arm_of_the_page_is_where_the_motion_is(shown: Shown) -> None:
+    t = 0.37 * shown.motion.duration
+    shown.page.evaluate("t => deriveViewer.player.set(t)", t)
+    assert shown.page.evaluate("deriveViewer.configuration()") == pytest.approx(shown.motion(t)[0], abs=1e-12)
+    said = shown.page.get_attribute(".player-time", "aria-valuetext") or ""
+    assert f"{t:.2f}"[:4] in said
+
+
+def test_the_page_is_small(shown: Shown) -> None:
+    assert shown.size <= SIZE
+
+
+def test_curves_are_as_high_as_the_motion(shown: Shown) -> None:
+    """The cursor of every plot stands on its curve."""
+    shown.page.evaluate("t => deriveViewer.player.set(t)", 0.6 * shown.motion.duration)
+    off = shown.page.evaluate(
+        """() => [...document.querySelectorAll(".player-plot")].flatMap((plot) => {
+          const [curves, cursor] = plot.querySelectorAll("svg");
+          const x = new DOMMatrix(getComputedStyle(cursor).transform).e + 5;
+          return [...cursor.querySelectorAll("circle")].map((dot, k) => {
+            const points = curves.querySelectorAll(".player-curve")[k].getAttribute("d").slice(1).split("L")
+              .map((pair) => pair.split(" ").map(Number));
+            const near = points.filter(([u]) => Math.abs(u - x) < 2).map(([, v]) => v);
+            const y = Number(dot.getAttribute("cy"));
+            return Math.max(0, Math.min(...near) - y, y - Math.max(...near));
+          });
+        })"""
+    )
+    assert len(off) == shown.motion.plan.robot.n * 4
+    assert max(off) <= 1.5
+
+
+def test_it_plays_and_waits_for_who_moves_a_joint(shown: Shown) -> None:
+    shown.page.evaluate("deriveViewer.player.set(0)")
+    shown.page.locator(".player-play").click()
+    assert shown.page.locator(".player-play").inner_text() == "Pause"
+    shown.page.wait_for_function("deriveViewer.player.time() > 0.05")
+    shown.page.locator(".viewer-number").first.fill("11")
+    shown.page.keyboard.press("Tab")
+    assert not shown.is_playing()
+    assert shown.page.locator(".player-play").inner_text() == "Play"
+
+
+def test_it_stops_at_the_end_or_begins_again(shown: Shown) -> None:
+    end = shown.motion.duration
+    shown.page.evaluate("t => deriveViewer.player.set(t)", end - 0.01)
+    shown.page.locator(".player-play").click()
+    shown.page.wait_for_function("!deriveViewer.player.isPlaying()")
+    assert shown.time() == end
+    shown.page.locator(".player-repeat").check()
+    shown.page.evaluate("t => deriveViewer.player.set(t)", end - 0.01)
+    shown.page.locator(".player-play").click()
+    shown.page.wait_for_function("deriveViewer.player.time() < 0.9 * deriveViewer.motion.duration")
+    assert shown.is_playing()
+    shown.page.locator(".player-play").click()
+    shown.page.locator(".player-repeat").uncheck()
+
+
+def test_keys_segments_and_plots_set_the_time(shown: Shown) -> None:
+    corners = [float(segment.start) for segment in shown.motion.trajectory.segments] + [shown.motion.duration]
+    slider = shown.page.locator(".player-time")
+    slider.focus()
+    slider.press("Home")
+    assert shown.time() == 0
+    slider.press("ArrowRight")
+    assert shown.time() == pytest.approx(shown.motion.sample)
+    slider.press("Shift+ArrowRight")
+    assert shown.time() == pytest.approx(11 * shown.motion.sample)
+    slider.press("PageDown")
+    assert shown.time() == 0
+    slider.press("PageUp")
+    assert shown.time() == pytest.approx(corners[1])
+    slider.press("End")
+    assert shown.time() == pytest.approx(corners[-1])
+    last = len(corners) - 2
+    shown.page.locator(".player-segment").select_option(index=last)
+    assert shown.time() == pytest.approx(corners[last])
+    plot = shown.page.locator(".player-plot svg[role=img]").first
+    plot.scroll_into_view_if_needed()
+    box = plot.bounding_box()
+    plot.click(position={"x": 48 + (box["width"] - 62) / 2, "y": 60})
+    assert shown.time() == pytest.approx(corners[-1] / 2, abs=0.01 * corners[-1])
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_page_is_accessible(shown: Shown, scheme: Any) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    shown.page.emulate_media(color_scheme=scheme)
+    found = axe.run(shown.page).response["violations"]
+    assert [(v["id"], v["nodes"][0]["html"][:90]) for v in found if v["impact"] in ("serious", "critical")] == []
+
+
+def test_on_a_phone_the_page_does_not_scroll_sideways(shown: Shown) -> None:
+    shown.page.set_viewport_size({"width": 360, "height": 740})
+    shown.page.wait_for_function("document.documentElement.scrollWidth <= innerWidth")
+    shown.page.set_viewport_size({"width": 1000, "height": 800})
+
+
+def test_who_wants_less_motion_sees_a_picture_each_half_second(shown: Shown) -> None:
+    shown.page.emulate_media(reduced_motion="reduce")
+    shown.page.evaluate("deriveViewer.player.set(0.6)")
+    shown.page.locator(".player-play").click()
+    shown.page.wait_for_function("deriveViewer.player.time() > 0.65")
+    shown_time = shown.page.evaluate("[deriveViewer.configuration(), deriveViewer.player.time()]")
+    shown.page.locator(".player-play").click()
+    shown.page.emulate_media(reduced_motion="no-preference")
+    steps = np.floor(2 * shown_time[1]) / 2
+    assert shown_time[0] == pytest.approx(shown.motion(steps)[0], abs=1e-12)
+
+
+@pytest.mark.sweep
+def test_without_webgl_plots_and_values_still_move(browser: Any, tmp_path: Path) -> None:
+    made = Shown(browser, tmp_path, PLANS["curves"])
+    made.page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null;")
+    made.page.reload()
+    made.page.evaluate("deriveViewer.player.set(1)")
+    assert made.page.locator(".player-values td span").first.inner_text() == "4.714"
+    assert made.page.locator(".viewer-message").is_visible()
+    made.page.context.close()
+    assert made.trouble == []
+
+
+@pytest.mark.parametrize(("language", "word"), [("it", "Piano di moto"), ("pt", "Plano de movimento")])
+def test_the_page_speaks_three_languages(language: str, word: str) -> None:
+    html = motion_page(Motion.from_text(PLANS["curves"]), language)
+    assert f'<html lang="{language}">' in html
+    assert word in html
+    assert "Plots over time" not in html
+
+
+def test_names_of_points_are_text() -> None:
+    plan = f"""robot: {ARM}
+title: </script><b>x</b>
+points: {{"<b>": [0, 0.1], "</script>": [1, 0.9]}}
+path: ["<b>", {{to: "</script>", time: 1}}]"""
+    html = motion_page(Motion.from_text(plan))
+    assert "<b>x" not in html
+    assert "&lt;b&gt; \N{RIGHTWARDS ARROW} &lt;/script&gt;" in html
+    assert html.count("</script>") == html.count("<script>")
