@@ -1,0 +1,71 @@
+"""A motion on the page: what the script is given, and the words around it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+from derive.handouts.language import Text
+from derive.handouts.page.player import Playback, PlayedPiece, PlayedSegment, function_names, player_texts
+from derive.handouts.page.viewer import viewer
+from derive.programs.build import build_program
+from derive.programs.search_policy import Effort
+from derive.robot.robot import Robot
+
+ARM = """
+name: arm
+convention: standard
+joints: [{type: revolute, a: 1}, {type: prismatic, limits: [0, 1]}]
+"""
+MOTION = Playback(
+    tracks=(
+        (PlayedPiece("cosine", 0.0, 2.0, (0.0, 4.0)),),
+        (PlayedPiece("curve", 0.0, 2.0, formulas=("t", 1.0, 0.0)),),
+    ),
+    segments=(PlayedSegment("a -> <b>", 0.0, ((3, 0.5),)),),
+    basis={},
+    duration=2.0,
+    sample=0.01,
+    ranges=((0.0, 4.0), (0.0, 2.0)),
+    functions=(),
+)
+ROWS = [{"label": f"<i>q</i><sub>{j}</sub>", "name": f"q{j}", "place": j} for j in range(2)]
+
+
+def test_the_script_gets_plain_data() -> None:
+    plain = json.loads(json.dumps(MOTION.configuration))
+    assert plain["tracks"] == [[["cosine", 0.0, 2.0, 0.0, 4.0]], [["curve", 0.0, 2.0, "t", 1.0, 0.0]]]
+    assert plain["segments"] == [["a -> <b>", 0.0, [[3, 0.5]]]]
+
+
+def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None:
+    robot = Robot.from_text(ARM)
+    made = player_texts(MOTION, robot, ROWS, Text())
+    assert [(plot["order"], plot["revolute"]) for plot in made["plots"]] == [
+        (k, b) for k in range(3) for b in (True, False)
+    ]
+    with_torques = player_texts(replace(MOTION, functions=("inverse_dynamics",)), robot, ROWS, Text())
+    assert [plot["title"] for plot in with_torques["plots"][6:]] == ["Torque [N m]", "Force [N]"]
+    assert with_torques["joints"][1]["units"] == ["m", "m/s", "m/s²", "N"]
+
+
+def test_words_are_translated_and_inert() -> None:
+    made = player_texts(MOTION, Robot.from_text(ARM), ROWS, Text("xx", {"Play": '<b>"Via"</b>'}, comma=True))
+    assert made["words"]["play"] == "&lt;b&gt;&quot;Via&quot;&lt;/b&gt;"
+    assert made["segments"] == ["a → &lt;b&gt;"]
+    assert (0.25, "0,25", False) in made["speeds"]
+
+
+def test_the_script_calls_functions_by_their_names_there() -> None:
+    assert function_names(replace(MOTION, functions=("inverse_dynamics",))) == ("inverseDynamics",)
+    assert function_names(None) == ()
+
+
+def test_sliders_hold_all_of_the_motion() -> None:
+    robot = Robot.from_text(ARM)
+    program = build_program(robot, Effort.QUICK)
+    plain, played = (viewer(robot, program, {}, Text(), playback=motion) for motion in (None, MOTION))
+    assert 'max="1"' in plain.html
+    assert 'max="2"' in played.html
+    assert 'class="player-play"' in played.html
+    assert "player" not in plain.html + plain.css

@@ -1,0 +1,86 @@
+"""The part about a motion plan: its tables, and the derivation of the profiles."""
+
+from __future__ import annotations
+
+import pytest
+from sympy import Float, Integer, Rational, Symbol, pi
+
+from derive.handouts.assemble import context_of
+from derive.handouts.context import Context
+from derive.handouts.document import Paragraph, Rows, Section, Steps, Table
+from derive.handouts.latex_writer import latex
+from derive.handouts.parts.plan import (
+    PlannedJoint,
+    PlannedMotion,
+    PlannedPiece,
+    PlannedSegment,
+    plan_section,
+    plan_sheet,
+)
+from derive.robot.robot import Robot
+
+T = Symbol("t")
+STILL = PlannedJoint((PlannedPiece(Integer(0), Integer(2), Float(0.25)),), 1, Integer(0), Integer(0), -3.0)
+MOVING = PlannedJoint(
+    (PlannedPiece(Integer(0), Integer(2), pi * T**2 - Rational(1, 3) * T),), 1, 5 * pi / 16, Float(1.00766), 376.8394
+)
+MANY = PlannedJoint((), 128, Float(0.5), Float(0.5), 1.0)
+QUINTIC = (0, 0, 0, 10, -15, 6)
+
+
+@pytest.fixture(scope="module")
+def context() -> Context:
+    return context_of(Robot.load("planar-2r-perugia"))
+
+
+def part(context: Context, **profiles: tuple[int, ...]) -> Section:
+    segments = (
+        PlannedSegment("a -> b", Integer(2), (MOVING, STILL), 17.975),
+        PlannedSegment("b -> $c`", Integer(1), (STILL, MANY), 0.0),
+        PlannedSegment("c -> c", Integer(1), (STILL, STILL), 0.0),
+    )
+    return plan_section(context, PlannedMotion(segments, profiles))
+
+
+def test_a_row_for_each_joint_that_moves(context: Context) -> None:
+    speeds, torques = (block for block in part(context).blocks if isinstance(block, Table))
+    assert [row[0] for row in speeds.rows] == ["a → b", "b → c", "c → c"]
+    assert "\\pi" in speeds.rows[0][3]
+    assert "= 0.981748" in speeds.rows[0][3]
+    assert speeds.rows[0][4] == "$1.00766$"
+    assert speeds.rows[2][3] == "none moves"
+    assert torques.rows[0][1:] == ("$376.839$", "$-3$", "$17.975$")
+
+
+def test_the_derivation_ends_with_the_polynomial(context: Context) -> None:
+    steps = [block for block in part(context, quintic=QUINTIC).blocks if isinstance(block, Steps)]
+    rows = [block for block in steps[0].blocks if isinstance(block, Rows)]
+    assert steps[0].title == "How the polynomial of degree 5 is found"
+    assert rows[-1].lines == (
+        "s = 10 u^{3} - 15 u^{4} + 6 u^{5}",
+        "s' = 30 u^{2} - 60 u^{3} + 30 u^{4}",
+        "s'' = 60 u - 180 u^{2} + 120 u^{3}",
+    )
+    assert "1 & 1 & 1\\\\3 & 4 & 5\\\\6 & 12 & 20" in rows[1].lines[1]
+
+
+@pytest.mark.parametrize(
+    ("profile", "letters"), [("trapezoidal", "t_b"), ("harmonic", "\\cos"), ("spline", "\\sigma_j")]
+)
+def test_other_profiles_have_their_formulas(context: Context, profile: str, letters: str) -> None:
+    steps = [block for block in part(context, **{profile: ()}).blocks if isinstance(block, Steps)]
+    assert any(letters in line for block in steps[0].blocks if isinstance(block, Rows) for line in block.lines)
+
+
+def test_what_is_too_long_is_counted(context: Context) -> None:
+    last = part(context).blocks[-1]
+    assert isinstance(last, Steps)
+    said = [block.text for block in last.blocks if isinstance(block, Paragraph)]
+    assert "The other joints: 128 polynomials each, between places on the way." in said
+
+
+def test_the_sheet_can_be_printed(context: Context) -> None:
+    sheet = plan_sheet(context, "A plan", "ab" * 32, (part(context, quintic=QUINTIC, spline=()),))
+    tex = latex(sheet, context.text)
+    assert "10 u^{3} - 15 u^{4}" in tex
+    assert "abababab" in tex
