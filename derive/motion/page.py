@@ -89,7 +89,7 @@ def plan_part(motion: Motion, context: Context) -> Section:
     )
     profiles = dict.fromkeys(step.profile for step in motion.plan.steps)
     coefficients = {
-        profile: basis(VALUES[profile])[VALUES[profile]] if profile in VALUES else () for profile in profiles
+        str(profile): basis(VALUES[profile])[VALUES[profile]] if profile in VALUES else () for profile in profiles
     }
     return plan_section(context, PlannedMotion(segments, coefficients))
 
