@@ -61,6 +61,7 @@ def playback(motion: Motion) -> Playback:
         sample=motion.sample,
         ranges=tuple((float(low), float(high)) for low, high in zip(reached.min(0), reached.max(0), strict=True)),
         functions=functions,
+        base=tuple(tuple(map(tree, row)) for row in motion.base.transform.tolist()) if motion.base else (),
     )
 
 

@@ -226,7 +226,8 @@ def test_without_webgl_plots_and_values_still_move(browser: Any, tmp_path: Path)
 
 @pytest.mark.parametrize(("language", "word"), [("it", "Piano di moto"), ("pt", "Plano de movimento")])
 def test_the_page_speaks_three_languages(language: str, word: str) -> None:
-    html = motion_page(Motion.from_text(f"robot: {BARE}\ncurves: {{q1: t}}\ntime: 3\n"), language)
+    robot = BARE.replace("standard,", f"standard, handout: {{language: {language}}},")
+    html = motion_page(Motion.from_text(f"robot: {robot}\ncurves: {{q1: t}}\ntime: 3\n"))
     assert f'<html lang="{language}">' in html
     assert word in html
     assert "Plots over time" not in html

@@ -74,6 +74,7 @@ class Playback:
         sample: Time between two rows of its table [s].
         ranges: Lowest and highest value of each joint [rad or m].
         functions: What of the robot's program it needs besides what the figure needs.
+        base: Transform of a base that moves, 4 x 4 formulas; nothing where it stands.
     """
 
     tracks: tuple[tuple[PlayedPiece, ...], ...]
@@ -83,6 +84,7 @@ class Playback:
     sample: float
     ranges: tuple[tuple[float, float], ...]
     functions: tuple[str, ...]
+    base: tuple[tuple[Formula, ...], ...] = ()
 
     @property
     def configuration(self) -> dict[str, object]:
@@ -96,6 +98,7 @@ class Playback:
             "basis": {str(k): rows for k, rows in self.basis.items()},
             "duration": self.duration,
             "sample": self.sample,
+            "base": self.base or None,
         }
 
 
