@@ -19,7 +19,7 @@ from types import ModuleType
 
 import numpy as np
 
-from derive.errors import VerificationError
+from derive.errors import QuantityError, VerificationError
 from derive.motion.hermite import Array
 from derive.motion.kernels import C_NAMES, Kernel, kernel_name, kernel_of, row_of, with_names
 from derive.motion.motion import Motion
@@ -40,6 +40,12 @@ HEADER, CODE, MODULE = "motion.h", "motion.c", "motion_casadi.py"
 
 TIMES = 200
 """Random times at which generated code is compared with Python, beside all at which a piece begins or ends."""
+
+LONG = 2000
+"""Pieces from which on CasADi looks them up in a table, on MX, instead of choosing among them on SX."""
+
+MOST = 100_000
+"""Most pieces; the code of more has tens of megabytes."""
 
 _C = with_names(C, C_NAMES)
 
@@ -83,6 +89,7 @@ def write_code(motion: Motion, folder: Path, *, name: str | None = None, force: 
     Raises:
         VerificationError: The code differs from Python's values; nothing is written.
         OutputError: A file is there that derive did not write, or the system refused to write.
+        QuantityError: More pieces than code can hold.
     """
     code = MotionCode(motion, c_prefix(name or motion.plan.robot.name))
     texts, compiler = code.texts, find_compiler()
@@ -116,10 +123,14 @@ class MotionCode:
     @cached_property
     def _pieces(self) -> tuple[tuple[str, tuple[AnyPiece, ...]], ...]:
         """Of each joint its variable and its pieces."""
-        segments = self.motion.trajectory.segments
+        segments, joints = self.motion.trajectory.segments, self.motion.plan.robot.joints
+        count = sum(len(pieces) for segment in segments for pieces in segment.joints)
+        if count > MOST:
+            remedy = "record fewer rows, or fewer lines and arcs in space"
+            raise QuantityError(f"a motion of {count} pieces", allowed=f"allowed in code: {MOST}", remedy=remedy)
         return tuple(
             (joint.variable, tuple(piece for segment in segments for piece in segment.joints[j]))
-            for j, joint in enumerate(self.motion.plan.robot.joints)
+            for j, joint in enumerate(joints)
         )
 
     @cached_property
@@ -169,6 +180,9 @@ class MotionCode:
             "width": max(len(row_of(piece)) for _, pieces in self._pieces for piece in pieces),
             "firsts": ", ".join(map(str, counts.tolist())),
             "has_sign": Op.SIGN in operations,
+            "has_base": plan.base is not None,
+            "is_long": int(counts[-1]) > LONG,
+            "symbol": "MX" if counts[-1] > LONG else "SX",
         }
 
 

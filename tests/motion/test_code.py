@@ -9,7 +9,7 @@ import casadi
 import numpy as np
 import pytest
 
-from derive.errors import OutputError, VerificationError
+from derive.errors import OutputError, QuantityError, VerificationError
 from derive.motion import code
 from derive.motion.code import MotionCode, verify_code, write_code
 from derive.motion.motion import Motion
@@ -21,6 +21,7 @@ from tests.targets.c_models import needs_compiler
 HEAD = "robot: scara-matlab\n"
 POINTS = HEAD + "points: {a: [0, 0, 1, 0], b: [1, pi/2, 1.5, 0], c: [pi/3, 0, 2, 1]}\n"
 PLANS = {
+    "base": "robot: planar-3r\nbase: {x: t/4}\ntime: 1\ncurves: {q1: t}\n",
     "pick and place": PICK_AND_PLACE,
     "every profile": POINTS + "path: [a, {to: b, time: 1, profile: trapezoidal}, {to: c, time: 0.7, profile: harmonic},"
     " {to: a, time: 2, profile: cubic}, {to: b, time: 1.3, profile: septic}]\n",
@@ -113,6 +114,29 @@ def test_without_a_compiler_c_is_written_and_said_to_be_unverified(
 ) -> None:
     monkeypatch.setattr(code, "find_compiler", lambda: None)
     assert write_code(Motion.from_text(PLANS["standing"]), tmp_path).left_out == ("motion.c",)
+
+
+@needs_compiler
+def test_long_motions_are_looked_up_in_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On MX, with the same values; kinds of pieces may be mixed there, too."""
+    monkeypatch.setattr(code, "LONG", 3)
+    motion = Motion.from_text(PLANS["every profile"])
+    assert write_code(motion, tmp_path).worst < 1e-13
+    module = code.module_of(tmp_path)
+    assert "casadi.low(" in (tmp_path / "motion_casadi.py").read_text()
+    t = casadi.MX.sym("t")
+    q, qd, _ = module.motion(t)
+    rate = casadi.Function("rate", [t], [casadi.jacobian(q, t) - qd])
+    assert [float(casadi.norm_inf(rate(time))) for time in (0.3, 1.2, 2.5, 4.4)] == pytest.approx([0] * 4, abs=1e-11)
+
+
+def test_a_motion_of_too_many_pieces_is_refused_with_their_number(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(code, "MOST", 10)
+    with pytest.raises(QuantityError, match="a motion of 20 pieces; allowed in code: 10"):
+        write_code(Motion.from_text(PICK_AND_PLACE), tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_same_plan_gives_the_same_bytes() -> None:
